@@ -1,0 +1,1 @@
+# bench/local.mk - measurements; built by make bench, not by make check.

@@ -1,0 +1,1 @@
+# client/ctl/local.mk - pccdctl, the command line.

@@ -1,0 +1,1 @@
+# client/examples/local.mk - small programs, built and run by make check.

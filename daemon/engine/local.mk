@@ -1,0 +1,34 @@
+# daemon/engine/local.mk - pure computation: meshes, hierarchies, contacts.
+
+noinst_LTLIBRARIES += libengine.la
+
+libengine_la_SOURCES = \
+    daemon/engine/aabb.h \
+    daemon/engine/build.c \
+    daemon/engine/build.h \
+    daemon/engine/clock.h \
+    daemon/engine/feature.c \
+    daemon/engine/feature.h \
+    daemon/engine/ingest.c \
+    daemon/engine/ingest.h \
+    daemon/engine/memory.c \
+    daemon/engine/memory.h \
+    daemon/engine/mesh.c \
+    daemon/engine/mesh.h \
+    daemon/engine/radix.c \
+    daemon/engine/radix.h \
+    daemon/engine/range.c \
+    daemon/engine/range.h \
+    daemon/engine/refit.c \
+    daemon/engine/refit.h \
+    daemon/engine/scene.c \
+    daemon/engine/scene.h \
+    daemon/engine/stage.c \
+    daemon/engine/stage.h \
+    daemon/engine/status.h \
+    daemon/engine/step.h \
+    daemon/engine/topology.h \
+    daemon/engine/world.h
+libengine_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine
+libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
+libengine_la_LIBADD = $(XXHASH_LIBS) $(GMP_LIBS) $(LIBM)

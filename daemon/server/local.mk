@@ -1,0 +1,1 @@
+# daemon/server/local.mk - the daemon: loop, sessions, compute thread.

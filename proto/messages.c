@@ -1,0 +1,42 @@
+/* messages.c - the manifest as tables.
+ *
+ * Room:     proto. May include: messages.h.
+ * Does:     one field table per request and result, and the table of all messages.
+ * Does not: look anything up or encode (codec.c).
+ * Threads:  [any], constant data.
+ */
+#include "messages.h"
+
+/* A field list of the manifest calls F(type, name, need, text) and does not say whose list it
+ * is. So F is passed as two parts: ENTRY(struct), which stands before each field, and FIELD,
+ * which takes the arguments. Together they are one initialiser; the null pointer is never
+ * followed, this is offsetof() cut in two. */
+#define ENTRY(struct_name) {.offset = (size_t) & ((const struct struct_name *)0)
+/* clang-format off */
+#define FIELD(type_, name_, need_, text_)                                                \
+    ->name_, .name = #name_, .text = text_, .type = PROTO_TYPE_##type_,                  \
+    .need = PROTO_NEED_##need_},
+/* clang-format on */
+
+#define REQUEST_TABLE(ID, name, since, flags, text)                                      \
+    static const struct proto_field ID##_request[] = {                                   \
+        PROTO_##ID##_REQUEST(ENTRY(proto_##ID##_request) FIELD)};
+#define RESULT_TABLE(ID, name, since, flags, text)                                       \
+    static const struct proto_field ID##_result[] = {                                    \
+        PROTO_##ID##_RESULT(ENTRY(proto_##ID##_result) FIELD)};
+
+PROTO_METHODS(REQUEST_TABLE)
+PROTO_METHODS(RESULT_TABLE)
+PROTO_NOTIFICATIONS(REQUEST_TABLE)
+
+#define COUNT(table) ((uint32_t)(sizeof(table) / sizeof((table)[0])))
+#define FIELDS(ID, part) {ID##_##part, COUNT(ID##_##part), sizeof(struct proto_##ID##_##part)}
+
+#define METHOD(ID, name, since, flags, text)                                             \
+    [PROTO_METHOD_##ID] = {#ID, name, text, since, flags, FIELDS(ID, request),           \
+                           FIELDS(ID, result)},
+#define NOTIFICATION(ID, name, since, flags, text)                                       \
+    [PROTO_NOTE_##ID] = {#ID, name, text, since, flags, FIELDS(ID, request), {NULL, 0, 0}},
+
+const struct proto_message_info proto_messages[PROTO_MESSAGE_COUNT] = {
+    PROTO_METHODS(METHOD) PROTO_NOTIFICATIONS(NOTIFICATION)};

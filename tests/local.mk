@@ -1,0 +1,10 @@
+# tests/local.mk - one fragment a folder; each adds its programs to check_PROGRAMS and TESTS.
+
+include $(top_srcdir)/tests/support/local.mk
+include $(top_srcdir)/tests/unit/local.mk
+include $(top_srcdir)/tests/property/local.mk
+include $(top_srcdir)/tests/truth/local.mk
+include $(top_srcdir)/tests/proto/local.mk
+include $(top_srcdir)/tests/abi/local.mk
+include $(top_srcdir)/tests/integration/local.mk
+include $(top_srcdir)/tests/style/local.mk

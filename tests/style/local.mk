@@ -1,0 +1,1 @@
+# tests/style/local.mk
