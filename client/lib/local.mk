@@ -1,4 +1,30 @@
 # client/lib/local.mk - libpccd, the client library.
 
+lib_LTLIBRARIES += libpccd.la
 include_HEADERS += client/lib/pccd.h
 pkgconfig_DATA += client/lib/pccd.pc
+
+libpccd_la_SOURCES = \
+    client/lib/attach.c \
+    client/lib/attach.h \
+    client/lib/client.c \
+    client/lib/client.h \
+    client/lib/frame.c \
+    client/lib/launch.c \
+    client/lib/launch.h \
+    client/lib/mesh.c \
+    client/lib/page.c \
+    client/lib/page.h \
+    client/lib/rpc.c \
+    client/lib/rpc.h \
+    client/lib/scene.c \
+    client/lib/stats.c \
+    client/lib/step.c \
+    client/lib/step.h
+libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
+    -DCLI_DAEMON_PATH='"$(bindir)/pccdd"'
+libpccd_la_LIBADD = libproto.la
+libpccd_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \
+    -Wl,--version-script=$(top_srcdir)/client/lib/libpccd.map
+EXTRA_libpccd_la_DEPENDENCIES = client/lib/libpccd.map
+EXTRA_DIST += client/lib/libpccd.map

@@ -1,0 +1,125 @@
+/* client.h - what the library knows about one connection.
+ *
+ * Room:     client/lib, private. May include: pccd.h, proto.
+ * Does:     struct pccd_client and the small helpers that every file of the room uses.
+ * Threads:  [owner]: one thread at a time, the same as for the public functions.
+ *
+ * Life of a call (one request and its reply), kept in a table of CLI_CALLS:
+ *
+ *     FREE --send--> SENT --reply, or the daemon's death--> DONE --taken--> FREE
+ *                     |
+ *                     +--caller gave up--> LOST --reply (its page is released)--> FREE
+ */
+#ifndef CLI_CLIENT_H
+#define CLI_CLIENT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "codec.h"
+#include "limits.h"
+#include "memfd.h"
+#include "messages.h"
+#include "pccd.h"
+#include "seqpacket.h"
+#include "shm.h"
+
+#define CLI_CALLS        64u /* requests that are in flight or whose answers are not taken */
+#define CLI_STEPS        32u  /* of these, steps */
+#define CLI_PAGES        256u /* pages of records that are not released */
+#define CLI_TEXT_BYTES   512u
+#define CLI_SLOT_NONE    UINT32_MAX
+#define CLI_SOCKET_BYTES 108u /* of sockaddr_un.sun_path */
+
+enum cli_call_state { CLI_CALL_FREE = 0, CLI_CALL_SENT, CLI_CALL_DONE, CLI_CALL_LOST };
+
+struct cli_call {
+    enum cli_call_state state;
+    int method;    /* enum proto_method */
+    uint32_t id;   /* of the message */
+    uint32_t slot; /* that comes back with the reply, or CLI_SLOT_NONE */
+    uint64_t step; /* 0: not a step */
+    void *result;  /* where the reply is decoded to; NULL: `answer`, or nowhere */
+    int status;    /* DONE: 0 or why it failed, then `text` says more */
+    uint64_t page; /* DONE: serial of the page of records, 0: none */
+    struct proto_FRAME_SUBMIT_result answer; /* of frame.submit and frame.fetch */
+    char text[CLI_TEXT_BYTES];
+};
+
+enum cli_slot_state { CLI_SLOT_FREE = 0, CLI_SLOT_BEGUN, CLI_SLOT_SENT };
+
+struct cli_slot {
+    enum cli_slot_state state;
+    uint64_t seq;           /* last value stored in the slot's descriptor */
+    uint32_t scene;         /* BEGUN: of the frame being written */
+    uint32_t segment_max;   /* announced */
+    uint32_t segment_count; /* written */
+    uint64_t used_bytes;    /* segment table included */
+    uint64_t limit_bytes;   /* announced */
+};
+
+/* One page of the result region. Pages are released to the daemon in the order they came.
+ */
+struct cli_page {
+    uint64_t release; /* result_head that gives it back */
+    bool released;
+};
+
+struct cli_ring {
+    struct proto_memory upload; /* base NULL: not attached */
+    struct proto_memory result;
+    uint32_t slot_count;
+    uint64_t slot_stride;
+    uint32_t inflight_max;
+    struct cli_slot slots[PROTO_SLOTS_MAX];
+};
+
+/* A daemon of our own. */
+struct cli_child {
+    pid_t pid;                        /* 0: none */
+    char directory[CLI_SOCKET_BYTES]; /* of its socket, removed at close; "": none */
+};
+
+struct pccd_client {
+    int socket;
+    pid_t owner; /* process that connected; a forked copy must not stop the daemon */
+    uint32_t pid;
+    bool slots_chosen; /* the user set slot_count: never take fewer */
+    bool dead;
+    int goaway; /* status of the daemon's last words, 0: none */
+    int timeout_ms;
+    uint32_t spin_us;
+    uint32_t slot_count;   /* wanted */
+    uint64_t slot_bytes;   /* wanted at least; 0: grown to what is needed */
+    uint64_t result_bytes; /* wanted */
+    uint32_t next_id;
+    uint64_t next_step;
+    int fds[PROTO_FDS_MAX]; /* that came with the answer to shm.attach; -1: none */
+    struct cli_child child;
+    struct cli_ring ring;
+    struct cli_call calls[CLI_CALLS];
+    struct cli_page pages[CLI_PAGES]; /* a ring: serial modulo CLI_PAGES */
+    uint64_t page_first;              /* serial of the oldest unreleased page */
+    uint64_t page_end;                /* serial of the next page */
+    char url[CLI_SOCKET_BYTES + 8];
+    char dead_text[CLI_TEXT_BYTES];
+    char error[CLI_TEXT_BYTES];
+    struct proto_decoder *decoder;
+    struct proto_encoder encoder;
+    uint8_t message[PROTO_MESSAGE_BYTES_MAX];
+};
+
+/* Set the text of pccd_error_text and return `status`. A NULL client sets the thread's.
+ */
+int cli_fail(struct pccd_client *client, int status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* CLOCK_MONOTONIC, nanoseconds. [any] */
+uint64_t cli_now_ns(void);
+
+/* When a wait of timeout_ms (< 0: the client's default) that begins now ends. */
+uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms);
+
+#endif

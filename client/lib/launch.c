@@ -1,0 +1,322 @@
+/* launch.c - daemons that the library starts.
+ *
+ * Room:     client/lib. May include: launch.h, the C library.
+ * Does:     find the program, start it with clean descriptors and signals, wait for the
+ * one byte on its --ready-fd, stop and reap the private one. Does not: decide who serves
+ * a path: the daemon's lock file does. Threads:  [owner]. Source:   posix_spawn, because
+ * fork copies the page tables of a large program.
+ */
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "launch.h"
+
+#define READY_FD      3  /* in the daemon */
+#define FD_FLOOR      10 /* our ends lie above what dup2 overwrites in the daemon */
+#define ARGUMENTS_MAX 12
+#define PROGRAM_BYTES 4096
+#define SOCKET_NAME   "/pccd.sock"
+#define STOP_NS       2000000000ull /* from SIGTERM to SIGKILL */
+#define REAP_PAUSE_NS 2000000
+#define STOP_ENTRIES  64 /* files of a private folder: the socket, the lock */
+
+extern char **environ;
+
+/* `name` as an absolute path of a program that can be run. A name without a slash is
+ * looked up in $PATH. Returns 0 or PCCD_E_NODAEMON. */
+static int find_program(const char *name, char *program)
+{
+    const char *entry = getenv("PATH");
+    char candidate[PROGRAM_BYTES];
+
+    if (strchr(name, '/') != NULL) {
+        if (access(name, X_OK) != 0 || realpath(name, program) == NULL)
+            return PCCD_E_NODAEMON;
+        return 0;
+    }
+    while (entry != NULL && *entry != '\0') {
+        size_t bytes = strcspn(entry, ":");
+        int length =
+            snprintf(candidate, sizeof(candidate), "%.*s/%s", (int)bytes, entry, name);
+
+        if (bytes > 0 && length > 0 && (size_t)length < sizeof(candidate) &&
+            access(candidate, X_OK) == 0 && realpath(candidate, program) != NULL)
+            return 0;
+        entry += bytes;
+        if (*entry == ':')
+            entry++;
+    }
+    return PCCD_E_NODAEMON;
+}
+
+static int choose_program(struct pccd_client *client, const char *asked, char *program)
+{
+    const char *name = asked != NULL ? asked : getenv("PCCD_DAEMON");
+
+    if (name != NULL && name[0] != '\0') {
+        if (find_program(name, program) == 0)
+            return 0;
+        return cli_fail(client, PCCD_E_NODAEMON, "cannot run \"%.200s\": %s", name,
+                        strerror(errno));
+    }
+    if (find_program(CLI_DAEMON_PATH, program) == 0 ||
+        find_program("pccdd", program) == 0)
+        return 0;
+    return cli_fail(
+        client, PCCD_E_NODAEMON,
+        "no daemon to start: neither %s nor pccdd in $PATH; PCCD_DAEMON=PROGRAM "
+        "names one",
+        CLI_DAEMON_PATH);
+}
+
+/* Move a descriptor out of the way of 0 .. READY_FD. */
+static int raise_fd(int fd)
+{
+    int raised;
+
+    if (fd < 0 || fd >= FD_FLOOR)
+        return fd;
+    raised = fcntl(fd, F_DUPFD_CLOEXEC, FD_FLOOR);
+    (void)close(fd);
+    return raised;
+}
+
+/* Where the daemon's messages go. */
+static int open_log(void)
+{
+    const char *name = getenv("PCCD_LOG");
+    int fd = -1;
+
+    if (name != NULL && name[0] != '\0')
+        fd = open(name, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+    return raise_fd(fd >= 0 ? fd : open("/dev/null", O_WRONLY | O_CLOEXEC));
+}
+
+/* Nothing of this process is left in the new one but the environment, and the four
+ * descriptors. Returns 0 or an errno. */
+static int spawn_clean(char *const *arguments, int log_fd, int ready_fd, pid_t *pid)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none;
+    sigset_t all;
+    int rc = posix_spawn_file_actions_init(&actions);
+
+    if (rc != 0)
+        return rc;
+    rc = posix_spawnattr_init(&attributes);
+    if (rc != 0)
+        goto out;
+    (void)sigemptyset(&none);
+    (void)sigfillset(&all);
+    (void)posix_spawnattr_setsigmask(&attributes, &none);
+    (void)posix_spawnattr_setsigdefault(&attributes, &all);
+    (void)posix_spawnattr_setflags(
+        &attributes,
+        (short)(POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF));
+    if ((rc = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0)) ==
+            0 &&
+        (rc = posix_spawn_file_actions_adddup2(&actions, log_fd, 1)) == 0 &&
+        (rc = posix_spawn_file_actions_adddup2(&actions, log_fd, 2)) == 0 &&
+        (rc = posix_spawn_file_actions_adddup2(&actions, ready_fd, READY_FD)) == 0 &&
+        (rc = posix_spawn_file_actions_addclosefrom_np(&actions, READY_FD + 1)) == 0 &&
+        (rc = posix_spawn_file_actions_addchdir_np(&actions, "/")) == 0)
+        rc = posix_spawn(pid, arguments[0], &actions, &attributes, arguments, environ);
+    (void)posix_spawnattr_destroy(&attributes);
+out:
+    (void)posix_spawn_file_actions_destroy(&actions);
+    return rc;
+}
+
+/* Wait for the byte that says "listening". PCCD_E_AGAIN: the daemon ended without it. */
+static int await_ready(struct pccd_client *client, int fd, uint64_t deadline_ns)
+{
+    for (;;) {
+        uint64_t now_ns = cli_now_ns();
+        uint64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
+        struct timespec left = {(time_t)(left_ns / 1000000000u),
+                                (long)(left_ns % 1000000000u)};
+        struct pollfd watched = {.fd = fd, .events = POLLIN};
+        int ready = ppoll(&watched, 1, &left, NULL);
+        char byte;
+        ssize_t got;
+
+        if (ready < 0 && errno == EINTR)
+            continue;
+        if (ready <= 0)
+            return cli_fail(client, ready == 0 ? PCCD_E_TIMEOUT : PCCD_E_SYSTEM,
+                            "the daemon that was started does not get ready");
+        got = read(fd, &byte, 1);
+        if (got < 0 && (errno == EINTR || errno == EAGAIN))
+            continue;
+        return got == 1 ? 0 : PCCD_E_AGAIN;
+    }
+}
+
+/* Run `arguments` with --ready-fd READY_FD and wait until it listens. *pid is set as soon
+ * as the process exists. */
+static int start(struct pccd_client *client, char *const *arguments, uint64_t deadline_ns,
+                 pid_t *pid)
+{
+    int pipe_fds[2];
+    int log_fd;
+    int rc;
+
+    if (pipe2(pipe_fds, O_CLOEXEC) != 0)
+        return cli_fail(client, PCCD_E_SYSTEM, "pipe: %s", strerror(errno));
+    pipe_fds[1] = raise_fd(pipe_fds[1]);
+    log_fd = open_log();
+    if (pipe_fds[1] < 0 || log_fd < 0) {
+        rc = cli_fail(client, PCCD_E_SYSTEM,
+                      "no descriptor for the daemon's messages: %s", strerror(errno));
+        goto out;
+    }
+    rc = spawn_clean(arguments, log_fd, pipe_fds[1], pid);
+    if (rc != 0) {
+        rc = cli_fail(client, PCCD_E_SYSTEM, "start of %s: %s", arguments[0],
+                      strerror(rc));
+        goto out;
+    }
+    (void)close(pipe_fds[1]); /* ours; so that the daemon's end is the last one */
+    pipe_fds[1] = -1;
+    rc = await_ready(client, pipe_fds[0], deadline_ns);
+out:
+    if (log_fd >= 0)
+        (void)close(log_fd);
+    if (pipe_fds[1] >= 0)
+        (void)close(pipe_fds[1]);
+    (void)close(pipe_fds[0]);
+    return rc;
+}
+
+int cli_launch_user(struct pccd_client *client, const char *program, const char *path,
+                    uint64_t deadline_ns)
+{
+    /* The shell starts the daemon in the background and ends: the daemon is nobody's
+     * child then, and the caller's waits never see it. */
+    static const char script[] = "\"$0\" \"$@\" &";
+    char found[PROGRAM_BYTES];
+    char *arguments[ARGUMENTS_MAX] = {(char *)"/bin/sh",
+                                      (char *)"-c",
+                                      (char *)script,
+                                      found,
+                                      (char *)"--socket",
+                                      (char *)path,
+                                      (char *)"--ready-fd",
+                                      (char *)"3",
+                                      (char *)"--idle-exit",
+                                      (char *)"30",
+                                      NULL};
+    pid_t shell = 0;
+    int rc = choose_program(client, program, found);
+
+    if (rc != 0)
+        return rc;
+    rc = start(client, arguments, deadline_ns, &shell);
+    while (shell > 0 && waitpid(shell, NULL, 0) < 0 && errno == EINTR)
+        ;
+    return rc;
+}
+
+/* A folder that only this user can enter. */
+static int make_directory(struct pccd_client *client, char *directory)
+{
+    const char *runtime = getenv("XDG_RUNTIME_DIR");
+    const char *const parents[2] = {runtime, "/tmp"};
+
+    for (size_t i = 0; i < 2; i++) {
+        int length;
+
+        if (parents[i] == NULL || parents[i][0] != '/')
+            continue;
+        length = snprintf(directory, CLI_SOCKET_BYTES, "%s/pccd-XXXXXX", parents[i]);
+        if (length > 0 && (size_t)length + sizeof(SOCKET_NAME) <= CLI_SOCKET_BYTES &&
+            mkdtemp(directory) != NULL)
+            return 0;
+    }
+    directory[0] = '\0';
+    return cli_fail(client, PCCD_E_SYSTEM, "no folder for a private daemon's socket: %s",
+                    strerror(errno));
+}
+
+int cli_launch_private(struct pccd_client *client, const char *program, char *path,
+                       uint64_t deadline_ns)
+{
+    char found[PROGRAM_BYTES];
+    char *arguments[ARGUMENTS_MAX] = {
+        found,       (char *)"--socket",  path, (char *)"--ready-fd",
+        (char *)"3", (char *)"--private", NULL};
+    int rc = choose_program(client, program, found);
+
+    if (rc != 0)
+        return rc;
+    rc = make_directory(client, client->child.directory);
+    if (rc != 0)
+        return rc;
+    (void)stpcpy(stpcpy(path, client->child.directory), SOCKET_NAME);
+    rc = start(client, arguments, deadline_ns, &client->child.pid);
+    if (rc == PCCD_E_AGAIN)
+        return cli_fail(client, PCCD_E_NODAEMON,
+                        "%s ended at once; PCCD_LOG=FILE shows what it says", found);
+    return rc;
+}
+
+/* Reap the daemon if it has ended. A program that collects all its children, or ignores
+ * SIGCHLD, may have done so already. */
+static bool is_gone(pid_t pid)
+{
+    pid_t got = waitpid(pid, NULL, WNOHANG);
+
+    return got == pid || (got < 0 && errno != EINTR);
+}
+
+static void remove_directory(const char *directory)
+{
+    DIR *entries = opendir(directory);
+
+    if (entries == NULL)
+        return;
+    for (int i = 0; i < STOP_ENTRIES; i++) {
+        const struct dirent *entry = readdir(entries);
+
+        if (entry == NULL)
+            break;
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+            (void)unlinkat(dirfd(entries), entry->d_name, 0);
+    }
+    (void)closedir(entries);
+    (void)rmdir(directory);
+}
+
+void cli_launch_stop(struct cli_child *child)
+{
+    const struct timespec pause = {0, REAP_PAUSE_NS};
+
+    if (child->pid > 0 && !is_gone(child->pid)) {
+        uint64_t until_ns = cli_now_ns() + STOP_NS;
+        bool gone = false;
+
+        (void)kill(child->pid, SIGTERM);
+        while (!(gone = is_gone(child->pid)) && cli_now_ns() < until_ns)
+            (void)nanosleep(&pause, NULL);
+        if (!gone) {
+            (void)kill(child->pid, SIGKILL);
+            while (!is_gone(child->pid))
+                (void)nanosleep(&pause, NULL);
+        }
+    }
+    child->pid = 0;
+    if (child->directory[0] != '\0')
+        remove_directory(child->directory);
+    child->directory[0] = '\0';
+}

@@ -1,0 +1,29 @@
+/* launch.h - daemons that the library starts.
+ *
+ * Room:     client/lib, private. May include: client.h.
+ * Does:     start the user's daemon or a private one and wait until it listens; stop the
+ *           private one.
+ * Threads:  [owner].
+ */
+#ifndef CLI_LAUNCH_H
+#define CLI_LAUNCH_H
+
+#include "client.h"
+
+/* Start the user's daemon on the socket `path`: in a session of its own, nobody's child,
+ * ending by itself after half a minute without clients. `program` NULL: the default.
+ * Returns 0 when it listens, PCCD_E_AGAIN when it ended before (it does when another
+ * daemon holds the path: connect to that one), PCCD_E_NODAEMON (no such program),
+ * PCCD_E_TIMEOUT or PCCD_E_SYSTEM. */
+int cli_launch_user(struct pccd_client *client, const char *program, const char *path,
+                    uint64_t deadline_ns);
+
+/* Start a daemon of our own in a new folder, and say its socket's path in
+ * path[CLI_SOCKET_BYTES]. client->child is set as soon as there is something to stop. */
+int cli_launch_private(struct pccd_client *client, const char *program, char *path,
+                       uint64_t deadline_ns);
+
+/* Stop a private daemon and remove its folder; does nothing without one. */
+void cli_launch_stop(struct cli_child *child);
+
+#endif

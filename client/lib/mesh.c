@@ -1,0 +1,253 @@
+/* mesh.c - meshes: upload in chunks, commit, edges.
+ *
+ * Room:     client/lib. May include: attach.h, page.h, rpc.h.
+ * Does:     copy vertices and triangles into slots, several in flight, and have the
+ * daemon derive the rest. Does not: check the data: the daemon does, once, on its own
+ * copy. Threads:  [owner].
+ */
+#include <string.h>
+
+#include "attach.h"
+#include "client.h"
+#include "page.h"
+#include "rpc.h"
+
+#define CHUNK_BYTES                                                                      \
+    (1u << 20) /* of a slot at most: small enough to overlap copy and check */
+
+#define PART_VERTICES  0u
+#define PART_TRIANGLES 1u
+
+/* One array on its way to the daemon. */
+struct upload {
+    uint32_t mesh;
+    uint32_t part; /* PART_VERTICES or PART_TRIANGLES */
+    uint32_t format;
+    const uint8_t *source;
+    uint32_t item_bytes;
+    uint32_t count;
+};
+
+/* Chunks in flight; each is finished in the order it was sent. */
+struct chunks {
+    struct cli_call *calls[PROTO_SLOTS_MAX];
+    uint32_t first; /* free-running */
+    uint32_t end;
+};
+
+static size_t vertex_bytes(enum pccd_format format)
+{
+    return format == PCCD_FORMAT_F64 ? 3 * sizeof(double) : 3 * sizeof(float);
+}
+
+static int finish_oldest(struct pccd_client *client, struct chunks *chunks,
+                         uint64_t deadline_ns)
+{
+    struct cli_call *call = chunks->calls[chunks->first % PROTO_SLOTS_MAX];
+    int rc = cli_call_wait(client, call, deadline_ns);
+
+    if (rc != 0)
+        return rc;
+    chunks->first++;
+    return cli_call_finish(client, call);
+}
+
+static int send_chunk(struct pccd_client *client, const struct upload *upload,
+                      uint32_t first, uint32_t count, struct chunks *chunks,
+                      uint64_t deadline_ns)
+{
+    struct proto_MESH_DATA_request request = {.mesh = upload->mesh,
+                                              .part = upload->part,
+                                              .format = upload->format,
+                                              .first = first,
+                                              .count = count};
+    uint32_t slot = 0;
+    int rc = cli_slot_begin(client, deadline_ns, &slot);
+
+    if (rc != 0)
+        return rc;
+    memcpy(cli_slot_payload(client, slot),
+           upload->source + (size_t)first * upload->item_bytes,
+           (size_t)count * upload->item_bytes);
+    request.slot = slot;
+    request.seq = cli_slot_publish(client, slot);
+    rc = cli_call_send(client, PROTO_METHOD_MESH_DATA, &request, slot, deadline_ns,
+                       &chunks->calls[chunks->end % PROTO_SLOTS_MAX]);
+    if (rc != 0) {
+        cli_slot_abort(client, slot);
+        return rc;
+    }
+    chunks->end++;
+    return 0;
+}
+
+/* Every chunk that is sent is also finished or dropped here. The deadline moves on with
+ * every chunk that is answered: a large mesh may take long, a silent daemon may not. */
+static int send_array(struct pccd_client *client, const struct upload *upload)
+{
+    uint64_t slot_bytes =
+        client->ring.slot_stride < CHUNK_BYTES ? client->ring.slot_stride : CHUNK_BYTES;
+    uint32_t chunk = (uint32_t)(slot_bytes / upload->item_bytes);
+    struct chunks chunks = {.first = 0, .end = 0};
+    int rc = 0;
+
+    for (uint32_t first = 0; rc == 0 && first < upload->count;) {
+        uint32_t count = upload->count - first < chunk ? upload->count - first : chunk;
+
+        if (chunks.end - chunks.first == client->ring.slot_count)
+            rc = finish_oldest(client, &chunks, cli_deadline(client, -1));
+        if (rc == 0)
+            rc = send_chunk(client, upload, first, count, &chunks,
+                            cli_deadline(client, -1));
+        first += count;
+    }
+    while (rc == 0 && chunks.first != chunks.end)
+        rc = finish_oldest(client, &chunks, cli_deadline(client, -1));
+    while (chunks.first != chunks.end)
+        cli_call_drop(client, chunks.calls[chunks.first++ % PROTO_SLOTS_MAX]);
+    return rc;
+}
+
+/* Upload and commit a mesh that the daemon has announced. */
+static int fill_mesh(struct pccd_client *client, const struct upload arrays[2],
+                     struct proto_MESH_COMMIT_result *result)
+{
+    struct proto_MESH_COMMIT_request request = {.mesh = arrays[0].mesh};
+    int rc = send_array(client, &arrays[0]);
+
+    if (rc == 0)
+        rc = send_array(client, &arrays[1]);
+    if (rc == 0)
+        rc = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
+                           cli_deadline(client, -1));
+    return rc;
+}
+
+static void fill_info(struct pccd_mesh_info *info,
+                      const struct proto_MESH_COMMIT_result *result)
+{
+    info->vertex_count = result->vertex_count;
+    info->triangle_count = result->triangle_count;
+    info->edge_count = result->edge_count;
+    info->duplicate_count = result->duplicate_count;
+    info->degenerate_count = result->degenerate_count;
+    info->isolated_count = result->isolated_count;
+    info->build_ns = result->build_ns;
+}
+
+int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
+                     uint32_t vertex_count, const uint32_t (*triangles)[3],
+                     uint32_t triangle_count, uint32_t *mesh, struct pccd_mesh_info *info)
+{
+    struct proto_MESH_CREATE_request request = {.vertex_count = vertex_count,
+                                                .triangle_count = triangle_count};
+    struct proto_MESH_CREATE_result created;
+    struct proto_MESH_COMMIT_result result;
+    struct upload arrays[2];
+    int rc;
+
+    if (client == NULL)
+        return PCCD_E_INVAL;
+    if (x == NULL || triangles == NULL || mesh == NULL || vertex_count == 0 ||
+        triangle_count == 0 || (unsigned)format >= PCCD_FORMAT_COUNT)
+        return cli_fail(client, PCCD_E_INVAL, "mesh: %s",
+                        x == NULL             ? "x is NULL"
+                        : triangles == NULL   ? "triangles is NULL"
+                        : mesh == NULL        ? "mesh is NULL"
+                        : vertex_count == 0   ? "no vertices"
+                        : triangle_count == 0 ? "no triangles"
+                                              : "unknown format");
+    rc = cli_alive(client);
+    if (rc == 0 && client->ring.upload.base == NULL)
+        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+    if (rc == 0)
+        rc = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
+                           cli_deadline(client, -1));
+    if (rc != 0)
+        return rc;
+    arrays[0] = (struct upload){
+        created.mesh, PART_VERTICES, (uint32_t)format, x, (uint32_t)vertex_bytes(format),
+        vertex_count};
+    arrays[1] = (struct upload){
+        created.mesh,        PART_TRIANGLES, 0, (const uint8_t *)triangles,
+        sizeof(uint32_t[3]), triangle_count};
+    rc = fill_mesh(client, arrays, &result);
+    if (rc != 0) {
+        char text[CLI_TEXT_BYTES];
+
+        /* Nothing half-made stays in the daemon; what went wrong first is what counts. */
+        memcpy(text, client->error, sizeof(text));
+        (void)pccd_mesh_destroy(client, created.mesh);
+        return cli_fail(client, rc, "%s", text);
+    }
+    *mesh = created.mesh;
+    if (info != NULL)
+        fill_info(info, &result);
+    return 0;
+}
+
+/* One page of edges: as many as the result region has room for. */
+static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t first,
+                       uint32_t count, struct pccd_edge *edges, uint32_t *fetched)
+{
+    struct proto_MESH_EDGES_request request = {
+        .mesh = mesh, .first = first, .count = count};
+    struct proto_MESH_EDGES_result result;
+    struct cli_call *call = NULL;
+    uint64_t deadline_ns = cli_deadline(client, -1);
+    uint64_t page;
+    int rc = cli_call_send(client, PROTO_METHOD_MESH_EDGES, &request, CLI_SLOT_NONE,
+                           deadline_ns, &call);
+
+    if (rc != 0)
+        return rc;
+    call->result = &result;
+    rc = cli_call_wait(client, call, deadline_ns);
+    if (rc != 0) {
+        cli_call_drop(client, call);
+        return rc;
+    }
+    page = call->page;
+    rc = cli_call_finish(client, call);
+    if (rc == 0 && (result.count == 0 || result.count > count))
+        rc = cli_fail(client, PCCD_E_BUSY,
+                      "mesh.edges: no room in the result region: release answers first");
+    if (rc == 0) {
+        memcpy(edges, cli_page_base(client) + result.offset,
+               result.count * sizeof(*edges));
+        *fetched = result.count;
+    }
+    cli_page_release(client, page);
+    return rc;
+}
+
+int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,
+                    uint32_t edge_count)
+{
+    uint32_t got = 0;
+    uint32_t fetched = 0;
+    int rc;
+
+    if (client == NULL)
+        return PCCD_E_INVAL;
+    if (edges == NULL && edge_count > 0)
+        return cli_fail(client, PCCD_E_INVAL, "mesh.edges: edges is NULL");
+    rc = cli_alive(client);
+    if (rc == 0 && client->ring.upload.base == NULL)
+        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+    for (; rc == 0 && got < edge_count; got += fetched) {
+        fetched = 0;
+        rc = fetch_edges(client, mesh, got, edge_count - got, edges + got, &fetched);
+    }
+    return rc;
+}
+
+int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh)
+{
+    struct proto_MESH_DESTROY_request request = {.mesh = mesh};
+
+    if (client == NULL)
+        return PCCD_E_INVAL;
+    return cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &request, NULL,
+                         cli_deadline(client, -1));
+}

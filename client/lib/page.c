@@ -1,0 +1,57 @@
+/* page.c - pages of records in the result region.
+ *
+ * Room:     client/lib. May include: page.h.
+ * Does:     a ring of unreleased pages. The daemon writes pages one after the other and
+ * its replies keep their order, so the region is free up to the first page that is still
+ * held; result_head says how far. Does not: read records. Threads:  [owner].
+ */
+#include "page.h"
+
+const uint8_t *cli_page_base(const struct pccd_client *client)
+{
+    return client->ring.result.base;
+}
+
+uint32_t cli_page_count(const struct pccd_client *client)
+{
+    return (uint32_t)(client->page_end - client->page_first);
+}
+
+int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
+                 uint32_t record_bytes, uint64_t release, uint64_t *serial)
+{
+    uint64_t size = client->ring.result.bytes;
+
+    if (count == 0) {
+        *serial = 0;
+        return 0;
+    }
+    if (client->ring.result.base == NULL || record_bytes == 0 || offset % 8 != 0 ||
+        offset < PROTO_SHM_PAGE || offset > size ||
+        count > (size - offset) / record_bytes || cli_page_count(client) == CLI_PAGES)
+        return PCCD_E_BADMSG;
+    client->pages[client->page_end % CLI_PAGES] = (struct cli_page){release, false};
+    *serial = client->page_end++;
+    return 0;
+}
+
+void cli_page_release(struct pccd_client *client, uint64_t serial)
+{
+    struct proto_upload *upload = client->ring.upload.base;
+    uint64_t head = 0;
+    bool moved = false;
+
+    if (serial < client->page_first || serial >= client->page_end)
+        return;
+    client->pages[serial % CLI_PAGES].released = true;
+    while (client->page_first < client->page_end &&
+           client->pages[client->page_first % CLI_PAGES].released) {
+        head = client->pages[client->page_first % CLI_PAGES].release;
+        client->page_first++;
+        moved = true;
+    }
+    /* Pairs with the daemon's load before it writes the next page: every read of the page
+     * by this thread comes before the store. */
+    if (moved && upload != NULL)
+        atomic_store(&upload->result_head.value, head);
+}

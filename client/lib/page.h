@@ -1,0 +1,28 @@
+/* page.h - pages of records in the result region.
+ *
+ * Room:     client/lib, private. May include: client.h.
+ * Does:     keep the pages that came and give them back in the order they came, in
+ * whatever order the user releases them. Threads:  [owner].
+ */
+#ifndef CLI_PAGE_H
+#define CLI_PAGE_H
+
+#include "client.h"
+
+/* Enter a page of `count` records of record_bytes at `offset` of the result region, given
+ * back by storing `release`. *serial = 0 when count is 0. Returns 0 or PCCD_E_BADMSG: the
+ * page does not lie inside the mapping, then it is not entered. */
+int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
+                 uint32_t record_bytes, uint64_t release, uint64_t *serial);
+
+/* Release the page of that serial; one that is released already, or never was, is
+ * ignored. */
+void cli_page_release(struct pccd_client *client, uint64_t serial);
+
+/* Pages that are not released. */
+uint32_t cli_page_count(const struct pccd_client *client);
+
+/* The first byte of the result region. */
+const uint8_t *cli_page_base(const struct pccd_client *client);
+
+#endif

@@ -1,0 +1,49 @@
+/* rpc.h - requests and their replies.
+ *
+ * Room:     client/lib, private. May include: client.h.
+ * Does:     send a request, match replies to calls by id in any order, wait with a
+ * deadline. Threads:  [owner].
+ */
+#ifndef CLI_RPC_H
+#define CLI_RPC_H
+
+#include "client.h"
+
+/* Send a request and take an entry of the table for its reply. `slot` (or CLI_SLOT_NONE)
+ * comes back with the reply. Waits for room in the socket and below the daemon's limit of
+ * requests in flight. Returns 0 with *call in state SENT, PCCD_E_BUSY (the table is
+ * full), PCCD_E_TIMEOUT, PCCD_E_DISCONNECTED; nothing was sent then. */
+int cli_call_send(struct pccd_client *client, int method, const void *request,
+                  uint32_t slot, uint64_t deadline_ns, struct cli_call **call);
+
+/* Wait until `call` is DONE: 0, PCCD_E_TIMEOUT or PCCD_E_DISCONNECTED. */
+int cli_call_wait(struct pccd_client *client, struct cli_call *call,
+                  uint64_t deadline_ns);
+
+/* Take a DONE call's status, with its text as the client's error, and free the entry. */
+int cli_call_finish(struct pccd_client *client, struct cli_call *call);
+
+/* Give up on a call in any state: a reply that is still to come will be dropped, and the
+ * page it brings released. */
+void cli_call_drop(struct pccd_client *client, struct cli_call *call);
+
+/* Send, wait and finish in one; `result` may be NULL. */
+int cli_call_sync(struct pccd_client *client, int method, const void *request,
+                  void *result, uint64_t deadline_ns);
+
+/* Handle one message if one is there: 0, PCCD_E_AGAIN or PCCD_E_DISCONNECTED. */
+int cli_receive(struct pccd_client *client);
+
+/* Wait for a message and handle it: 0, PCCD_E_TIMEOUT or PCCD_E_DISCONNECTED. */
+int cli_progress(struct pccd_client *client, uint64_t deadline_ns);
+
+/* Requests whose replies have not come. */
+uint32_t cli_call_inflight(const struct pccd_client *client);
+
+/* PCCD_E_DISCONNECTED with its text when the connection is lost, else 0. */
+int cli_alive(struct pccd_client *client);
+
+/* Close the socket and forget every call, so that another can be opened. */
+void cli_rpc_close(struct pccd_client *client);
+
+#endif
