@@ -7,27 +7,53 @@ libengine_la_SOURCES = \
     daemon/engine/build.c \
     daemon/engine/build.h \
     daemon/engine/clock.h \
+    daemon/engine/closest.c \
+    daemon/engine/closest.h \
+    daemon/engine/direction.c \
+    daemon/engine/direction.h \
+    daemon/engine/exact.c \
+    daemon/engine/exact.h \
     daemon/engine/feature.c \
     daemon/engine/feature.h \
+    daemon/engine/filter.c \
+    daemon/engine/filter.h \
     daemon/engine/ingest.c \
     daemon/engine/ingest.h \
     daemon/engine/memory.c \
     daemon/engine/memory.h \
     daemon/engine/mesh.c \
     daemon/engine/mesh.h \
+    daemon/engine/motion.c \
+    daemon/engine/motion.h \
+    daemon/engine/query.h \
     daemon/engine/radix.c \
     daemon/engine/radix.h \
     daemon/engine/range.c \
     daemon/engine/range.h \
     daemon/engine/refit.c \
     daemon/engine/refit.h \
+    daemon/engine/result.c \
+    daemon/engine/result.h \
     daemon/engine/scene.c \
     daemon/engine/scene.h \
+    daemon/engine/schedule.c \
+    daemon/engine/schedule.h \
+    daemon/engine/solve.c \
+    daemon/engine/solve.h \
     daemon/engine/stage.c \
     daemon/engine/stage.h \
     daemon/engine/status.h \
+    daemon/engine/step.c \
     daemon/engine/step.h \
+    daemon/engine/step_memory.h \
+    daemon/engine/taskunit.c \
+    daemon/engine/taskunit.h \
+    daemon/engine/test.c \
+    daemon/engine/test.h \
     daemon/engine/topology.h \
+    daemon/engine/vec.h \
+    daemon/engine/worker.c \
+    daemon/engine/worker.h \
     daemon/engine/world.h
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)

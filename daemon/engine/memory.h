@@ -1,0 +1,27 @@
+/* memory.h - the engine's allocations, counted.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     malloc, realloc and free of 64-byte aligned blocks, with process-wide counts, so
+ *           that "a warm step allocates nothing" is a number in `stats`.
+ * Threads:  [any].
+ */
+#ifndef ENG_MEMORY_H
+#define ENG_MEMORY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* `count` items of `bytes` each, 64-byte aligned, not cleared. NULL: no memory, also when
+ * count * bytes overflows. */
+void *eng_alloc(size_t count, size_t bytes);
+
+/* Grow or shrink; the first min(old, new) bytes are kept. NULL: the old block stays. */
+void *eng_realloc(void *block, size_t count, size_t bytes);
+
+void eng_free(void *block); /* NULL is allowed */
+
+/* Allocations since the start (a realloc is one), and bytes held now. */
+uint64_t eng_alloc_count(void);
+uint64_t eng_alloc_bytes(void);
+
+#endif

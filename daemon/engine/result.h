@@ -1,0 +1,48 @@
+/* daemon/engine/result.h - the records of a step: kept, sorted, hashed.
+ *
+ * Room:     engine. May include: step.h.
+ * Does:     append records in any order; put them into the canonical order; hash them.
+ * Threads:  one thread for one list.
+ */
+#ifndef ENG_RESULT_H
+#define ENG_RESULT_H
+
+#include "radix.h"
+#include "step.h"
+
+/* Records of one kind: eng_contact or eng_pair. Memory stays for the next step. */
+struct eng_records {
+    unsigned char *data;
+    uint32_t record_bytes;
+    uint64_t count;
+    uint64_t capacity; /* in records of record_bytes */
+    uint64_t capacity_bytes;
+    uint64_t limit;    /* records kept at most */
+    bool overflowed;   /* more came than could be kept */
+};
+
+void eng_records_begin(struct eng_records *records, uint32_t record_bytes, uint64_t limit);
+void eng_records_deinit(struct eng_records *records);
+
+/* Room for one more record, or NULL: the limit is reached or memory ran out (overflowed). */
+void *eng_records_add(struct eng_records *records);
+
+/* Scratch of the sort; memory stays for the next step. */
+struct eng_sorter {
+    struct eng_radix_item *items;
+    struct eng_radix_item *spare;
+    uint64_t capacity;
+};
+
+void eng_sorter_deinit(struct eng_sorter *sorter);
+
+/* Sort `in` by (kind, object a, feature a, object b, feature b) into `out`, which takes over
+ * record_bytes and count. Every record begins with the five words of struct eng_pair, for
+ * contacts with `flags` in between. ENG_E_NOMEM: both unchanged. */
+int eng_records_sort(struct eng_sorter *sorter, const struct eng_records *in,
+                     struct eng_records *out);
+
+/* XXH3-128 of `bytes`: hash[0] high, hash[1] low. */
+void eng_hash(const void *data, size_t bytes, uint64_t hash[2]);
+
+#endif

@@ -1,0 +1,24 @@
+/* daemon/engine/schedule.c - who performs which task unit.
+ *
+ * Room:     engine.
+ * Threads:  [compute].
+ * Source:   paper section 4.1, "Serial CCD method".
+ */
+#include "schedule.h"
+
+#include "taskunit.h"
+
+void eng_schedule_serial(struct eng_worker *worker)
+{
+    uint32_t root = worker->scene->root;
+    struct eng_task_queue *units = &worker->units;
+    if (root == ENG_NO_NODE) {
+        return;
+    }
+    eng_taskunit_perform(worker, root, true);
+    while (units->head != units->tail && !worker->stop->stopped) {
+        uint32_t node = units->nodes[units->head++ & (units->capacity - 1)];
+        eng_taskunit_perform(worker, node, true);
+    }
+    eng_taskunit_flush(worker);
+}

@@ -1,0 +1,93 @@
+/* daemon/engine/worker.c - what one thread of a step owns.
+ *
+ * Room:     engine.
+ * Threads:  [team]; a worker belongs to one thread.
+ */
+#include "worker.h"
+
+#include <string.h>
+
+#include "clock.h"
+#include "memory.h"
+
+int eng_worker_init(struct eng_worker *worker)
+{
+    memset(worker, 0, sizeof *worker);
+    eng_exact_init(&worker->exact);
+    return ENG_OK;
+}
+
+void eng_worker_deinit(struct eng_worker *worker)
+{
+    eng_exact_deinit(&worker->exact);
+    eng_records_deinit(&worker->records);
+    eng_free(worker->units.nodes);
+    worker->units.nodes = NULL;
+}
+
+/* The queue never holds two nodes of which one is below the other, so the leaves' number
+ * bounds it. */
+static int reserve_units(struct eng_task_queue *units, uint32_t leaf_count)
+{
+    uint32_t capacity = 64;
+    while (capacity < leaf_count) {
+        capacity *= 2; /* leaf_count <= 2^31 - 1 */
+    }
+    if (capacity <= units->capacity) {
+        return ENG_OK;
+    }
+    uint32_t *nodes = eng_alloc(capacity, sizeof *nodes);
+    if (!nodes) {
+        return ENG_E_NOMEM;
+    }
+    eng_free(units->nodes);
+    units->nodes = nodes;
+    units->capacity = capacity;
+    return ENG_OK;
+}
+
+int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
+                     const struct eng_step_settings *settings, struct eng_stop *stop)
+{
+    uint32_t leaf_count = scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
+    int status = reserve_units(&worker->units, leaf_count);
+    if (status != ENG_OK) {
+        return status;
+    }
+    worker->scene = scene;
+    worker->settings = settings;
+    worker->stop = stop;
+    worker->time_bound = 1;
+    worker->box_bound = 1;
+    worker->units.head = 0;
+    worker->units.tail = 0;
+    worker->pairs.count = 0;
+    worker->vf.count = 0;
+    worker->ee.count = 0;
+    worker->exact.queries = 0;
+    worker->possible_seen = 0;
+    worker->proved_seen = 0;
+    worker->tests_ns = 0;
+    memset(&worker->counters, 0, sizeof worker->counters);
+    eng_records_begin(&worker->records,
+                      settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)
+                                                       : sizeof(struct eng_contact),
+                      settings->contact_max);
+    return ENG_OK;
+}
+
+bool eng_worker_should_stop(struct eng_worker *worker)
+{
+    struct eng_stop *stop = worker->stop;
+    if (stop->stopped) {
+        return true;
+    }
+    if (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) {
+        stop->reason = ENG_INCOMPLETE_CANCELLED;
+        stop->stopped = true;
+    } else if (stop->deadline_ns != 0 && eng_now_ns() >= stop->deadline_ns) {
+        stop->reason = ENG_INCOMPLETE_DEADLINE;
+        stop->stopped = true;
+    }
+    return stop->stopped;
+}
