@@ -12,7 +12,13 @@ libproto_la_SOURCES = \
     proto/records.h \
     proto/seqpacket.h \
     proto/shm.h \
-    proto/messages.c
+    proto/utf8.h \
+    proto/codec.c \
+    proto/encode.c \
+    proto/memfd.c \
+    proto/messages.c \
+    proto/prescan.c \
+    proto/seqpacket.c
 libproto_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto $(MSGPACK_CFLAGS)
 libproto_la_LIBADD = $(MSGPACK_LIBS)
 

@@ -7,16 +7,15 @@
  */
 #include "messages.h"
 
-/* A field list of the manifest calls F(type, name, need, text) and does not say whose list it
- * is. So F is passed as two parts: ENTRY(struct), which stands before each field, and FIELD,
- * which takes the arguments. Together they are one initialiser; the null pointer is never
- * followed, this is offsetof() cut in two. */
-#define ENTRY(struct_name) {.offset = (size_t) & ((const struct struct_name *)0)
+/* A field list of the manifest calls F(type, name, need, text) and does not say whose
+ * list it is. So F is passed as two parts: ENTRY(struct), which stands before each field,
+ * and FIELD, which takes the arguments. Together they are one initialiser; the null pointer
+ * is never followed, this is offsetof() cut in two. */
 /* clang-format off */
+#define ENTRY(struct_name) {.offset = (size_t) & ((const struct struct_name *)0)
 #define FIELD(type_, name_, need_, text_)                                                \
     ->name_, .name = #name_, .text = text_, .type = PROTO_TYPE_##type_,                  \
     .need = PROTO_NEED_##need_},
-/* clang-format on */
 
 #define REQUEST_TABLE(ID, name, since, flags, text)                                      \
     static const struct proto_field ID##_request[] = {                                   \
@@ -30,13 +29,16 @@ PROTO_METHODS(RESULT_TABLE)
 PROTO_NOTIFICATIONS(REQUEST_TABLE)
 
 #define COUNT(table) ((uint32_t)(sizeof(table) / sizeof((table)[0])))
-#define FIELDS(ID, part) {ID##_##part, COUNT(ID##_##part), sizeof(struct proto_##ID##_##part)}
+#define FIELDS(ID, part)                                                                 \
+    {ID##_##part, COUNT(ID##_##part), sizeof(struct proto_##ID##_##part)}
 
 #define METHOD(ID, name, since, flags, text)                                             \
     [PROTO_METHOD_##ID] = {#ID, name, text, since, flags, FIELDS(ID, request),           \
                            FIELDS(ID, result)},
 #define NOTIFICATION(ID, name, since, flags, text)                                       \
-    [PROTO_NOTE_##ID] = {#ID, name, text, since, flags, FIELDS(ID, request), {NULL, 0, 0}},
+    [PROTO_NOTE_##ID] = {#ID, name, text, since, flags, FIELDS(ID, request),             \
+                         {NULL, 0, 0}},
 
 const struct proto_message_info proto_messages[PROTO_MESSAGE_COUNT] = {
     PROTO_METHODS(METHOD) PROTO_NOTIFICATIONS(NOTIFICATION)};
+/* clang-format on */

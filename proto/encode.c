@@ -1,0 +1,174 @@
+/* encode.c - structs of messages.h to MessagePack-RPC messages.
+ *
+ * Room:     proto. May include: codec.h, utf8.h, msgpack-c.
+ * Does:     the proto_encode functions of codec.h. Optional fields that are zero, false
+ *           or "" are left out: the decoder puts that value back.
+ * Does not: send (seqpacket.h).
+ * Threads:  [any], one encoder per thread at a time.
+ */
+#include <assert.h>
+#include <msgpack.h>
+#include <string.h>
+
+#include "codec.h"
+#include "utf8.h"
+
+/* msgpack-c's way to a buffer. Nothing is written past the end; the packer's caller sees
+ * the refusal as a return value other than 0. */
+static int append(void *context, const char *bytes, size_t count)
+{
+    struct proto_encoder *encoder = context;
+    if (count > sizeof(encoder->data) - encoder->bytes)
+        return -1;
+    memcpy(encoder->data + encoder->bytes, bytes, count);
+    encoder->bytes += count;
+    return 0;
+}
+
+static int pack_name(msgpack_packer *packer, const char *name)
+{
+    return msgpack_pack_str_with_body(packer, name, strlen(name));
+}
+
+/* Pack at most PROTO_STR_MAX bytes of `text`. A byte that is not UTF-8 (of a file name,
+ * or of a text that was cut) becomes '?', so that the peer never refuses the message for
+ * it. */
+static int pack_text(msgpack_packer *packer, const char *text)
+{
+    uint8_t clean[PROTO_STR_MAX];
+    size_t bytes = strnlen(text, PROTO_STR_MAX);
+    memcpy(clean, text, bytes);
+    for (size_t at = 0; at < bytes;) {
+        size_t step = proto_utf8_sequence(clean + at, bytes - at);
+        if (step == 0) {
+            clean[at] = '?';
+            step = 1;
+        }
+        at += step;
+    }
+    return msgpack_pack_str_with_body(packer, clean, bytes);
+}
+
+/* Whether the field holds what an absent one reads as. */
+static bool is_default(const struct proto_field *field, const char *member)
+{
+    switch (field->type) {
+    case PROTO_TYPE_u32:
+        return *(const uint32_t *)member == 0;
+    case PROTO_TYPE_u64:
+        return *(const uint64_t *)member == 0;
+    case PROTO_TYPE_f64:
+        return *(const double *)member == 0.0;
+    case PROTO_TYPE_bool:
+        return !*(const bool *)member;
+    case PROTO_TYPE_str:
+        return member[0] == '\0';
+    }
+    return false;
+}
+
+static int pack_value(msgpack_packer *packer, const struct proto_field *field,
+                      const char *member)
+{
+    switch (field->type) {
+    case PROTO_TYPE_u32:
+        return msgpack_pack_uint32(packer, *(const uint32_t *)member);
+    case PROTO_TYPE_u64:
+        return msgpack_pack_uint64(packer, *(const uint64_t *)member);
+    case PROTO_TYPE_f64:
+        return msgpack_pack_double(packer, *(const double *)member);
+    case PROTO_TYPE_bool:
+        return *(const bool *)member ? msgpack_pack_true(packer)
+                                     : msgpack_pack_false(packer);
+    case PROTO_TYPE_str:
+        return pack_text(packer, member);
+    }
+    return -1;
+}
+
+static bool is_left_out(const struct proto_field *field, const char *body)
+{
+    return field->need == PROTO_NEED_OPT && is_default(field, body + field->offset);
+}
+
+static int pack_body(msgpack_packer *packer, const struct proto_fields *fields,
+                     const void *body)
+{
+    size_t count = 0;
+    int rc = 0;
+    for (uint32_t i = 0; i < fields->count; i++)
+        count += is_left_out(&fields->items[i], body) ? 0 : 1;
+    rc |= msgpack_pack_map(packer, count);
+    for (uint32_t i = 0; i < fields->count; i++) {
+        const struct proto_field *field = &fields->items[i];
+        if (is_left_out(field, body))
+            continue;
+        rc |= pack_name(packer, field->name);
+        rc |= pack_value(packer, field, (const char *)body + field->offset);
+    }
+    return rc;
+}
+
+static void begin(struct proto_encoder *encoder, msgpack_packer *packer)
+{
+    encoder->bytes = 0;
+    msgpack_packer_init(packer, encoder, append);
+}
+
+int proto_encode_request(struct proto_encoder *encoder, uint32_t id, int method,
+                         const void *request)
+{
+    msgpack_packer packer;
+    assert(method >= 0 && method < PROTO_METHOD_COUNT);
+    begin(encoder, &packer);
+    int rc = msgpack_pack_array(&packer, 4);
+    rc |= msgpack_pack_uint8(&packer, PROTO_REQUEST);
+    rc |= msgpack_pack_uint32(&packer, id);
+    rc |= pack_name(&packer, proto_messages[method].name);
+    rc |= pack_body(&packer, &proto_messages[method].request, request);
+    return rc == 0 ? 0 : PCCD_E_LIMIT;
+}
+
+int proto_encode_result(struct proto_encoder *encoder, uint32_t id, int method,
+                        const void *result)
+{
+    msgpack_packer packer;
+    assert(method >= 0 && method < PROTO_METHOD_COUNT);
+    begin(encoder, &packer);
+    int rc = msgpack_pack_array(&packer, 4);
+    rc |= msgpack_pack_uint8(&packer, PROTO_RESPONSE);
+    rc |= msgpack_pack_uint32(&packer, id);
+    rc |= msgpack_pack_nil(&packer);
+    rc |= pack_body(&packer, &proto_messages[method].result, result);
+    return rc == 0 ? 0 : PCCD_E_LIMIT;
+}
+
+int proto_encode_error(struct proto_encoder *encoder, uint32_t id,
+                       const struct proto_error *error)
+{
+    msgpack_packer packer;
+    assert(error->code < 0);
+    begin(encoder, &packer);
+    int rc = msgpack_pack_array(&packer, 4);
+    rc |= msgpack_pack_uint8(&packer, PROTO_RESPONSE);
+    rc |= msgpack_pack_uint32(&packer, id);
+    rc |= msgpack_pack_array(&packer, 4);
+    rc |= msgpack_pack_int32(&packer, error->code);
+    rc |= pack_name(&packer, proto_status_name(error->code));
+    rc |= pack_text(&packer, error->text);
+    rc |= error->fatal ? msgpack_pack_true(&packer) : msgpack_pack_false(&packer);
+    rc |= msgpack_pack_nil(&packer);
+    return rc == 0 ? 0 : PCCD_E_LIMIT;
+}
+
+int proto_encode_notification(struct proto_encoder *encoder, int note, const void *params)
+{
+    msgpack_packer packer;
+    assert(note >= PROTO_METHOD_COUNT && note < PROTO_MESSAGE_COUNT);
+    begin(encoder, &packer);
+    int rc = msgpack_pack_array(&packer, 3);
+    rc |= msgpack_pack_uint8(&packer, PROTO_NOTIFICATION);
+    rc |= pack_name(&packer, proto_messages[note].name);
+    rc |= pack_body(&packer, &proto_messages[note].request, params);
+    return rc == 0 ? 0 : PCCD_E_LIMIT;
+}

@@ -1,0 +1,45 @@
+/* limits.h - every limit of the protocol, by name.
+ *
+ * Room:     proto. May include: the C library's <limits.h>, for the reason below.
+ * Does:     names the bounds that messages, rings and sessions keep.
+ * Does not: decide what happens at the bound; PROTOCOL.md says so, the server does it.
+ */
+#ifndef PROTO_LIMITS_H
+#define PROTO_LIMITS_H
+
+/* With this folder on the -I path, a system header that asks for <limits.h> finds this
+ * file first: hand it the one it wants. */
+#include_next <limits.h>
+
+#define PROTO_VERSION_MIN 1u /* oldest protocol version this build speaks */
+#define PROTO_VERSION_MAX 1u /* newest */
+
+/* Messages. */
+#define PROTO_MESSAGE_BYTES_MAX 65536u /* one SEQPACKET datagram */
+#define PROTO_DEPTH_MAX 16u            /* nesting of MessagePack containers */
+#define PROTO_ELEMENTS_MAX 4096u       /* MessagePack objects in one message */
+#define PROTO_STR_MAX 255u             /* bytes of a string field */
+#define PROTO_MESSAGES_PER_TURN 64u    /* read from one client before the others' turn */
+#define PROTO_REPLIES_QUEUED_MAX 16u   /* then the client is not read until it reads */
+
+/* Upload ring and result region. */
+#define PROTO_SLOTS_MAX 16u
+#define PROTO_INFLIGHT_MAX 16u
+#define PROTO_SEGMENTS_MAX 65536u      /* segments of one step */
+#define PROTO_SLOT_BYTES_MIN 4096u
+#define PROTO_RESULT_BYTES_MIN 65536u
+
+/* Geometry. */
+#define PROTO_COUNT_MAX 2147483647u /* vertices, triangles or edges of a scene */
+#define PROTO_COORDINATE_MAX 1e18      /* |x| <= this */
+
+/* Default quotas of one uid, charged before allocation; options change them. */
+#define PROTO_CLIENTS_PER_UID 64u
+#define PROTO_SHM_BYTES_PER_UID (512ull << 20)
+#define PROTO_MESHES_PER_UID 1024u
+#define PROTO_TRIANGLES_PER_UID 64000000ull
+#define PROTO_SCENES_PER_CLIENT 64u
+#define PROTO_OBJECTS_PER_SCENE 65536u
+#define PROTO_CONTACTS_PER_STEP (16u << 20) /* records the daemon keeps for one answer */
+
+#endif

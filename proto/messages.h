@@ -1,0 +1,97 @@
+/* messages.h - the manifest as C types.
+ *
+ * Room:     proto. May include: messages.def, limits.h, pccd_types.h.
+ * Does:     turns messages.def into enums, structs and field tables.
+ * Does not: encode or decode (codec.h).
+ */
+#ifndef PROTO_MESSAGES_H
+#define PROTO_MESSAGES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "limits.h"
+#include "messages.def"
+#include "pccd_types.h"
+
+#define PROTO_F_BEFORE_HELLO 1u
+#define PROTO_F_COMPUTE 2u
+
+/* PROTO_METHOD_HELLO, ... then PROTO_NOTE_GOAWAY, ...: one numbering for both. */
+enum proto_method {
+#define PROTO_ENUM(ID, name, since, flags, text) PROTO_METHOD_##ID,
+    PROTO_METHODS(PROTO_ENUM)
+#undef PROTO_ENUM
+    PROTO_METHOD_COUNT,
+#define PROTO_ENUM(ID, name, since, flags, text) PROTO_NOTE_##ID,
+    PROTO_NOTE_FIRST_ = PROTO_METHOD_COUNT - 1,
+    PROTO_NOTIFICATIONS(PROTO_ENUM)
+#undef PROTO_ENUM
+    PROTO_MESSAGE_COUNT
+};
+
+enum proto_type {
+    PROTO_TYPE_u32,
+    PROTO_TYPE_u64,
+    PROTO_TYPE_f64,
+    PROTO_TYPE_bool,
+    PROTO_TYPE_str
+};
+enum proto_need { PROTO_NEED_REQ, PROTO_NEED_OPT };
+
+#define PROTO_CTYPE_u32(name) uint32_t name
+#define PROTO_CTYPE_u64(name) uint64_t name
+#define PROTO_CTYPE_f64(name) double name
+#define PROTO_CTYPE_bool(name) bool name
+#define PROTO_CTYPE_str(name) char name[PROTO_STR_MAX + 1]
+#define PROTO_MEMBER(type, name, need, text) PROTO_CTYPE_##type(name);
+
+#define PROTO_STRUCTS(ID, name, since, flags, text)                                      \
+    struct proto_##ID##_request {                                                        \
+        PROTO_##ID##_REQUEST(PROTO_MEMBER)                                               \
+    };                                                                                   \
+    struct proto_##ID##_result {                                                         \
+        PROTO_##ID##_RESULT(PROTO_MEMBER)                                                \
+    };
+PROTO_METHODS(PROTO_STRUCTS)
+#undef PROTO_STRUCTS
+
+#define PROTO_STRUCTS(ID, name, since, flags, text)                                      \
+    struct proto_##ID##_request {                                                        \
+        PROTO_##ID##_REQUEST(PROTO_MEMBER)                                               \
+    };
+PROTO_NOTIFICATIONS(PROTO_STRUCTS)
+#undef PROTO_STRUCTS
+
+/* struct proto_FRAME_SUBMIT_result and struct proto_FRAME_FETCH_result have the same
+ * members; code that serves both uses the former. */
+
+struct proto_field {
+    const char *name;
+    const char *text;
+    enum proto_type type;
+    enum proto_need need;
+    size_t offset;
+};
+
+struct proto_fields {
+    const struct proto_field *items;
+    uint32_t count;
+    size_t struct_bytes;
+};
+
+struct proto_message_info {
+    const char *id;   /* "FRAME_SUBMIT" */
+    const char *name; /* "frame.submit" */
+    const char *text;
+    uint32_t since;
+    uint32_t flags;
+    struct proto_fields request;
+    struct proto_fields result; /* count = 0 for notifications */
+};
+
+/* Indexed by enum proto_method, PROTO_MESSAGE_COUNT entries. [any] */
+extern const struct proto_message_info proto_messages[PROTO_MESSAGE_COUNT];
+
+#endif

@@ -1,0 +1,148 @@
+/* pccd_types.h - the types that the wire, the client library and its users share.
+ *
+ * Room:     proto; installed beside pccd.h. May include: the C library. Compiles as C++.
+ * Does:     status codes, modes, formats and the records of an answer, with their layout.
+ * Does not: functions.
+ * Source:   daemon/engine/ computes the same records; the server asserts that the layouts
+ *           agree.
+ */
+#ifndef PCCD_TYPES_H
+#define PCCD_TYPES_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Every status of the wire, the library and the tools: X(name, value, text).
+ * A value is never renumbered; new ones go at the end. */
+#define PCCD_STATUS_LIST(X)                                                              \
+    X(OK, 0, "success")                                                                  \
+    X(E_NOMEM, -1, "out of memory")                                                      \
+    X(E_INVAL, -2, "invalid argument")                                                   \
+    X(E_QUOTA, -3, "quota reached")                                                      \
+    X(E_LIMIT, -4, "limit of the format or of this build reached")                       \
+    X(E_BADMSG, -5, "malformed message")                                                 \
+    X(E_VERSION, -6, "no common protocol version")                                       \
+    X(E_NOHELLO, -7, "hello must come first")                                            \
+    X(E_NOMETHOD, -8, "unknown method")                                                  \
+    X(E_HANDLE, -9, "unknown or stale handle")                                           \
+    X(E_STATE, -10, "not possible in this state")                                        \
+    X(E_BUSY, -11, "too many requests in flight")                                        \
+    X(E_SLOT_STALE, -12, "the slot does not hold the submitted step")                    \
+    X(E_SLOT_TORN, -13, "the slot was written while it was read")                        \
+    X(E_SEGMENT, -14, "malformed segment table")                                         \
+    X(E_NOTFINITE, -15, "a coordinate is not finite or beyond 1e18")                     \
+    X(E_INDEX, -16, "a vertex index is out of range")                                    \
+    X(E_DISCONNECTED, -17, "the daemon is gone")                                         \
+    X(E_TIMEOUT, -18, "timed out")                                                       \
+    X(E_NODAEMON, -19, "no daemon could be reached or started")                          \
+    X(E_SHUTDOWN, -20, "the daemon is shutting down")                                    \
+    X(E_CANCELLED, -21, "cancelled")                                                     \
+    X(E_SYSTEM, -22, "the operating system refused")                                     \
+    X(E_AGAIN, -23, "nothing has arrived yet")                                           \
+    X(E_FORMAT, -24, "file format not understood")                                       \
+    X(E_INTERNAL, -25, "internal error")
+
+enum pccd_status {
+#define PCCD_STATUS_ENUM(name, value, text) PCCD_##name = (value),
+    PCCD_STATUS_LIST(PCCD_STATUS_ENUM)
+#undef PCCD_STATUS_ENUM
+};
+
+/* What a step is asked for. */
+enum pccd_mode {
+    PCCD_MODE_ALL = 0,   /* every contact */
+    PCCD_MODE_FIRST = 1, /* the contacts that may attain the scene's earliest time */
+    PCCD_MODE_ANY = 2,   /* yes, no or possible; no records */
+    PCCD_MODE_PAIRS = 3, /* the candidate pairs after box tests, for tests of one's own */
+    PCCD_MODE_COUNT = 4
+};
+
+/* Which engine computes it. Both give the same bytes. */
+enum pccd_method {
+    PCCD_METHOD_DEFAULT = 0,
+    PCCD_METHOD_PAPER = 1, /* binary AABB tree, self-CD task units (PCCD, sections 3-6) */
+    PCCD_METHOD_COUNT = 2
+};
+
+/* Coordinates in a slot: x, y, z per vertex, tightly packed, little-endian IEEE 754. */
+enum pccd_format {
+    PCCD_FORMAT_F32 = 0, /* float[3], 12 bytes a vertex */
+    PCCD_FORMAT_F64 = 1, /* double[3], 24 bytes a vertex */
+    PCCD_FORMAT_COUNT = 2
+};
+
+/* Kinds of contact and candidate. */
+enum pccd_kind {
+    PCCD_VF = 0, /* a vertex of object a, a face of object b */
+    PCCD_EE = 1  /* an edge of object a, an edge of object b; (object, feature) a < b */
+};
+
+/* Flags of a contact. */
+enum pccd_contact_flag {
+    PCCD_PROVED = 1u,  /* the contact exists and its first time lies in [toi, toi_hi] */
+    PCCD_INITIAL = 2u  /* the features already touch at t = 0 (then toi = toi_hi = 0) */
+};
+
+/* Why an answer is not complete. */
+enum pccd_incomplete {
+    PCCD_COMPLETE = 0,
+    PCCD_INCOMPLETE_RESULT_FULL = 1, /* page ended; go on with the cursor */
+    PCCD_INCOMPLETE_DEADLINE = 2,    /* the deadline passed; these records were found */
+    PCCD_INCOMPLETE_CANCELLED = 3,   /* cancelled; likewise */
+    PCCD_INCOMPLETE_CONTACT_LIMIT = 4 /* more records than the daemon keeps of one step */
+};
+
+/* The answer of mode `any`. */
+enum pccd_verdict {
+    PCCD_VERDICT_NO = 0,
+    PCCD_VERDICT_POSSIBLE = 1, /* nothing proved, but something undecided */
+    PCCD_VERDICT_YES = 2,
+    PCCD_VERDICT_NONE = 3 /* other modes, or incomplete before a decision */
+};
+
+/* One contact. Records are sorted by (kind, object_a, feature_a, object_b, feature_b).
+ *
+ * toi, toi_hi  parameter of the step, 0 .. 1. `toi` is never after the first contact.
+ *              Proved: first contact in [toi, toi_hi] and toi_hi - toi <= tolerance.
+ *              Possible: no contact before toi; the undecided stretch begins there.
+ * param        VF: barycentric weights of the face's second and third vertex.
+ *              EE: position along edge a and along edge b, 0 at the lower vertex index.
+ * normal       unit, pointing from feature b to feature a as they lie at t = 0; zeros
+ *              where the configuration has no direction (coincident features). */
+struct pccd_contact {
+    uint32_t kind;      /* enum pccd_kind */
+    uint32_t flags;     /* enum pccd_contact_flag */
+    uint32_t object_a;  /* handle given by scene.add */
+    uint32_t feature_a; /* vertex or edge index in that object's mesh */
+    uint32_t object_b;
+    uint32_t feature_b; /* face or edge index */
+    double toi;
+    double toi_hi;
+    float param[2];
+    float normal[3];
+    uint32_t reserved; /* 0 */
+};
+
+/* One candidate of mode `pairs`, in the same order. */
+struct pccd_pair {
+    uint32_t kind;
+    uint32_t object_a;
+    uint32_t feature_a;
+    uint32_t object_b;
+    uint32_t feature_b;
+};
+
+/* An edge of a mesh: vertex indices, a < b. Edges are numbered by (b, a). */
+struct pccd_edge {
+    uint32_t a;
+    uint32_t b;
+};
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

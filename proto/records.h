@@ -1,0 +1,28 @@
+/* records.h - layout of the records in the result region, frozen.
+ *
+ * Room:     proto. May include: pccd_types.h.
+ * Does:     static asserts on size and every offset of the public records.
+ */
+#ifndef PROTO_RECORDS_H
+#define PROTO_RECORDS_H
+
+#include <assert.h>
+#include <stddef.h>
+
+#include "pccd_types.h"
+
+static_assert(sizeof(struct pccd_contact) == 64, "a contact is one cache line");
+static_assert(offsetof(struct pccd_contact, flags) == 4, "contact.flags");
+static_assert(offsetof(struct pccd_contact, object_a) == 8, "contact.object_a");
+static_assert(offsetof(struct pccd_contact, feature_a) == 12, "contact.feature_a");
+static_assert(offsetof(struct pccd_contact, object_b) == 16, "contact.object_b");
+static_assert(offsetof(struct pccd_contact, feature_b) == 20, "contact.feature_b");
+static_assert(offsetof(struct pccd_contact, toi) == 24, "contact.toi");
+static_assert(offsetof(struct pccd_contact, toi_hi) == 32, "contact.toi_hi");
+static_assert(offsetof(struct pccd_contact, param) == 40, "contact.param");
+static_assert(offsetof(struct pccd_contact, normal) == 48, "contact.normal");
+static_assert(offsetof(struct pccd_contact, reserved) == 60, "contact.reserved");
+static_assert(sizeof(struct pccd_pair) == 20, "a pair has 20 bytes");
+static_assert(sizeof(struct pccd_edge) == 8, "an edge has 8 bytes");
+
+#endif

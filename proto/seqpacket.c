@@ -1,0 +1,147 @@
+/* seqpacket.c - one message in, one message out, descriptors beside it.
+ *
+ * Room:     proto. May include: seqpacket.h, pccd_types.h, the C library.
+ * Does:     the system calls behind seqpacket.h; no errno leaves this file except with
+ *           PCCD_E_SYSTEM.
+ * Threads:  [any], one per socket and direction at a time.
+ */
+#include <assert.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "pccd_types.h"
+#include "seqpacket.h"
+
+/* The kernel passes at most this many in one message (SCM_MAX_FD). Room for all of them,
+ * so that each is seen, counted and closed. */
+#define KERNEL_FDS_MAX 253
+
+static int status_of_errno(int cause)
+{
+    switch (cause) {
+    case EAGAIN:
+#if EWOULDBLOCK != EAGAIN
+    case EWOULDBLOCK:
+#endif
+        return PCCD_E_AGAIN;
+    case EPIPE:
+    case ECONNRESET:
+    case ECONNREFUSED:
+    case ENOTCONN:
+        return PCCD_E_DISCONNECTED;
+    default:
+        return PCCD_E_SYSTEM;
+    }
+}
+
+int proto_send(int socket, const void *message, size_t bytes, const int *fds,
+               int fd_count)
+{
+    union {
+        struct cmsghdr align;
+        char bytes[CMSG_SPACE(PROTO_FDS_MAX * sizeof(int))];
+    } control;
+    struct iovec iov = {.iov_base = (void *)message, .iov_len = bytes};
+    struct msghdr header = {.msg_iov = &iov, .msg_iovlen = 1};
+    ssize_t sent;
+
+    assert(bytes > 0 && fd_count >= 0 && fd_count <= PROTO_FDS_MAX);
+    if (fd_count > 0) {
+        size_t fd_bytes = (size_t)fd_count * sizeof(int);
+        memset(&control, 0, sizeof(control));
+        header.msg_control = control.bytes;
+        header.msg_controllen = CMSG_SPACE(fd_bytes);
+        struct cmsghdr *cmsg = CMSG_FIRSTHDR(&header);
+        cmsg->cmsg_level = SOL_SOCKET;
+        cmsg->cmsg_type = SCM_RIGHTS;
+        cmsg->cmsg_len = CMSG_LEN(fd_bytes);
+        memcpy(CMSG_DATA(cmsg), fds, fd_bytes);
+    }
+    do
+        sent = sendmsg(socket, &header, MSG_NOSIGNAL);
+    while (sent < 0 && errno == EINTR);
+    return sent < 0 ? status_of_errno(errno) : 0;
+}
+
+/* Store or close every descriptor in `header`; returns how many came. */
+static int take_fds(struct msghdr *header, int *fds)
+{
+    int count = 0;
+    for (struct cmsghdr *cmsg = CMSG_FIRSTHDR(header); cmsg != NULL;
+         cmsg = CMSG_NXTHDR(header, cmsg)) {
+        if (cmsg->cmsg_level != SOL_SOCKET || cmsg->cmsg_type != SCM_RIGHTS)
+            continue;
+        size_t in_block = (cmsg->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+        for (size_t i = 0; i < in_block; i++, count++) {
+            int fd;
+            memcpy(&fd, CMSG_DATA(cmsg) + i * sizeof(int), sizeof(fd));
+            if (fds != NULL && count < PROTO_FDS_MAX)
+                fds[count] = fd;
+            else
+                close(fd);
+        }
+    }
+    return count;
+}
+
+/* Close what take_fds stored. */
+static void drop_fds(int *fds, int count)
+{
+    for (int i = 0; fds != NULL && i < count && i < PROTO_FDS_MAX; i++) {
+        close(fds[i]);
+        fds[i] = -1;
+    }
+}
+
+int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
+                  int *fd_count)
+{
+    union {
+        struct cmsghdr align;
+        char bytes[CMSG_SPACE(KERNEL_FDS_MAX * sizeof(int))];
+    } control;
+    struct iovec iov = {.iov_base = buffer, .iov_len = capacity};
+    struct msghdr header;
+    ssize_t got;
+
+    *fd_count = 0;
+    do {
+        header = (struct msghdr){.msg_iov = &iov,
+                                 .msg_iovlen = 1,
+                                 .msg_control = control.bytes,
+                                 .msg_controllen = sizeof(control.bytes)};
+        got = recvmsg(socket, &header, MSG_CMSG_CLOEXEC);
+    } while (got < 0 && errno == EINTR);
+    if (got < 0)
+        return status_of_errno(errno);
+
+    int count = take_fds(&header, fds);
+    if (got == 0 || (header.msg_flags & MSG_TRUNC) != 0) {
+        drop_fds(fds, count);
+        return got == 0 ? PCCD_E_DISCONNECTED : PCCD_E_BADMSG;
+    }
+    *fd_count = count;
+    *bytes = (size_t)got;
+    return 0;
+}
+
+int proto_default_socket_path(char *path, size_t capacity)
+{
+    const char *directory = getenv("XDG_RUNTIME_DIR");
+    size_t longest = sizeof(((struct sockaddr_un *)0)->sun_path); /* with the NUL */
+    int length;
+
+    if (directory != NULL && directory[0] == '/')
+        length = snprintf(path, capacity, "%s/pccd/pccd.sock", directory);
+    else
+        length =
+            snprintf(path, capacity, "/tmp/pccd-%lu/pccd.sock", (unsigned long)getuid());
+    if (length < 0 || (size_t)length >= capacity || (size_t)length >= longest)
+        return PCCD_E_LIMIT;
+    return 0;
+}

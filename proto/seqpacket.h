@@ -1,0 +1,41 @@
+/* seqpacket.h - one message in, one message out, descriptors beside it.
+ *
+ * Room:     proto. May include: codec.h, the C library.
+ * Does:     send and receive whole datagrams of an AF_UNIX SOCK_SEQPACKET socket, with at
+ *           most two descriptors; surplus or unwanted descriptors are closed.
+ * Does not: poll or wait: on a non-blocking socket it says PCCD_E_AGAIN.
+ * Threads:  [any], one per socket and direction at a time.
+ */
+#ifndef PROTO_SEQPACKET_H
+#define PROTO_SEQPACKET_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#define PROTO_FDS_MAX 2
+
+/* Send one message. EINTR is retried, SIGPIPE never raised.
+ * fds[fd_count] are passed along, fd_count 0 .. PROTO_FDS_MAX; they stay the caller's.
+ * Returns 0, PCCD_E_AGAIN (would block, nothing sent), PCCD_E_DISCONNECTED or
+ * PCCD_E_SYSTEM (errno is set). */
+int proto_send(int socket, const void *message, size_t bytes, const int *fds,
+               int fd_count);
+
+/* Receive one message into buffer[capacity] (PROTO_MESSAGE_BYTES_MAX).
+ * fds == NULL: any descriptor is closed and counted in *fd_count.
+ * fds != NULL: up to PROTO_FDS_MAX are stored, close-on-exec; surplus ones are closed,
+ * and *fd_count is the number that came, surplus included.
+ * Returns 0 with *bytes >= 1, PCCD_E_AGAIN, PCCD_E_DISCONNECTED (end of file, a
+ * zero-length datagram counts as one), PCCD_E_BADMSG (truncated: longer than capacity) or
+ * PCCD_E_SYSTEM. */
+int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
+                  int *fd_count);
+
+/* The user's socket path: $XDG_RUNTIME_DIR/pccd/pccd.sock, or /tmp/pccd-UID/pccd.sock
+ * when the variable is unset (or not absolute).
+ * Returns 0 or PCCD_E_LIMIT (longer than capacity or than
+ * sockaddr_un holds, 107 bytes). */
+int proto_default_socket_path(char *path, size_t capacity);
+
+#endif
