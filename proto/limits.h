@@ -1,15 +1,12 @@
 /* limits.h - every limit of the protocol, by name.
  *
- * Room:     proto. May include: the C library's <limits.h>, for the reason below.
+ * Room:     proto. May include: nothing. Folders that include it use -iquote, not -I, or the
+ *           system's headers would find it in place of <limits.h>.
  * Does:     names the bounds that messages, rings and sessions keep.
  * Does not: decide what happens at the bound; PROTOCOL.md says so, the server does it.
  */
 #ifndef PROTO_LIMITS_H
 #define PROTO_LIMITS_H
-
-/* With this folder on the -I path, a system header that asks for <limits.h> finds this
- * file first: hand it the one it wants. */
-#include_next <limits.h>
 
 #define PROTO_VERSION_MIN 1u /* oldest protocol version this build speaks */
 #define PROTO_VERSION_MAX 1u /* newest */

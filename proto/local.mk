@@ -19,7 +19,7 @@ libproto_la_SOURCES = \
     proto/messages.c \
     proto/prescan.c \
     proto/seqpacket.c
-libproto_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto $(MSGPACK_CFLAGS)
+libproto_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto $(MSGPACK_CFLAGS)
 libproto_la_LIBADD = $(MSGPACK_LIBS)
 
 include_HEADERS += proto/pccd_types.h

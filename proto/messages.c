@@ -9,8 +9,8 @@
 
 /* A field list of the manifest calls F(type, name, need, text) and does not say whose
  * list it is. So F is passed as two parts: ENTRY(struct), which stands before each field,
- * and FIELD, which takes the arguments. Together they are one initialiser; the null pointer
- * is never followed, this is offsetof() cut in two. */
+ * and FIELD, which takes the arguments. Together they are one initialiser; the null
+ * pointer is never followed, this is offsetof() cut in two. */
 /* clang-format off */
 #define ENTRY(struct_name) {.offset = (size_t) & ((const struct struct_name *)0)
 #define FIELD(type_, name_, need_, text_)                                                \
