@@ -98,14 +98,17 @@ INLINE int load_differences(enum eng_kind kind, const struct eng_lanes *lanes,
 INLINE mask_t separated(struct vector d[2][DIFFERENCES_MAX], int count)
 {
     lanes_t size = size_of(d[0][0]);
+#pragma GCC unroll 8
     for (int i = 1; i < 2 * count; i++) {
         size = max_lanes(size, size_of(d[i / count][i % count]));
     }
     lanes_t margin = 8 * ENG_U * size;
     mask_t apart = {0};
+#pragma GCC unroll 6
     for (int direction = 0; direction < 6; direction++) {
         lanes_t low = {0};
         lanes_t high = {0};
+#pragma GCC unroll 8
         for (int i = 0; i < 2 * count; i++) {
             struct vector v = d[i / count][i % count];
             lanes_t first = direction < 2 ? v.x : direction < 4 ? v.y : v.z;

@@ -30,6 +30,8 @@ libengine_la_SOURCES = \
     daemon/engine/radix.h \
     daemon/engine/range.c \
     daemon/engine/range.h \
+    daemon/engine/rebase.c \
+    daemon/engine/rebase.h \
     daemon/engine/refit.c \
     daemon/engine/refit.h \
     daemon/engine/result.c \

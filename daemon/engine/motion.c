@@ -218,14 +218,14 @@ static void set_unit(float out[3], const double v[3], double sign)
 }
 
 void eng_motion_describe(const struct eng_motion *motion, double t, double f_start,
-                         float param[2], float normal[3])
+                         double *beta, double *gamma, float normal[3])
 {
     struct eng_pose pose;
     struct eng_closest closest;
     eng_motion_pose(motion, t, &pose);
     eng_closest_to_origin(motion->kind, &pose, &closest);
-    param[0] = (float)closest.beta;
-    param[1] = (float)closest.gamma;
+    *beta = closest.beta;
+    *gamma = closest.gamma;
 
     /* p - beta b - gamma c points from face to vertex, but from edge a to edge b. */
     double from_b_to_a = motion->kind == ENG_VF ? 1 : -1;

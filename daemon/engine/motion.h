@@ -51,9 +51,9 @@ double eng_bernstein_root(const double f[4], double *slope);
 enum eng_domain eng_motion_domain(const struct eng_motion *motion, const struct eng_pose *l,
                                   const struct eng_pose *r);
 
-/* Parameters and normal of a contact at time t, as in struct eng_contact. f_start is det at
- * t = 0. */
+/* (beta, gamma), inside the domain, and the normal of a contact at time t, as in struct
+ * eng_contact. f_start is det at t = 0. */
 void eng_motion_describe(const struct eng_motion *motion, double t, double f_start,
-                         float param[2], float normal[3]);
+                         double *beta, double *gamma, float normal[3]);
 
 #endif

@@ -16,6 +16,7 @@
 
 #include "direction.h"
 #include "motion.h"
+#include "rebase.h"
 
 /* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
 #define SPANS_MAX 256
@@ -30,7 +31,8 @@ struct span {
 };
 
 struct search {
-    const struct eng_query *query;
+    struct eng_query query; /* measured from its nearest points */
+    eng_base_t base;
     struct eng_motion motion;
     double tolerance;
     double floor; /* spans this short are not cut again */
@@ -45,7 +47,7 @@ struct search {
 static const struct eng_moment *moment_at(struct search *search, int end)
 {
     if (!search->moment_known[end]) {
-        search->moment[end] = eng_exact_moment(search->exact, search->query, end);
+        search->moment[end] = eng_exact_moment(search->exact, &search->query, end);
         search->moment_known[end] = true;
     }
     return &search->moment[end];
@@ -107,8 +109,11 @@ static void set_hit(const struct search *search, double l, double r, uint32_t fl
     hit->flags = flags;
     hit->toi = l;
     hit->toi_hi = r;
-    eng_motion_describe(&search->motion, 0.5 * (l + r), search->f_start, hit->param,
+    double beta;
+    double gamma;
+    eng_motion_describe(&search->motion, 0.5 * (l + r), search->f_start, &beta, &gamma,
                         hit->normal);
+    eng_rebase_params(search->query.kind, search->base, beta, gamma, hit->param);
 }
 
 /* A span that cannot be cut any further. At t = 1 exact arithmetic knows more. */
@@ -200,14 +205,14 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
                struct eng_exact *exact, struct eng_hit *hit)
 {
     struct search search;
-    search.query = query;
+    search.base = eng_query_rebase(query, &search.query);
     search.tolerance = tolerance;
     search.floor = fmax(tolerance * 0x1p-10, 0x1p-44);
     search.exact = exact;
     search.moment_known[0] = false;
     search.moment_known[1] = false;
     search.span_count = 0;
-    eng_motion_init(&search.motion, query);
+    eng_motion_init(&search.motion, &search.query);
     if (touches_at_start(&search)) {
         set_hit(&search, 0, 0, ENG_PROVED | ENG_INITIAL, hit);
         return true;
