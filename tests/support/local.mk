@@ -1,1 +1,14 @@
-# tests/support/local.mk
+# tests/support/local.mk - what several tests need: a real daemon, a raw peer, a known scene.
+
+check_LTLIBRARIES += libtestdaemon.la
+
+libtestdaemon_la_SOURCES = \
+    tests/support/crossing.c \
+    tests/support/crossing.h \
+    tests/support/daemon.c \
+    tests/support/daemon.h \
+    tests/support/raw.c \
+    tests/support/raw.h
+libtestdaemon_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
+    -I$(top_srcdir)/tests/support
+libtestdaemon_la_LIBADD = libpccd.la libproto.la

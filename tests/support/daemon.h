@@ -1,0 +1,47 @@
+/* daemon.h - a real pccdd for a test.
+ *
+ * Room:     tests/support. May include: the C library.
+ * Does:     start $PCCDD on a socket in a new folder and wait until it listens; stop it,
+ *           kill it, read how it ended and what it logged.
+ * Threads:  one test at a time.
+ */
+#ifndef TEST_DAEMON_H
+#define TEST_DAEMON_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+struct test_daemon {
+    pid_t pid; /* 0: not running */
+    char directory[64];
+    char socket[80];
+    char url[88];
+    char log[80]; /* its standard error */
+};
+
+/* Start with `options` (NULL-terminated, may be NULL). False with a message on stderr when
+ * it does not listen within 20 s or $PCCDD is not set. */
+bool test_daemon_start(struct test_daemon *daemon, const char *const *options);
+
+/* Start another daemon with the same socket. Returns its exit status, or -1 when it has not
+ * ended within 10 s (it is killed then). What it logged is appended to daemon->log. */
+int test_daemon_start_second(const struct test_daemon *daemon);
+
+/* Signal it, and wait until it has ended. Returns the status of waitpid, or -1 when that
+ * takes longer than timeout_ms: then it is killed. */
+int test_daemon_end(struct test_daemon *daemon, int signal, int timeout_ms);
+
+/* End it with SIGTERM if it runs, and remove its folder. Returns whether it exited with 0. */
+bool test_daemon_finish(struct test_daemon *daemon);
+
+/* Whether the log holds `text`. */
+bool test_daemon_logged(const struct test_daemon *daemon, const char *text);
+
+/* CLOCK_MONOTONIC, milliseconds and microseconds. */
+uint64_t test_now_ms(void);
+uint64_t test_now_us(void);
+void test_sleep_ms(unsigned ms);
+
+#endif

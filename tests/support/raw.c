@@ -1,0 +1,230 @@
+/* raw.c - a peer that speaks the protocol without the library, well or badly.
+ *
+ * Room:     tests/support. May include: raw.h, proto, the C library.
+ * Does:     sendmsg and poll by hand, so that nothing in it refuses to send nonsense.
+ * Threads:  one test at a time.
+ */
+#include "raw.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "seqpacket.h"
+
+#define WAIT_MS       10000
+#define DATAGRAMS_MAX 100000 /* messages skipped while waiting for one answer */
+#define FDS_MAX       64
+
+bool test_raw_open(struct test_raw *raw, const char *socket_path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+
+    memset(raw, 0, sizeof(*raw));
+    raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
+    raw->next_id = 1;
+    raw->socket = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    raw->decoder = proto_decoder_new();
+    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s", socket_path);
+    if (raw->socket < 0 || raw->decoder == NULL ||
+        connect(raw->socket, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+        test_raw_close(raw);
+        return false;
+    }
+    return true;
+}
+
+void test_raw_close(struct test_raw *raw)
+{
+    if (raw->socket >= 0)
+        (void)close(raw->socket);
+    raw->socket = -1;
+    proto_decoder_free(raw->decoder);
+    raw->decoder = NULL;
+    proto_memory_deinit(&raw->upload);
+    proto_memory_deinit(&raw->result);
+}
+
+bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd_count)
+{
+    union {
+        struct cmsghdr header;
+        char space[CMSG_SPACE(sizeof(int[FDS_MAX]))];
+    } control;
+    struct iovec part = {(void *)(uintptr_t)bytes, count};
+    struct msghdr header = {.msg_iov = &part, .msg_iovlen = 1};
+    ssize_t sent;
+
+    if (fd_count > 0) {
+        int fds[FDS_MAX];
+        struct cmsghdr *rights;
+
+        for (int i = 0; i < FDS_MAX; i++)
+            fds[i] = raw->socket;
+        memset(&control, 0, sizeof(control));
+        header.msg_control = &control;
+        header.msg_controllen = CMSG_SPACE((size_t)fd_count * sizeof(int));
+        rights = CMSG_FIRSTHDR(&header);
+        rights->cmsg_level = SOL_SOCKET;
+        rights->cmsg_type = SCM_RIGHTS;
+        rights->cmsg_len = CMSG_LEN((size_t)fd_count * sizeof(int));
+        memcpy(CMSG_DATA(rights), fds, (size_t)fd_count * sizeof(int));
+    }
+    do {
+        sent = sendmsg(raw->socket, &header, MSG_NOSIGNAL);
+    } while (sent < 0 && errno == EINTR);
+    return sent == (ssize_t)count;
+}
+
+/* One datagram; its descriptors, if it has exactly two, become the ring's memories. */
+static int receive_bytes(struct test_raw *raw, size_t *bytes, int fds[PROTO_FDS_MAX],
+                         int *fd_count)
+{
+    struct pollfd watched = {.fd = raw->socket, .events = POLLIN};
+    int rc;
+
+    if (poll(&watched, 1, WAIT_MS) <= 0)
+        return PCCD_E_TIMEOUT;
+    rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds, fd_count);
+    if (rc == PCCD_E_DISCONNECTED) /* a reset: what was said before it follows */
+        rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
+                           fd_count);
+    return rc;
+}
+
+int test_raw_receive(struct test_raw *raw)
+{
+    int fds[PROTO_FDS_MAX];
+    int fd_count = 0;
+    size_t bytes = 0;
+    int rc = receive_bytes(raw, &bytes, fds, &fd_count);
+
+    if (rc != 0)
+        return rc;
+    rc = proto_decode(raw->decoder, raw->message, bytes, &raw->envelope, &raw->error);
+    if (fd_count == 2) { /* upload, results: mapped once their sizes are known */
+        raw->upload.fd = fds[0];
+        raw->result.fd = fds[1];
+    } else if (fd_count > 0) {
+        (void)close(fds[0]);
+        return PCCD_E_BADMSG;
+    }
+    return rc;
+}
+
+uint32_t test_raw_request(struct test_raw *raw, int method, const void *request)
+{
+    uint32_t id = raw->next_id++;
+
+    if (proto_encode_request(&raw->encoder, id, method, request) != 0 ||
+        !test_raw_send(raw, raw->encoder.data, raw->encoder.bytes, 0))
+        return 0;
+    return id;
+}
+
+int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result)
+{
+    for (int i = 0; i < DATAGRAMS_MAX; i++) {
+        int rc = test_raw_receive(raw);
+
+        if (rc != 0)
+            return rc;
+        if (raw->envelope.kind != PROTO_RESPONSE || raw->envelope.id != id)
+            continue;
+        if (raw->envelope.failed) {
+            raw->error = raw->envelope.error;
+            return raw->error.code;
+        }
+        return result != NULL ? proto_decode_body(&raw->envelope,
+                                                  &proto_messages[method].result, result,
+                                                  &raw->error)
+                              : 0;
+    }
+    return PCCD_E_TIMEOUT;
+}
+
+int test_raw_call(struct test_raw *raw, int method, const void *request, void *result)
+{
+    uint32_t id = test_raw_request(raw, method, request);
+
+    return id == 0 ? PCCD_E_DISCONNECTED : test_raw_answer(raw, id, method, result);
+}
+
+int test_raw_hello(struct test_raw *raw)
+{
+    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
+                                          .version_max = PROTO_VERSION_MAX,
+                                          .client = "raw"};
+    struct proto_HELLO_result result;
+
+    return test_raw_call(raw, PROTO_METHOD_HELLO, &request, &result);
+}
+
+int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_bytes)
+{
+    struct proto_SHM_ATTACH_request request = {.slot_count = slot_count,
+                                               .slot_bytes = slot_bytes,
+                                               .result_bytes = PROTO_RESULT_BYTES_MIN};
+    int rc;
+
+    proto_memory_deinit(&raw->upload);
+    proto_memory_deinit(&raw->result);
+    raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
+    rc = test_raw_call(raw, PROTO_METHOD_SHM_ATTACH, &request, &raw->ring);
+    if (rc != 0)
+        return rc;
+    rc = proto_memory_map(&raw->upload, raw->upload.fd, raw->ring.upload_bytes, false);
+    if (rc != 0)
+        return rc;
+    return proto_memory_map(&raw->result, raw->result.fd, raw->ring.result_bytes, true);
+}
+
+struct proto_upload *test_raw_upload(const struct test_raw *raw)
+{
+    return raw->upload.base;
+}
+
+uint8_t *test_raw_payload(const struct test_raw *raw, uint32_t slot)
+{
+    return (uint8_t *)raw->upload.base + sizeof(struct proto_upload) +
+           slot * raw->ring.slot_stride;
+}
+
+uint64_t test_raw_publish(const struct test_raw *raw, uint32_t slot)
+{
+    struct proto_slot *descriptor = &test_raw_upload(raw)->slots[slot];
+    uint64_t seq = (atomic_load(&descriptor->seq) | 1u) + 1u;
+
+    atomic_store(&descriptor->seq, seq);
+    return seq;
+}
+
+int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
+                  const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t *mesh)
+{
+    struct proto_MESH_CREATE_request create = {.vertex_count = vertex_count,
+                                               .triangle_count = triangle_count};
+    struct proto_MESH_CREATE_result created;
+    struct proto_MESH_DATA_request data = {.slot = 0, .count = vertex_count};
+    struct proto_MESH_COMMIT_request commit;
+    int rc = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
+
+    if (rc != 0)
+        return rc;
+    data.mesh = commit.mesh = *mesh = created.mesh;
+    memcpy(test_raw_payload(raw, 0), x, vertex_count * sizeof(*x));
+    data.seq = test_raw_publish(raw, 0);
+    rc = test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
+    if (rc != 0)
+        return rc;
+    memcpy(test_raw_payload(raw, 0), triangles, triangle_count * sizeof(*triangles));
+    data.part = 1;
+    data.count = triangle_count;
+    data.seq = test_raw_publish(raw, 0);
+    rc = test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
+    return rc != 0 ? rc : test_raw_call(raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
+}

@@ -1,0 +1,65 @@
+/* raw.h - a peer that speaks the protocol without the library, well or badly.
+ *
+ * Room:     tests/support. May include: proto.
+ * Does:     a blocking socket with a time limit; send any bytes and descriptors; decode what
+ *           comes back; attach a ring and write its slots by hand.
+ * Threads:  one test at a time.
+ */
+#ifndef TEST_RAW_H
+#define TEST_RAW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "codec.h"
+#include "memfd.h"
+#include "messages.h"
+#include "shm.h"
+
+struct test_raw {
+    int socket; /* -1: none */
+    uint32_t next_id;
+    struct proto_decoder *decoder;
+    struct proto_envelope envelope; /* of the last message */
+    struct proto_error error;       /* of the last answer that failed */
+    struct proto_memory upload;
+    struct proto_memory result;
+    struct proto_SHM_ATTACH_result ring;
+    struct proto_encoder encoder;
+    uint8_t message[PROTO_MESSAGE_BYTES_MAX];
+};
+
+/* Connect without a word. False: nobody listens, or no memory. */
+bool test_raw_open(struct test_raw *raw, const char *socket_path);
+void test_raw_close(struct test_raw *raw);
+
+/* Send one datagram with `fd_count` copies of a descriptor of our own. */
+bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd_count);
+
+/* Receive and decode one message. Returns 0, PCCD_E_TIMEOUT (nothing for 10 s),
+ * PCCD_E_DISCONNECTED or PCCD_E_BADMSG. */
+int test_raw_receive(struct test_raw *raw);
+
+/* Send a request and wait for its answer, skipping others. Returns 0 with *result (may be
+ * NULL) set, or the error's code with raw->error set, or what test_raw_receive returned. */
+int test_raw_call(struct test_raw *raw, int method, const void *request, void *result);
+
+/* The same in two halves; send returns the id, 0 on failure. */
+uint32_t test_raw_request(struct test_raw *raw, int method, const void *request);
+int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result);
+
+/* hello, and a ring. Both return as test_raw_call. */
+int test_raw_hello(struct test_raw *raw);
+int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_bytes);
+
+struct proto_upload *test_raw_upload(const struct test_raw *raw);
+uint8_t *test_raw_payload(const struct test_raw *raw, uint32_t slot);
+/* Store the next even sequence number in the slot's descriptor. */
+uint64_t test_raw_publish(const struct test_raw *raw, uint32_t slot);
+
+/* A mesh of these floats and triangles, through slot 0. Returns as test_raw_call. */
+int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
+                  const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t *mesh);
+
+#endif
