@@ -1,1 +1,37 @@
-# client/ctl/local.mk - pccdctl, the command line.
+# client/ctl/local.mk - pccdctl.
+
+bin_PROGRAMS += pccdctl
+noinst_LTLIBRARIES += libctl.la
+
+# Everything but main, so that tests can link what they test.
+libctl_la_SOURCES = \
+    client/ctl/check_run.c client/ctl/check_run.h \
+    client/ctl/cloth_scene.c client/ctl/cloth_scene.h \
+    client/ctl/cmd_check.c \
+    client/ctl/cmd_demo.c \
+    client/ctl/cmd_ping.c \
+    client/ctl/cmd_stats.c \
+    client/ctl/cmd_version.c \
+    client/ctl/common.c client/ctl/ctl.h \
+    client/ctl/contacts_csv.c client/ctl/contacts_csv.h \
+    client/ctl/demo_picture.c client/ctl/demo_picture.h \
+    client/ctl/error.c client/ctl/error.h \
+    client/ctl/link.c client/ctl/link.h \
+    client/ctl/meshfile.c client/ctl/meshfile.h \
+    client/ctl/obj.c \
+    client/ctl/picture.c client/ctl/picture.h \
+    client/ctl/ply.c \
+    client/ctl/ply_header.c client/ctl/ply_header.h \
+    client/ctl/progress.c client/ctl/progress.h \
+    client/ctl/raster.c client/ctl/raster.h \
+    client/ctl/report.c client/ctl/report_json.c client/ctl/report.h \
+    client/ctl/statistics.c client/ctl/statistics.h \
+    client/ctl/text.c client/ctl/text.h
+# -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
+ctl_cppflags = -iquote $(top_srcdir)/client/ctl -iquote $(top_srcdir)/client/lib \
+    -iquote $(top_srcdir)/proto
+libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS)
+
+pccdctl_SOURCES = client/ctl/main.c
+pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
+pccdctl_LDADD = libctl.la libpccd.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)

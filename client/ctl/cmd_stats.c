@@ -1,0 +1,116 @@
+/* client/ctl/cmd_stats.c - pccdctl stats.
+ *
+ * Room:     client/ctl.
+ * Does:     lists the daemon's counters with their meaning, or as JSON.
+ * Does not: start a daemon, unless --private asks for one.
+ * Threads:  one.
+ * Source:   pccd.h.
+ */
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "link.h"
+
+struct stats_options {
+    struct ctl_link link;
+    bool is_json;
+};
+
+enum { OPTION_JSON = 256 + 64 };
+
+static const struct argp_option option_list[] = {
+    {"json", OPTION_JSON, NULL, 0, "One JSON object, name: value", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct stats_options *options = state->input;
+    (void)text;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp argp = {.options = option_list,
+                                 .parser = parse,
+                                 .doc = "List the daemon's counters.",
+                                 .children = children};
+
+/* The library says no name's length beforehand, so the list is walked twice: once for the
+ * widths, once to print. The second walk asks again; its values are the later ones. */
+struct widths {
+    int name, value;
+};
+
+static void measure(void *context, const char *name, uint64_t value, const char *text)
+{
+    struct widths *widths = context;
+    int name_width = (int)strlen(name);
+    int value_width = snprintf(NULL, 0, "%" PRIu64, value);
+    (void)text;
+    if (name_width > widths->name)
+        widths->name = name_width;
+    if (value_width > widths->value)
+        widths->value = value_width;
+}
+
+static void print_line(void *context, const char *name, uint64_t value, const char *text)
+{
+    const struct widths *widths = context;
+    printf("%-*s  %*" PRIu64 "  %s\n", widths->name, name, widths->value, value, text);
+}
+
+static void add_member(void *context, const char *name, uint64_t value, const char *text)
+{
+    (void)text;
+    json_object_set_new(context, name, json_integer((json_int_t)value));
+}
+
+static int print_json(struct pccd_client *client)
+{
+    json_t *object = json_object();
+    int status = pccd_stats(client, add_member, object);
+    if (status == PCCD_OK) {
+        json_dumpf(object, stdout, JSON_INDENT(2));
+        putchar('\n');
+    }
+    json_decref(object);
+    return status;
+}
+
+static int print_list(struct pccd_client *client)
+{
+    struct widths widths = {0, 0};
+    int status = pccd_stats(client, measure, &widths);
+    if (status == PCCD_OK)
+        status = pccd_stats(client, print_line, &widths);
+    return status;
+}
+
+int ctl_cmd_stats(int argc, char **argv)
+{
+    struct stats_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct pccd_client *client = NULL;
+    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0)
+        return CTL_FAILED;
+    int status = ctl_link_open(&options.link, &client);
+    if (status == CTL_DONE &&
+        (options.is_json ? print_json(client) : print_list(client)) != PCCD_OK)
+        status = ctl_complain("stats: %s", pccd_error_text(client));
+    pccd_close(client);
+    ctl_link_deinit(&options.link);
+    return status;
+}

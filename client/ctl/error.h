@@ -1,0 +1,22 @@
+/* client/ctl/error.h - one error text, filled where the fault is found.
+ *
+ * Room:     client/ctl. May include: pccd_types.h.
+ * Does:     carries a status of enum pccd_status together with a sentence for the user.
+ * Does not: print; the commands do.
+ * Threads:  [any]
+ * Source:   the status list in pccd_types.h.
+ */
+#ifndef CTL_ERROR_H
+#define CTL_ERROR_H
+
+#define CTL_ERROR_TEXT_BYTES 1024
+
+struct ctl_error {
+    char text[CTL_ERROR_TEXT_BYTES]; /* one line without a newline; "" = no error */
+};
+
+/* Write the text (cut to fit) and return `status`, so that a fault is one statement. */
+int ctl_error_set(struct ctl_error *error, int status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+#endif

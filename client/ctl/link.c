@@ -1,0 +1,100 @@
+/* client/ctl/link.c - which daemon a command talks to.
+ *
+ * Room:     client/ctl.
+ * Does:     reads the common options and connects.
+ * Does not: keep the connection.
+ * Threads:  one.
+ * Source:   link.h.
+ */
+#include "link.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl.h"
+
+enum { OPTION_URL = 256, OPTION_SOCKET, OPTION_PRIVATE, OPTION_DAEMON, OPTION_TIMEOUT };
+
+static const struct argp_option options[] = {
+    {"url", OPTION_URL, "URL", 0, "Talk to the daemon at URL, unix:PATH", 0},
+    {"socket", OPTION_SOCKET, "PATH", 0, "The same as --url unix:PATH", 0},
+    {"private", OPTION_PRIVATE, NULL, 0,
+     "Start a daemon for this command alone; it goes away with it", 0},
+    {"daemon", OPTION_DAEMON, "PROGRAM", 0,
+     "The daemon to start (default: $PCCD_DAEMON, else the installed pccdd)", 0},
+    {"timeout", OPTION_TIMEOUT, "MS", 0, "Give up waiting after so long (default: 30000)",
+     0},
+    {0},
+};
+
+static void set_url(struct argp_state *state, const char *prefix, const char *rest)
+{
+    struct ctl_link *link = state->input;
+    char *url = NULL;
+    if (asprintf(&url, "%s%s", prefix, rest) < 0)
+        argp_failure(state, CTL_FAILED, 0, "out of memory");
+    free(link->url);
+    link->url = url;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct ctl_link *link = state->input;
+    switch (key) {
+    case OPTION_URL:
+        set_url(state, "", text);
+        return 0;
+    case OPTION_SOCKET:
+        set_url(state, "unix:", text);
+        return 0;
+    case OPTION_PRIVATE:
+        link->is_private = true;
+        return 0;
+    case OPTION_DAEMON:
+        link->daemon = text;
+        return 0;
+    case OPTION_TIMEOUT:
+        link->timeout_ms = (int)ctl_option_count(state, "timeout", text, 1, 3600000);
+        return 0;
+    case ARGP_KEY_END:
+        if (link->is_private && link->url != NULL)
+            argp_error(state, "--private and --url exclude each other");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const struct argp ctl_link_argp = {.options = options, .parser = parse};
+
+int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
+{
+    struct pccd_options asked;
+    const char *told = getenv("PCCD_URL");
+    bool has_told = told != NULL && told[0] != '\0';
+    pccd_options_init(&asked);
+    asked.url = link->url;
+    asked.daemon = link->daemon;
+    asked.timeout_ms = link->timeout_ms;
+    asked.result_bytes = link->result_bytes;
+    asked.no_autostart = link->policy == CTL_LINK_EXISTING;
+    asked.private_daemon = link->is_private ||
+                           (link->url == NULL &&
+                            (link->policy == CTL_LINK_PRIVATE ||
+                             (link->policy == CTL_LINK_PRIVATE_UNLESS_ENV && !has_told)));
+    if (asked.private_daemon)
+        asked.no_autostart = false;
+    int status = pccd_connect(&asked, client);
+    if (status == PCCD_OK)
+        return CTL_DONE;
+    const char *text = pccd_error_text(NULL);
+    return ctl_complain("no connection: %s",
+                        text[0] != '\0' ? text : pccd_status_text(status));
+}
+
+void ctl_link_deinit(struct ctl_link *link)
+{
+    free(link->url);
+    link->url = NULL;
+}

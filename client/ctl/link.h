@@ -1,0 +1,40 @@
+/* client/ctl/link.h - which daemon a command talks to.
+ *
+ * Room:     client/ctl. May include: pccd.h.
+ * Does:     the options --url, --socket, --private, --daemon, --timeout, and the
+ * connection. Does not: keep the connection; that is the command's. Threads:  one.
+ * Source:   used as an argp child by every command.
+ */
+#ifndef CTL_LINK_H
+#define CTL_LINK_H
+
+#include <argp.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd.h"
+
+/* What to do without --url and --socket. */
+enum ctl_link_policy {
+    CTL_LINK_EXISTING,          /* the user's daemon, if it runs */
+    CTL_LINK_PRIVATE,           /* a daemon of our own */
+    CTL_LINK_PRIVATE_UNLESS_ENV /* $PCCD_URL if set, else a daemon of our own */
+};
+
+struct ctl_link {
+    enum ctl_link_policy policy; /* set before parsing */
+    char *url;                   /* ours; NULL = none given */
+    const char *daemon;
+    int timeout_ms;
+    bool is_private;       /* asked for */
+    uint64_t result_bytes; /* 0 = the library's default */
+};
+
+/* For `children`, under the heading "Daemon:"; its input is a struct ctl_link. */
+extern const struct argp ctl_link_argp;
+
+/* Connect, or complain. Returns an exit status. */
+int ctl_link_open(const struct ctl_link *link, struct pccd_client **client);
+void ctl_link_deinit(struct ctl_link *link);
+
+#endif
