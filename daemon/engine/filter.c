@@ -72,8 +72,8 @@ INLINE struct vector add(struct vector a, struct vector b)
     return (struct vector){a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
-/* Differences point of the second feature - point of the first: VF corner k - vertex negated
- * alike, EE b - a. One sign along a direction at both ends for all of them separates. */
+/* Differences between the points of the two features: VF vertex - corner, EE b - a. If all
+ * have one sign along a direction at both ends, that direction separates for the step. */
 #define DIFFERENCES_MAX 4
 
 INLINE int load_differences(enum eng_kind kind, const struct eng_lanes *lanes,

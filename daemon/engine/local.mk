@@ -60,3 +60,5 @@ libengine_la_SOURCES = \
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 libengine_la_LIBADD = $(XXHASH_LIBS) $(GMP_LIBS) $(LIBM)
+
+EXTRA_DIST += daemon/engine/BOUNDS.md

@@ -27,9 +27,7 @@ struct eng_query {
 /* u = 2^-53, half an ulp of 1: the relative error of one rounding. */
 #define ENG_U 0x1p-53
 
-/* Above what underflow can add to any quantity that is compared with it: every product chain
- * here has at most six factors of magnitude below 2^62, so an error of 2^-1075 made inside
- * it grows to at most a few times 2^-1075 * 2^62 = 2^-1013. */
+/* Above what underflow can add to any quantity that is compared with a margin; BOUNDS.md. */
 #define ENG_TINY 0x1p-1000
 
 #endif

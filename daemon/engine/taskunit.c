@@ -1,8 +1,8 @@
 /* daemon/engine/taskunit.c - the self-CD task unit.
  *
  * Room:     engine.
- * Does:     fetch a pair of nodes, test their boxes, refine both into up to four pairs; two
- *           leaves become candidates through the features they own.
+ * Does:     fetch a pair of overlapping nodes, refine both into up to four pairs, test their
+ *           boxes; two leaves become candidates through the features they own.
  * Threads:  [team].
  * Source:   paper section 4.1. The pair queue is taken from the end (the paper allows a queue
  *           or a stack, section 3.2), which bounds its length by the depth of the trees.
@@ -14,7 +14,7 @@
 /* Pairs of one task unit between two looks at the clock, when no chunk fills up. */
 #define PAIRS_PER_LOOK 65536u
 
-static bool overlap(const struct eng_worker *worker, const void *a, const void *b)
+static inline bool overlap(const struct eng_worker *worker, const void *a, const void *b)
 {
     const struct eng_box *box_a = eng_box_of_const(a);
     const struct eng_box *box_b = eng_box_of_const(b);
@@ -96,8 +96,21 @@ static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
                         &worker->scene->triangles[m->right]);
 }
 
-static void push_pair(struct eng_pair_queue *pairs, uint32_t n, uint32_t m)
+/* BV overlap test of a pair: what passes waits for its refinement, or, between two leaves,
+ * is a pair of triangles. Testing before queueing halves the nodes fetched: a refinement
+ * meets four boxes and tests each twice. */
+static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
+    const struct eng_node *nodes = worker->scene->nodes;
+    struct eng_pair_queue *pairs = &worker->pairs;
+    worker->counters.box_tests++;
+    if (!overlap(worker, &nodes[n], &nodes[m])) {
+        return;
+    }
+    if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
+        leaf_pair(worker, &nodes[n], &nodes[m]);
+        return;
+    }
     assert(pairs->count < ENG_PAIRS_MAX);
     pairs->n[pairs->count] = n;
     pairs->m[pairs->count] = m;
@@ -107,20 +120,19 @@ static void push_pair(struct eng_pair_queue *pairs, uint32_t n, uint32_t m)
 /* Refine both nodes of a pair; a leaf stands for itself. */
 static void refine(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
-    const struct eng_node *nodes = worker->scene->nodes;
-    bool n_is_leaf = nodes[n].left == ENG_LEAF;
-    bool m_is_leaf = nodes[m].left == ENG_LEAF;
-    if (n_is_leaf) {
-        push_pair(&worker->pairs, n, nodes[m].left);
-        push_pair(&worker->pairs, n, nodes[m].right);
-    } else if (m_is_leaf) {
-        push_pair(&worker->pairs, nodes[n].left, m);
-        push_pair(&worker->pairs, nodes[n].right, m);
+    const struct eng_node *node_n = &worker->scene->nodes[n];
+    const struct eng_node *node_m = &worker->scene->nodes[m];
+    if (node_n->left == ENG_LEAF) {
+        test_pair(worker, n, node_m->left);
+        test_pair(worker, n, node_m->right);
+    } else if (node_m->left == ENG_LEAF) {
+        test_pair(worker, node_n->left, m);
+        test_pair(worker, node_n->right, m);
     } else {
-        push_pair(&worker->pairs, nodes[n].left, nodes[m].left);
-        push_pair(&worker->pairs, nodes[n].left, nodes[m].right);
-        push_pair(&worker->pairs, nodes[n].right, nodes[m].left);
-        push_pair(&worker->pairs, nodes[n].right, nodes[m].right);
+        test_pair(worker, node_n->left, node_m->left);
+        test_pair(worker, node_n->left, node_m->right);
+        test_pair(worker, node_n->right, node_m->left);
+        test_pair(worker, node_n->right, node_m->right);
     }
 }
 
@@ -142,26 +154,15 @@ void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_ch
         push_unit(&worker->units, nodes[node].right);
     }
     struct eng_pair_queue *pairs = &worker->pairs;
-    push_pair(pairs, nodes[node].left, nodes[node].right);
-    uint64_t box_tests = 0;
-    while (pairs->count > 0 && !worker->stop->stopped) {
+    test_pair(worker, nodes[node].left, nodes[node].right);
+    for (uint64_t refined = 1; pairs->count > 0 && !worker->stop->stopped; refined++) {
         pairs->count--;
-        uint32_t n = pairs->n[pairs->count];
-        uint32_t m = pairs->m[pairs->count];
-        if (++box_tests % PAIRS_PER_LOOK == 0) {
+        refine(worker, pairs->n[pairs->count], pairs->m[pairs->count]);
+        if (refined % PAIRS_PER_LOOK == 0) {
             eng_worker_should_stop(worker);
-        }
-        if (!overlap(worker, &nodes[n], &nodes[m])) {
-            continue;
-        }
-        if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
-            leaf_pair(worker, &nodes[n], &nodes[m]);
-        } else {
-            refine(worker, n, m);
         }
     }
     pairs->count = 0;
-    worker->counters.box_tests += box_tests;
 }
 
 void eng_taskunit_flush(struct eng_worker *worker)
