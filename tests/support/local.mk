@@ -7,8 +7,10 @@ libtestdaemon_la_SOURCES = \
     tests/support/crossing.h \
     tests/support/daemon.c \
     tests/support/daemon.h \
+    tests/support/grid.c \
+    tests/support/grid.h \
     tests/support/raw.c \
     tests/support/raw.h
 libtestdaemon_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
     -I$(top_srcdir)/tests/support
-libtestdaemon_la_LIBADD = libpccd.la libproto.la
+libtestdaemon_la_LIBADD = libpccd.la libproto.la -lm

@@ -1,0 +1,587 @@
+/* test_int_session.c - sessions with a real daemon: start, agree, share, end.
+ *
+ * Room:     tests/integration. May include: pccd.h, proto, tests/support.
+ * Does:     hello, ping, stats, the lock, quotas, SIGTERM, and clients that start a daemon.
+ * Threads:  one; children are forked for what needs several processes.
+ */
+#include <errno.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "grid.h"
+#include "pccd.h"
+#include "raw.h"
+
+static struct test_daemon shared; /* for the tests that need no options of their own */
+
+static int start_shared(void **state)
+{
+    (void)state;
+    return test_daemon_start(&shared, NULL) ? 0 : -1;
+}
+
+static int stop_shared(void **state)
+{
+    (void)state;
+    return test_daemon_finish(&shared) ? 0 : -1;
+}
+
+/* If it failed, a client could not tell which daemon it talks to, or not at all. */
+static void session__hello_and_ping_reach_the_daemon(void **state)
+{
+    struct pccd_client *client = test_connect(shared.url);
+    uint64_t round_trip_ns = 0;
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(pccd_daemon_pid(client), shared.pid);
+    assert_string_equal(pccd_url(client), shared.url);
+    assert_true(pccd_fd(client) >= 0);
+    assert_int_equal(pccd_ping(client, &round_trip_ns), 0);
+    assert_true(round_trip_ns > 0 && round_trip_ns < 10000000000u);
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_string_equal(pccd_error_text(client), "");
+    pccd_close(client);
+}
+
+/* If it failed, a client of another protocol would be half understood. */
+static void session__unknown_version_is_refused(void **state)
+{
+    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MAX + 1,
+                                          .version_max = PROTO_VERSION_MAX + 3};
+    static struct test_raw raw;
+
+    (void)state;
+    assert_true(test_raw_open(&raw, shared.socket));
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, NULL),
+                     PCCD_E_VERSION);
+    assert_true(raw.error.fatal);
+    assert_int_equal(test_raw_receive(&raw), PCCD_E_DISCONNECTED);
+    test_raw_close(&raw);
+}
+
+/* If it failed, a newer client that still speaks our version would be turned away. */
+static void session__version_range_that_overlaps_is_agreed(void **state)
+{
+    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
+                                          .version_max = PROTO_VERSION_MAX + 7};
+    struct proto_HELLO_result result;
+    static struct test_raw raw;
+
+    (void)state;
+    assert_true(test_raw_open(&raw, shared.socket));
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, &result), 0);
+    assert_int_equal(result.version, PROTO_VERSION_MAX);
+    assert_int_equal(result.pid, shared.pid);
+    test_raw_close(&raw);
+}
+
+/* If it failed, a peer could use the daemon without having agreed on a version. */
+static void session__requests_before_hello_are_refused(void **state)
+{
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_PING_request ping = {.token = 77};
+    struct proto_PING_result pong;
+    static struct test_raw raw;
+
+    (void)state;
+    assert_true(test_raw_open(&raw, shared.socket));
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, &pong), 0);
+    assert_int_equal(pong.token, 77);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL),
+                     PCCD_E_NOHELLO);
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_hello(&raw), PCCD_E_STATE);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL), 0);
+    test_raw_close(&raw);
+}
+
+static void count_stat(void *context, const char *name, uint64_t value, const char *text)
+{
+    (void)value;
+    assert_true(name[0] != '\0' && text[0] != '\0');
+    (*(unsigned *)context)++;
+}
+
+/* If it failed, the counters that every other test relies on would be wrong. */
+static void session__stats_count_what_happens(void **state)
+{
+    struct pccd_client *client = test_connect(shared.url);
+    struct test_crossing crossing;
+    unsigned count = 0;
+    uint64_t steps;
+    uint64_t contacts;
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(pccd_stats(client, count_stat, &count), 0);
+    assert_true(count >= 30);
+    assert_int_equal(test_stat(client, "pid"), shared.pid);
+    assert_int_equal(test_stat_await(client, "sessions_now", 1), 1);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_int_equal(test_stat(client, "meshes_now"), 2);
+    assert_int_equal(test_stat(client, "scenes_now"), 1);
+    assert_int_equal(test_stat(client, "objects_now"), 2);
+    steps = test_stat(client, "steps");
+    contacts = test_stat(client, "contacts");
+    for (int i = 0; i < 5; i++)
+        assert_true(test_crossing_turn(&crossing));
+    assert_int_equal(test_stat(client, "steps"), steps + 5);
+    assert_int_equal(test_stat(client, "contacts"), contacts + 15);
+    pccd_close(client);
+    client = test_connect(shared.url);
+    assert_int_equal(test_stat_await(client, "meshes_now", 0), 0);
+    assert_int_equal(test_stat_await(client, "shm_bytes_now", 0), 0);
+    pccd_close(client);
+}
+
+/* If it failed, two daemons would fight over one path, or the user not learn who has it. */
+static void session__second_daemon_says_who_holds_the_path(void **state)
+{
+    struct pccd_client *client = test_connect(shared.url);
+    char pid[32];
+
+    (void)state;
+    assert_non_null(client);
+    (void)snprintf(pid, sizeof(pid), "%ld", (long)shared.pid);
+    assert_int_not_equal(test_daemon_start_second(&shared), 0);
+    assert_true(test_daemon_logged(&shared, pid));
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    pccd_close(client);
+}
+
+/* If it failed, one client's objects could be seen or moved by another. */
+static void session__handles_of_another_client_are_refused(void **state)
+{
+    struct pccd_client *owner = test_connect(shared.url);
+    struct pccd_client *stranger = test_connect(shared.url);
+    struct test_crossing crossing;
+    struct pccd_answer answer;
+    uint32_t object = 0;
+    uint32_t scene = 0;
+
+    (void)state;
+    assert_non_null(owner);
+    assert_non_null(stranger);
+    assert_int_equal(test_crossing_make(owner, &crossing), 0);
+    assert_int_equal(pccd_mesh_destroy(stranger, crossing.mesh), PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_destroy(stranger, crossing.scene), PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_remove(stranger, crossing.scene, crossing.object),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_add(stranger, crossing.scene, crossing.mesh, &object),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_step_x1(stranger, crossing.scene, crossing.object, test_triangle_x,
+                                  PCCD_FORMAT_F32, 3, NULL, &answer),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_create(stranger, &scene), 0);
+    assert_int_equal(pccd_scene_add(stranger, scene, crossing.mesh, &object), PCCD_E_HANDLE);
+    assert_int_equal(pccd_step_x1(stranger, scene, crossing.object, test_triangle_x,
+                                  PCCD_FORMAT_F32, 3, NULL, &answer),
+                     PCCD_E_HANDLE);
+    assert_true(test_crossing_turn(&crossing));
+    pccd_close(stranger);
+    assert_true(test_crossing_turn(&crossing));
+    pccd_close(owner);
+}
+
+/* If it failed, a stale handle could reach what took its place. */
+static void session__handles_die_with_what_they_name(void **state)
+{
+    struct pccd_client *client = test_connect(shared.url);
+    struct test_crossing old;
+    struct test_crossing crossing;
+    uint32_t object = 0;
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &old), 0);
+    assert_int_equal(pccd_scene_destroy(client, old.scene), 0);
+    assert_int_equal(pccd_mesh_destroy(client, old.mesh), 0);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_int_equal(pccd_scene_destroy(client, old.scene), PCCD_E_HANDLE);
+    assert_int_equal(pccd_mesh_destroy(client, old.mesh), PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_add(client, crossing.scene, old.mesh, &object),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_remove(client, crossing.scene, old.object), PCCD_E_HANDLE);
+    assert_true(test_crossing_turn(&crossing));
+    pccd_close(client);
+}
+
+/* If it failed, clients would share state or starve each other. */
+static void session__many_clients_take_turns(void **state)
+{
+    enum { CLIENTS = 12, TURNS = 10 };
+    struct test_crossing crossings[CLIENTS];
+
+    (void)state;
+    for (int i = 0; i < CLIENTS; i++) {
+        struct pccd_client *client = test_connect(shared.url);
+
+        assert_non_null(client);
+        assert_int_equal(test_crossing_make(client, &crossings[i]), 0);
+    }
+    for (int turn = 0; turn < TURNS; turn++) {
+        for (int i = 0; i < CLIENTS; i++)
+            assert_true(test_crossing_turn(&crossings[i]));
+    }
+    for (int i = 0; i < CLIENTS; i++)
+        pccd_close(crossings[i].client);
+}
+
+/* If it failed, one user could take all connections, or a refusal hurt the others. */
+static void session__clients_beyond_the_quota_are_refused(void **state)
+{
+    const char *const options[] = {"--clients-max", "2", NULL};
+    struct pccd_options connect = {.struct_bytes = 0};
+    struct test_daemon daemon;
+    struct pccd_client *first;
+    struct pccd_client *second;
+    struct pccd_client *third = NULL;
+    struct test_crossing crossing;
+    int rc = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    first = test_connect(daemon.url);
+    second = test_connect(daemon.url);
+    assert_non_null(first);
+    assert_non_null(second);
+    assert_int_equal(test_crossing_make(first, &crossing), 0);
+    connect.url = daemon.url;
+    for (int i = 0; i < 20; i++) {
+        assert_int_equal(pccd_connect(&connect, &third), PCCD_E_QUOTA);
+        assert_null(third);
+        assert_non_null(strstr(pccd_error_text(NULL), "quota"));
+        assert_true(test_crossing_turn(&crossing));
+    }
+    assert_int_equal(test_stat(first, "sessions_refused"), 20);
+    pccd_close(second);
+    for (int i = 0; i < 200; i++) { /* the daemon sees the end of file a little later */
+        rc = pccd_connect(&connect, &third);
+        if (rc != PCCD_E_QUOTA)
+            break;
+        test_sleep_ms(5);
+    }
+    assert_int_equal(rc, 0);
+    assert_int_equal(pccd_ping(third, NULL), 0);
+    assert_true(test_crossing_turn(&crossing));
+    pccd_close(third);
+    pccd_close(first);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, one user could fill the daemon's memory. */
+static void session__meshes_triangles_and_memory_have_quotas(void **state)
+{
+    const char *const options[] = {"--meshes-max", "3", "--triangles-max", "1000",
+                                   "--shm-max-mib", "8", NULL};
+    struct pccd_options large;
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct pccd_client *greedy = NULL;
+    struct test_crossing crossing;
+    struct test_grid grid;
+    uint32_t mesh = 0;
+    uint32_t extra = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
+                                      1, &mesh, NULL),
+                     0);
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
+                                      1, &extra, NULL),
+                     PCCD_E_QUOTA);
+    assert_int_equal(pccd_mesh_destroy(client, mesh), 0);
+    assert_int_equal(test_grid_make(client, 40, &grid), PCCD_E_QUOTA); /* 3042 triangles */
+    test_grid_free(&grid);
+    pccd_options_init(&large);
+    large.url = daemon.url;
+    large.result_bytes = 32u << 20;
+    assert_int_equal(pccd_connect(&large, &greedy), 0);
+    assert_int_equal(pccd_mesh_create(greedy, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
+                                      1, &extra, NULL),
+                     PCCD_E_QUOTA);
+    assert_int_equal(pccd_ping(greedy, NULL), 0);
+    pccd_close(greedy);
+    assert_true(test_crossing_turn(&crossing));
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, a restart would throw away work that clients wait for. */
+static void session__sigterm_answers_what_is_in_flight(void **state)
+{
+    enum { STEPS = 4 };
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t steps[STEPS];
+    int status;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, NULL));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, 60, &grid), 0);
+    for (int i = 0; i < STEPS; i++)
+        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+    assert_int_equal(pccd_ping(client, NULL), 0); /* behind the steps: they have been read */
+    assert_int_equal(kill(daemon.pid, SIGTERM), 0);
+    for (int i = 0; i < STEPS; i++) {
+        assert_int_equal(pccd_wait(client, steps[i], -1, &answer), 0);
+        assert_true(test_grid_is_right(&grid, &answer));
+        pccd_answer_release(client, &answer);
+    }
+    status = test_daemon_end(&daemon, 0, 10000);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    assert_int_not_equal(access(daemon.socket, F_OK), 0);
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
+    assert_true(pccd_error_text(client)[0] != '\0');
+    pccd_close(client);
+    test_grid_free(&grid);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, daemons that nobody uses would stay for ever. */
+static void session__idle_daemon_ends_by_itself(void **state)
+{
+    const char *const options[] = {"--idle-exit", "1", NULL};
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    int status;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    test_sleep_ms(1500);
+    assert_int_equal(pccd_ping(client, NULL), 0); /* a silent client is a client */
+    pccd_close(client);
+    status = test_daemon_end(&daemon, 0, 8000);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* Connect to the user's own daemon; the exit status says whether a step was right. */
+static int run_autostart_child(int pid_fd)
+{
+    struct pccd_client *client = NULL;
+    struct test_crossing crossing;
+    uint32_t pid;
+
+    if (pccd_connect(NULL, &client) != 0) {
+        fprintf(stderr, "# child: %s\n", pccd_error_text(NULL));
+        return 1;
+    }
+    pid = pccd_daemon_pid(client);
+    if (test_crossing_make(client, &crossing) != 0 || !test_crossing_turn(&crossing))
+        return 2;
+    pccd_close(client);
+    return write(pid_fd, &pid, sizeof(pid)) == (ssize_t)sizeof(pid) ? 0 : 3;
+}
+
+/* If it failed, programs that start together would not find the same daemon, or none. */
+static void session__clients_that_start_together_share_one_daemon(void **state)
+{
+    enum { CHILDREN = 6 };
+    char runtime[] = "/tmp/pccd-test-XXXXXX";
+    char path[64];
+    pid_t children[CHILDREN];
+    uint32_t pids[CHILDREN];
+    int fds[2];
+
+    (void)state;
+    assert_non_null(mkdtemp(runtime));
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", runtime, 1), 0);
+    assert_int_equal(setenv("PCCD_DAEMON", getenv("PCCDD"), 1), 0);
+    assert_int_equal(unsetenv("PCCD_URL"), 0);
+    assert_int_equal(pipe(fds), 0);
+    for (int i = 0; i < CHILDREN; i++) {
+        children[i] = fork();
+        assert_true(children[i] >= 0);
+        if (children[i] == 0)
+            _exit(run_autostart_child(fds[1]));
+    }
+    for (int i = 0; i < CHILDREN; i++) {
+        int status = 0;
+
+        assert_int_equal(waitpid(children[i], &status, 0), children[i]);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 0);
+        assert_int_equal(read(fds[0], &pids[i], sizeof(pids[i])), sizeof(pids[i]));
+    }
+    for (int i = 1; i < CHILDREN; i++)
+        assert_int_equal(pids[i], pids[0]);
+    (void)close(fds[0]);
+    (void)close(fds[1]);
+    /* It is nobody's child: this process must not be able to wait for it. */
+    assert_int_equal(waitpid((pid_t)pids[0], NULL, WNOHANG), -1);
+    assert_int_equal(errno, ECHILD);
+    assert_int_equal(kill((pid_t)pids[0], SIGTERM), 0);
+    for (int i = 0; i < 2000 && kill((pid_t)pids[0], 0) == 0; i++)
+        test_sleep_ms(5);
+    (void)snprintf(path, sizeof(path), "%s/pccd/pccd.sock", runtime);
+    assert_int_not_equal(access(path, F_OK), 0);
+    (void)snprintf(path, sizeof(path), "rm -rf %s", runtime);
+    assert_int_equal(system(path), 0);
+}
+
+/* If it failed, a program would wait for a daemon that cannot be, or get one unasked. */
+static void session__no_daemon_is_an_error_with_a_text(void **state)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    uint64_t begin_ms = test_now_ms();
+
+    (void)state;
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", "/nonexistent", 1), 0);
+    pccd_options_init(&options);
+    options.no_autostart = true;
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_NODAEMON);
+    assert_non_null(strstr(pccd_error_text(NULL), "/nonexistent"));
+    options.no_autostart = false;
+    options.daemon = "/nonexistent/pccdd";
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_NODAEMON);
+    assert_non_null(strstr(pccd_error_text(NULL), "/nonexistent/pccdd"));
+    options.private_daemon = true;
+    options.daemon = "/bin/false";
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_NODAEMON);
+    assert_non_null(strstr(pccd_error_text(NULL), "ended at once"));
+    options.private_daemon = false;
+    options.url = "unix:/nonexistent/socket";
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_NODAEMON);
+    assert_int_equal(setenv("PCCD_URL", "unix:/nonexistent/other", 1), 0);
+    options.url = NULL;
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_NODAEMON);
+    assert_non_null(strstr(pccd_error_text(NULL), "/nonexistent/other"));
+    assert_int_equal(unsetenv("PCCD_URL"), 0);
+    assert_null(client);
+    assert_true(test_now_ms() - begin_ms < 5000);
+}
+
+/* If it failed, wrong options would be guessed at instead of refused. */
+static void session__wrong_options_are_refused(void **state)
+{
+    struct pccd_options good;
+    struct pccd_options bad;
+    struct pccd_client *client = NULL;
+
+    (void)state;
+    pccd_options_init(&good);
+    good.url = shared.url;
+    assert_int_equal(pccd_connect(&good, NULL), PCCD_E_INVAL);
+#define REFUSED(change)                                                                  \
+    do {                                                                                 \
+        bad = good;                                                                      \
+        change;                                                                          \
+        assert_int_equal(pccd_connect(&bad, &client), PCCD_E_INVAL);                     \
+        assert_true(pccd_error_text(NULL)[0] != '\0');                                   \
+    } while (0)
+    REFUSED(bad.struct_bytes = 7);
+    REFUSED(bad.struct_bytes = 1u << 20);
+    REFUSED(bad.timeout_ms = -1);
+    REFUSED(bad.timeout_ms = 3600001);
+    REFUSED(bad.slot_count = 17);
+    REFUSED(bad.slot_bytes = 100);
+    REFUSED(bad.result_bytes = 100);
+    REFUSED(bad.spin_us = 1001);
+    REFUSED(bad.private_daemon = true);
+    REFUSED(bad.url = "tcp:localhost");
+    REFUSED(bad.url = "unix:");
+    REFUSED(bad.url = "unix:/tmp/a/path/that/is/much/too/long/for/a/socket/address/because/"
+                      "it/has/more/than/one/hundred/and/seven/bytes/in/it");
+#undef REFUSED
+    assert_null(client);
+    assert_int_equal(pccd_connect(&good, &client), 0);
+    assert_string_equal(pccd_error_text(NULL), "");
+    pccd_close(client);
+    pccd_close(NULL);
+}
+
+/* If it failed, a call without a client would crash the program. */
+static void session__null_arguments_are_refused(void **state)
+{
+    struct pccd_client *client = test_connect(shared.url);
+    struct pccd_answer answer;
+    struct pccd_frame frame;
+    uint64_t step = 0;
+    uint32_t handle = 0;
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(pccd_ping(NULL, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_stats(NULL, count_stat, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_stats(client, NULL, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_scene_create(NULL, &handle), PCCD_E_INVAL);
+    assert_int_equal(pccd_scene_create(client, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_scene_add(client, 1, 1, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_mesh_create(client, NULL, PCCD_FORMAT_F32, 3, test_triangle, 1,
+                                      &handle, NULL),
+                     PCCD_E_INVAL);
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, (enum pccd_format)9, 3,
+                                      test_triangle, 1, &handle, NULL),
+                     PCCD_E_INVAL);
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 0, test_triangle,
+                                      1, &handle, NULL),
+                     PCCD_E_INVAL);
+    assert_int_equal(pccd_mesh_edges(client, 1, NULL, 4), PCCD_E_INVAL);
+    assert_int_equal(pccd_frame_begin(client, 1, 1, 64, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_frame_begin(NULL, 1, 1, 64, &frame), PCCD_E_INVAL);
+    assert_int_equal(pccd_frame_commit(NULL, NULL, &step), PCCD_E_INVAL);
+    assert_int_equal(pccd_submit_still(client, 1, NULL, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_poll(client, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
+    assert_int_equal(pccd_wait(client, 12345, -1, &answer), PCCD_E_INVAL);
+    assert_int_equal(pccd_cancel(client, 12345), PCCD_E_INVAL);
+    assert_int_equal(pccd_step_x1(client, 1, 1, NULL, PCCD_FORMAT_F32, 3, NULL, &answer),
+                     PCCD_E_INVAL);
+    pccd_frame_abort(NULL);
+    pccd_answer_release(client, NULL);
+    assert_int_equal(pccd_fd(NULL), -1);
+    assert_int_equal(pccd_daemon_pid(NULL), 0);
+    pccd_close(client);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(session__hello_and_ping_reach_the_daemon),
+        cmocka_unit_test(session__unknown_version_is_refused),
+        cmocka_unit_test(session__version_range_that_overlaps_is_agreed),
+        cmocka_unit_test(session__requests_before_hello_are_refused),
+        cmocka_unit_test(session__stats_count_what_happens),
+        cmocka_unit_test(session__second_daemon_says_who_holds_the_path),
+        cmocka_unit_test(session__handles_of_another_client_are_refused),
+        cmocka_unit_test(session__handles_die_with_what_they_name),
+        cmocka_unit_test(session__many_clients_take_turns),
+        cmocka_unit_test(session__clients_beyond_the_quota_are_refused),
+        cmocka_unit_test(session__meshes_triangles_and_memory_have_quotas),
+        cmocka_unit_test(session__sigterm_answers_what_is_in_flight),
+        cmocka_unit_test(session__idle_daemon_ends_by_itself),
+        cmocka_unit_test(session__clients_that_start_together_share_one_daemon),
+        cmocka_unit_test(session__wrong_options_are_refused),
+        cmocka_unit_test(session__null_arguments_are_refused),
+        cmocka_unit_test(session__no_daemon_is_an_error_with_a_text),
+    };
+
+    return cmocka_run_group_tests_name("session", tests, start_shared, stop_shared);
+}

@@ -1,0 +1,125 @@
+/* grid.c - a scene of any size with a known answer.
+ *
+ * Room:     tests/support. May include: grid.h, crossing.h.
+ * Does:     see grid.h.
+ * Threads:  one test at a time.
+ */
+#include "grid.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "crossing.h"
+
+
+void test_grid_positions(struct test_grid *grid, float z)
+{
+    for (uint32_t i = 0; i < grid->vertex_count; i++) {
+        float x = (float)(i % grid->side) / (float)grid->side - 0.5f;
+        float y = (float)(i / grid->side) / (float)grid->side - 0.5f;
+
+        grid->x[i][0] = x;
+        grid->x[i][1] = y;
+        grid->x[i][2] = z + 0.1f * sinf(7.0f * x) * cosf(5.0f * y);
+    }
+}
+
+static int add_grid(struct test_grid *grid)
+{
+    uint32_t cells = grid->side - 1;
+    uint32_t(*triangles)[3] = calloc(2 * (size_t)cells * cells, sizeof(*triangles));
+    int rc;
+
+    if (triangles == NULL)
+        return PCCD_E_NOMEM;
+    for (uint32_t i = 0; i < cells * cells; i++) {
+        uint32_t corner = i / cells * grid->side + i % cells;
+        const uint32_t first[3] = {corner, corner + 1, corner + grid->side};
+        const uint32_t second[3] = {corner + 1, corner + grid->side + 1, corner + grid->side};
+
+        memcpy(triangles[2 * (size_t)i], first, sizeof(first));
+        memcpy(triangles[2 * (size_t)i + 1], second, sizeof(second));
+    }
+    rc = pccd_mesh_create(grid->client, grid->x, PCCD_FORMAT_F32, grid->vertex_count,
+                          (const uint32_t(*)[3])triangles, 2 * cells * cells, &grid->mesh,
+                          NULL);
+    free(triangles);
+    return rc != 0 ? rc
+                   : pccd_scene_add(grid->client, grid->scene, grid->mesh, &grid->object);
+}
+
+int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *grid)
+{
+    uint32_t floor_mesh = 0;
+    int rc;
+
+    memset(grid, 0, sizeof(*grid));
+    grid->client = client;
+    grid->side = side;
+    grid->vertex_count = side * side;
+    grid->z = 1;
+    grid->x = calloc(grid->vertex_count, sizeof(*grid->x));
+    if (grid->x == NULL)
+        return PCCD_E_NOMEM;
+    test_grid_positions(grid, grid->z);
+    rc = pccd_scene_create(client, &grid->scene);
+    if (rc == 0)
+        rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
+                              &floor_mesh, NULL);
+    if (rc == 0)
+        rc = pccd_scene_add(client, grid->scene, floor_mesh, &grid->floor);
+    if (rc == 0)
+        rc = add_grid(grid);
+    if (rc != 0)
+        fprintf(stderr, "# grid: %s\n", pccd_error_text(client));
+    return rc;
+}
+
+void test_grid_free(struct test_grid *grid)
+{
+    free(grid->x);
+    grid->x = NULL;
+}
+
+int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *settings,
+                     uint64_t *step)
+{
+    struct pccd_frame frame;
+    size_t bytes = grid->vertex_count * sizeof(*grid->x);
+    void *x1 = NULL;
+    int rc = pccd_frame_begin(grid->client, grid->scene, 1, bytes, &frame);
+
+    if (rc == 0)
+        rc = pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, grid->vertex_count, &x1);
+    if (rc != 0)
+        return rc;
+    grid->z = -grid->z;
+    test_grid_positions(grid, grid->z);
+    memcpy(x1, grid->x, bytes);
+    return pccd_frame_commit(&frame, settings, step);
+}
+
+bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *answer)
+{
+    if (answer->status != 0 || answer->incomplete != PCCD_COMPLETE || answer->ee != 0 ||
+        answer->vf != grid->vertex_count || answer->count != grid->vertex_count)
+        return false;
+    for (uint32_t i = 0; i < grid->vertex_count; i++) {
+        const struct pccd_contact *contact = &answer->contacts[i];
+        float x = (float)(i % grid->side) / (float)grid->side - 0.5f;
+        float y = (float)(i / grid->side) / (float)grid->side - 0.5f;
+        double wave = (double)(0.1f * sinf(7.0f * x) * cosf(5.0f * y));
+        /* From height 1 to -1 or back; the float sums are exact enough for 1e-6. */
+        double down = (1.0 + wave) / 2.0;
+        double up = (1.0 - wave) / 2.0;
+        bool inside = (down >= contact->toi - 1e-6 && down <= contact->toi_hi + 1e-6) ||
+                      (up >= contact->toi - 1e-6 && up <= contact->toi_hi + 1e-6);
+
+        if (contact->kind != PCCD_VF || contact->feature_a != i ||
+            contact->object_a != grid->object || contact->object_b != grid->floor || !inside)
+            return false;
+    }
+    return true;
+}
