@@ -1,1 +1,39 @@
-# daemon/server/local.mk - the daemon: loop, sessions, compute thread.
+# daemon/server/local.mk - program pccdd, from a library that the unit tests link too.
+
+noinst_LTLIBRARIES += libserver.la
+libserver_la_SOURCES = \
+    daemon/server/call.h \
+    daemon/server/compute.c daemon/server/compute.h \
+    daemon/server/conn.c daemon/server/conn.h \
+    daemon/server/dispatch.c daemon/server/dispatch.h \
+    daemon/server/handles.c daemon/server/handles.h \
+    daemon/server/handlers_admin.c \
+    daemon/server/handlers_frame.c \
+    daemon/server/handlers_mesh.c \
+    daemon/server/handlers_scene.c \
+    daemon/server/invariant.c daemon/server/invariant.h \
+    daemon/server/listener.c daemon/server/listener.h \
+    daemon/server/lockfile.c daemon/server/lockfile.h \
+    daemon/server/log.c daemon/server/log.h \
+    daemon/server/loop.c daemon/server/loop.h \
+    daemon/server/metrics.c daemon/server/metrics.h \
+    daemon/server/now.h \
+    daemon/server/options.c daemon/server/options.h \
+    daemon/server/quota.c daemon/server/quota.h \
+    daemon/server/region.c daemon/server/region.h \
+    daemon/server/request.c daemon/server/request.h \
+    daemon/server/resource.c daemon/server/resource.h \
+    daemon/server/ringio.c daemon/server/ringio.h \
+    daemon/server/session.c daemon/server/session.h \
+    daemon/server/wire.c daemon/server/wire.h
+# -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.
+server_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/server \
+    -iquote $(top_srcdir)/daemon/engine -iquote $(top_srcdir)/proto
+libserver_la_CPPFLAGS = $(server_cppflags)
+libserver_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
+
+bin_PROGRAMS += pccdd
+pccdd_SOURCES = daemon/server/main.c
+pccdd_CPPFLAGS = $(server_cppflags)
+pccdd_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
+pccdd_LDADD = libserver.la libengine.la libproto.la $(UV_LIBS)

@@ -1,0 +1,95 @@
+/* compute.h - the one thread that computes.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     run jobs one after another on a thread of its own, the only one that ever starts
+ *           a parallel region; hand them back in batches, one notification per batch.
+ * Does not: know what a job computes, or own jobs: they are part of larger structs.
+ * Threads:  functions say; `run` is called on [compute], `done` on [loop].
+ *
+ * Jobs wait in lanes, one lane per session. Within a lane the order is first in, first
+ * out; between lanes the thread goes round, one job at a time, so that a session with many
+ * jobs delays another by at most one of them.
+ *
+ *     IDLE --push--> QUEUED --taken--> RUNNING --finished--> DONE --drain--> IDLE
+ *                      \--remove--> IDLE
+ */
+#ifndef SRV_COMPUTE_H
+#define SRV_COMPUTE_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+struct srv_job;
+typedef void (*srv_job_fn)(struct srv_job *job);
+
+enum srv_job_state {
+    SRV_JOB_IDLE = 0,
+    SRV_JOB_QUEUED = 1,
+    SRV_JOB_RUNNING = 2,
+    SRV_JOB_DONE = 3
+};
+
+struct srv_lane {
+    struct srv_lane *next; /* in the round of lanes with jobs */
+    struct srv_job *first;
+    struct srv_job *last;
+};
+
+/* Links, lane and state belong to the queue's lock; the rest to whom the state says. */
+struct srv_job {
+    struct srv_job *next;
+    struct srv_lane *lane;
+    enum srv_job_state state;
+    srv_job_fn run;     /* [compute] */
+    srv_job_fn done;    /* [loop]; may free the job */
+    atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
+};
+
+struct srv_compute {
+    pthread_t thread;
+    bool started;
+    pthread_mutex_t mutex; /* everything below */
+    pthread_cond_t wake;   /* a lane has a job, or stop */
+    bool stop;
+    struct srv_lane *round_first;
+    struct srv_lane *round_last;
+    uint32_t queued;   /* jobs in lanes */
+    uint32_t capacity; /* of those pushed by srv_compute_push */
+    struct srv_job *done_first;
+    struct srv_job *done_last;
+    void (*notify)(void *context); /* [compute]: the list of done jobs is no longer empty */
+    void *notify_context;
+};
+
+/* Start the thread, all signals blocked in it. Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM.
+ * [loop] */
+int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
+                      void (*notify)(void *context), void *context);
+
+/* Let the running job end, join the thread. No job may be queued or undrained. [loop] */
+void srv_compute_stop(struct srv_compute *compute);
+
+void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done);
+
+/* Returns 0 or PCCD_E_BUSY (`capacity` jobs wait already). [loop] */
+int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
+                     struct srv_job *job);
+
+/* The same without a bound, for jobs that free something: there is at most one of them per
+ * thing that was admitted. [loop] */
+void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
+                           struct srv_job *job);
+
+/* Take a queued job out of its lane; its `run` and `done` are not called. false: it was not
+ * queued any more. [loop] */
+bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job);
+
+/* Call `done` of every finished job, in the order in which they finished. [loop] */
+uint32_t srv_compute_drain(struct srv_compute *compute);
+
+/* Jobs that wait now. [any] */
+uint32_t srv_compute_queued(struct srv_compute *compute);
+
+#endif

@@ -1,0 +1,369 @@
+/* conn.c - the socket of one client.
+ *
+ * Room:     server. See conn.h.
+ * Does:     the life of a connection:
+ *
+ *     OPEN --- fatal error answered ---> FLUSHING --- queue empty ---> LINGERING --> closed
+ *      |                                    | peer gone, 1 s              peer's end, 1 s
+ *      | send failed, too many replies      v
+ *      `--------------------------> BROKEN --> closed
+ *
+ *     OPEN, from the client's end of file or hangup --> closed
+ *
+ *           Lingering matters: closing a socket with unread messages makes the peer see a
+ *           reset before it sees the last reply.
+ * Does not: close inside srv_conn_send: callers up the stack still hold the connection; it
+ *           shuts the socket down instead and closes on the event that this raises.
+ * Threads:  [loop]
+ */
+#include "conn.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "dispatch.h"
+#include "invariant.h"
+#include "limits.h"
+#include "loop.h"
+#include "pccd_types.h"
+#include "seqpacket.h"
+#include "session.h"
+
+#define HELLO_MS 10000u /* for a client to say hello */
+#define LINGER_MS 1000u /* for a client to read its last reply */
+
+struct srv_reply {
+    struct srv_reply *next;
+    size_t bytes;
+    int fd_count;
+    int fds[PROTO_FDS_MAX]; /* ours */
+    uint8_t data[];
+};
+
+static void on_poll(uv_poll_t *poll, int status, int events);
+
+static void close_fds(const int *fds, int fd_count)
+{
+    for (int i = 0; i < fd_count; i++) {
+        close(fds[i]);
+    }
+}
+
+/* Watch for what the state needs. Disconnection is watched always, also while reading is
+ * paused. */
+static void watch(struct srv_conn *conn)
+{
+    int events = UV_DISCONNECT;
+    if (conn->state != SRV_CONN_FLUSHING &&
+        (conn->state != SRV_CONN_OPEN || conn->reply_count < PROTO_REPLIES_QUEUED_MAX)) {
+        events |= UV_READABLE;
+    }
+    if (conn->reply_count > 0 && conn->state != SRV_CONN_BROKEN) {
+        events |= UV_WRITABLE;
+    }
+    if (events != conn->events) {
+        int failed = uv_poll_start(&conn->poll, events, on_poll);
+        PCCD_ASSERT(failed == 0);
+        conn->events = events;
+    }
+}
+
+/* ---- closing ----------------------------------------------------------------------------- */
+
+static void on_closed(uv_handle_t *handle)
+{
+    struct srv_conn *conn = handle->data;
+    PCCD_ASSERT(conn->open_count > 0);
+    if (--conn->open_count == 0) {
+        free(conn);
+    }
+}
+
+/* Give the libuv handles up, and the memory with the last of them. */
+static void close_handles(struct srv_conn *conn)
+{
+    uv_close((uv_handle_t *)&conn->poll, on_closed);
+    uv_close((uv_handle_t *)&conn->timer, on_closed);
+    close(conn->fd);
+    conn->fd = -1;
+}
+
+static void drop_reply(struct srv_conn *conn)
+{
+    struct srv_reply *reply = conn->reply_first;
+    conn->reply_first = reply->next;
+    if (conn->reply_first == NULL) {
+        conn->reply_last = NULL;
+    }
+    conn->reply_count--;
+    conn->loop->reply_count--;
+    close_fds(reply->fds, reply->fd_count);
+    free(reply);
+}
+
+void srv_conn_close(struct srv_conn *conn)
+{
+    srv_assert_loop();
+    struct srv_loop *loop = conn->loop;
+    PCCD_ASSERT(conn->fd >= 0);
+    while (conn->reply_count > 0) {
+        drop_reply(conn);
+    }
+    if (conn->prev != NULL) {
+        conn->prev->next = conn->next;
+    } else {
+        loop->conns = conn->next;
+    }
+    if (conn->next != NULL) {
+        conn->next->prev = conn->prev;
+    }
+    struct srv_session *session = conn->session;
+    conn->session = NULL;
+    close_handles(conn);
+    srv_log(SRV_LOG_DEBUG, session->id, "disconnected");
+    srv_session_detach(session);
+    srv_loop_conn_closed(loop);
+}
+
+/* Give up on the peer; see "Does not" above. */
+static void fail(struct srv_conn *conn, const char *why)
+{
+    if (conn->state != SRV_CONN_BROKEN) {
+        srv_log(SRV_LOG_INFO, conn->session->id, "closing: %s", why);
+        conn->state = SRV_CONN_BROKEN;
+        shutdown(conn->fd, SHUT_RDWR);
+        watch(conn);
+    }
+}
+
+static void on_timer(uv_timer_t *timer)
+{
+    struct srv_conn *conn = timer->data;
+    if (conn->state == SRV_CONN_OPEN) {
+        srv_log(SRV_LOG_WARN, conn->session->id, "closing: no hello within %u s",
+                HELLO_MS / 1000);
+        conn->loop->metrics.counters.sessions_dropped++;
+    }
+    srv_conn_close(conn);
+}
+
+static void linger_if_flushed(struct srv_conn *conn)
+{
+    if (conn->state == SRV_CONN_FLUSHING && conn->reply_count == 0) {
+        shutdown(conn->fd, SHUT_WR);
+        conn->state = SRV_CONN_LINGERING;
+    }
+}
+
+void srv_conn_finish(struct srv_conn *conn)
+{
+    srv_assert_loop();
+    if (conn->state == SRV_CONN_OPEN) {
+        conn->state = SRV_CONN_FLUSHING;
+        uv_timer_start(&conn->timer, on_timer, LINGER_MS, 0);
+        linger_if_flushed(conn);
+        watch(conn);
+    }
+}
+
+void srv_conn_established(struct srv_conn *conn)
+{
+    uv_timer_stop(&conn->timer);
+}
+
+/* ---- sending ----------------------------------------------------------------------------- */
+
+/* Keep a message that the socket does not take now. Takes the descriptors over. */
+static int queue_reply(struct srv_conn *conn, const struct proto_encoder *message,
+                       const int *fds, int fd_count)
+{
+    struct srv_reply *reply = malloc(sizeof *reply + message->bytes);
+    if (reply == NULL) {
+        close_fds(fds, fd_count);
+        return PCCD_E_NOMEM;
+    }
+    reply->next = NULL;
+    reply->bytes = message->bytes;
+    reply->fd_count = fd_count;
+    for (int i = 0; i < fd_count; i++) {
+        reply->fds[i] = fds[i];
+    }
+    memcpy(reply->data, message->data, message->bytes);
+    if (conn->reply_last == NULL) {
+        conn->reply_first = reply;
+    } else {
+        conn->reply_last->next = reply;
+    }
+    conn->reply_last = reply;
+    conn->reply_count++;
+    conn->loop->reply_count++;
+    return 0;
+}
+
+void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
+                   const int *fds, int fd_count)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(fd_count >= 0 && fd_count <= PROTO_FDS_MAX);
+    if (conn->state != SRV_CONN_OPEN) {
+        close_fds(fds, fd_count);
+        return;
+    }
+    int status = conn->reply_count > 0
+                     ? PCCD_E_AGAIN
+                     : proto_send(conn->fd, message->data, message->bytes, fds, fd_count);
+    if (status != PCCD_E_AGAIN) {
+        close_fds(fds, fd_count);
+        if (status != 0) {
+            fail(conn, "the client cannot be sent to");
+        }
+        return;
+    }
+    if (conn->reply_count >= SRV_REPLIES_HARD_MAX) {
+        close_fds(fds, fd_count);
+        conn->loop->metrics.counters.sessions_dropped++;
+        fail(conn, "the client does not read its replies");
+    } else if (queue_reply(conn, message, fds, fd_count) != 0) {
+        fail(conn, "no memory to queue a reply");
+    } else {
+        watch(conn);
+    }
+}
+
+/* Send what is queued, as far as the socket takes it. */
+static void flush(struct srv_conn *conn)
+{
+    while (conn->reply_count > 0) { /* at most SRV_REPLIES_HARD_MAX */
+        struct srv_reply *reply = conn->reply_first;
+        int status =
+            proto_send(conn->fd, reply->data, reply->bytes, reply->fds, reply->fd_count);
+        if (status == PCCD_E_AGAIN) {
+            return;
+        }
+        if (status != 0) {
+            fail(conn, "the client cannot be sent to");
+            return;
+        }
+        drop_reply(conn);
+    }
+    linger_if_flushed(conn);
+}
+
+/* ---- receiving ----------------------------------------------------------------------------- */
+
+/* One message for dispatch. Returns whether there may be more; closes at end of file. */
+static bool read_one(struct srv_conn *conn)
+{
+    struct srv_loop *loop = conn->loop;
+    size_t bytes = 0;
+    int fd_count = 0;
+    int status = proto_receive(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, &bytes, NULL,
+                               &fd_count);
+    if (status == PCCD_E_AGAIN) {
+        return false;
+    }
+    if (fd_count > 0 && status != PCCD_E_DISCONNECTED) {
+        srv_dispatch_violation(conn->session, PCCD_E_BADMSG,
+                               "clients may not send descriptors");
+        return false;
+    }
+    if (status == PCCD_E_BADMSG) {
+        srv_dispatch_violation(conn->session, PCCD_E_BADMSG, "a message is longer than 65536");
+        return false;
+    }
+    if (status != 0) {
+        srv_conn_close(conn);
+        return false;
+    }
+    loop->metrics.counters.messages++;
+    srv_dispatch(conn->session, loop->buffer, bytes);
+    return conn->state == SRV_CONN_OPEN && conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
+}
+
+void srv_conn_read(struct srv_conn *conn)
+{
+    for (uint32_t i = 0; i < PROTO_MESSAGES_PER_TURN && read_one(conn); i++) {
+    }
+}
+
+/* Messages that come after the last reply are nobody's any more. */
+static void discard(struct srv_conn *conn)
+{
+    for (uint32_t i = 0; i < PROTO_MESSAGES_PER_TURN; i++) {
+        size_t bytes = 0;
+        int fd_count = 0;
+        int status = proto_receive(conn->fd, conn->loop->buffer, PROTO_MESSAGE_BYTES_MAX,
+                                   &bytes, NULL, &fd_count);
+        if (status == PCCD_E_AGAIN) {
+            return;
+        }
+        if (status == PCCD_E_DISCONNECTED || status == PCCD_E_SYSTEM) {
+            srv_conn_close(conn);
+            return;
+        }
+    }
+}
+
+static void on_poll(uv_poll_t *poll, int status, int events)
+{
+    struct srv_conn *conn = poll->data;
+    if (status < 0 || conn->state == SRV_CONN_BROKEN) {
+        srv_conn_close(conn);
+        return;
+    }
+    if ((events & UV_WRITABLE) != 0) {
+        flush(conn);
+    }
+    bool reading = (conn->events & UV_READABLE) != 0;
+    if ((events & UV_READABLE) != 0 && conn->state == SRV_CONN_OPEN) {
+        srv_conn_read(conn);
+    } else if ((events & UV_READABLE) != 0 && conn->state == SRV_CONN_LINGERING) {
+        discard(conn);
+    } else if ((events & UV_DISCONNECT) != 0 && !reading) {
+        srv_conn_close(conn); /* while reading, the end of file comes after the messages */
+    }
+    if (conn->fd >= 0) { /* freed later, by libuv's close callback */
+        watch(conn);
+    }
+}
+
+/* ---- creation ------------------------------------------------------------------------------ */
+
+int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid)
+{
+    srv_assert_loop();
+    struct srv_conn *conn = calloc(1, sizeof *conn);
+    if (conn == NULL) {
+        close(fd);
+        return PCCD_E_NOMEM;
+    }
+    conn->loop = loop;
+    conn->fd = fd;
+    if (uv_poll_init(&loop->uv, &conn->poll, fd) != 0) {
+        close(fd);
+        free(conn);
+        return PCCD_E_SYSTEM;
+    }
+    uv_timer_init(&loop->uv, &conn->timer);
+    conn->open_count = 2;
+    conn->poll.data = conn;
+    conn->timer.data = conn;
+    conn->session = srv_session_new(loop, conn, uid);
+    if (conn->session == NULL) {
+        close_handles(conn);
+        return PCCD_E_NOMEM;
+    }
+    conn->next = loop->conns;
+    if (conn->next != NULL) {
+        conn->next->prev = conn;
+    }
+    loop->conns = conn;
+    loop->conn_count++;
+    uv_timer_start(&conn->timer, on_timer, HELLO_MS, 0);
+    watch(conn);
+    srv_log(SRV_LOG_DEBUG, conn->session->id, "connected, user %u", (unsigned)uid);
+    return 0;
+}

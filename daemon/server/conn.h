@@ -1,0 +1,68 @@
+/* conn.h - the socket of one client.
+ *
+ * Room:     server. May include: libuv, the protocol's headers.
+ * Does:     receive messages for dispatch.h and send replies, never waiting for the client.
+ * Does not: know what a message means.
+ * Threads:  [loop]
+ */
+#ifndef SRV_CONN_H
+#define SRV_CONN_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+#include <uv.h>
+
+#include "codec.h"
+
+/* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
+ * is not read; answers of requests in flight still arrive, and beyond this it is dropped. */
+#define SRV_REPLIES_HARD_MAX (2u * PROTO_REPLIES_QUEUED_MAX)
+
+enum srv_conn_state {
+    SRV_CONN_OPEN = 0,
+    SRV_CONN_FLUSHING = 1,  /* a fatal error was answered: send what is queued */
+    SRV_CONN_LINGERING = 2, /* our side is shut; wait for the peer's end, discard input */
+    SRV_CONN_BROKEN = 3     /* shut down; closes on its next event */
+};
+
+struct srv_reply;
+
+struct srv_conn {
+    struct srv_conn *prev;
+    struct srv_conn *next;
+    struct srv_loop *loop;
+    struct srv_session *session;
+    int fd;
+    enum srv_conn_state state;
+    int events;           /* being watched for */
+    uint32_t open_count;  /* libuv handles not closed yet */
+    uv_poll_t poll;
+    uv_timer_t timer;     /* for hello, then for the peer's end */
+    struct srv_reply *reply_first;
+    struct srv_reply *reply_last;
+    uint32_t reply_count;
+};
+
+/* A connection on an accepted, non-blocking socket. Takes `fd` over, also on failure.
+ * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
+int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid);
+
+/* Send a message, now or when the client reads. Takes over fds[fd_count] in any case. What
+ * cannot be sent any more is dropped; the connection then closes soon, never inside. */
+void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
+                   const int *fds, int fd_count);
+
+/* No more messages either way: send what is queued, let the peer read it, close. */
+void srv_conn_finish(struct srv_conn *conn);
+
+/* The client has said hello: it may be silent now. */
+void srv_conn_established(struct srv_conn *conn);
+
+/* Read what has arrived, as after an event. Must not be called from inside a handler. */
+void srv_conn_read(struct srv_conn *conn);
+
+/* Close now; its session is detached. Must not be called from inside a handler. */
+void srv_conn_close(struct srv_conn *conn);
+
+#endif

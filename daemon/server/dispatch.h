@@ -1,0 +1,30 @@
+/* dispatch.h - from a message to an answer.
+ *
+ * Room:     server. May include: call.h, request.h.
+ * Does:     decode, refuse in a fixed order, call the handler, encode and send what it says.
+ * Does not: know a method: the table comes from the manifest.
+ * Threads:  [loop]
+ */
+#ifndef SRV_DISPATCH_H
+#define SRV_DISPATCH_H
+
+#include <stddef.h>
+
+#include "request.h"
+
+struct srv_loop;
+
+/* One message from the client of an open connection. */
+void srv_dispatch(struct srv_session *session, const void *message, size_t bytes);
+
+/* Send the answer of a request that has run; with nobody there any more, only close its
+ * descriptors. */
+void srv_dispatch_answer(struct srv_session *session, struct srv_request *request);
+
+/* The client broke the rules of the stream: tell it why, with message id 0, and close. */
+void srv_dispatch_violation(struct srv_session *session, int code, const char *text);
+
+/* Tell every client that the daemon is about to go. */
+void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text);
+
+#endif

@@ -1,0 +1,166 @@
+/* handlers_admin.c - hello, ping, stats, cancel and shm.attach.
+ *
+ * Room:     server. See call.h.
+ * Does:     what concerns the session and the daemon rather than geometry.
+ * Does not: send: dispatch.c does.
+ * Threads:  [loop], but for functions named work_.
+ */
+#include <string.h>
+#include <unistd.h>
+
+#include "call.h"
+#include "invariant.h"
+#include "loop.h"
+#include "memory.h"
+#include "now.h"
+#include "request.h"
+#include "session.h"
+
+#define DAEMON_NAME "pccdd " PACKAGE_VERSION
+
+int srv_on_HELLO(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    const struct srv_loop *loop = session->loop;
+    const struct proto_HELLO_request *request = &call->params.HELLO;
+    if (session->state == SRV_SESSION_OPEN) {
+        return proto_error_set(&call->error, PCCD_E_STATE, "hello was said already");
+    }
+    if (request->version_min > request->version_max) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "version_min %u is greater than version_max %u",
+                               request->version_min, request->version_max);
+    }
+    uint32_t version = request->version_max < PROTO_VERSION_MAX ? request->version_max
+                                                                : PROTO_VERSION_MAX;
+    if (version < request->version_min || version < PROTO_VERSION_MIN) {
+        proto_error_set(&call->error, PCCD_E_VERSION,
+                        "the client speaks versions %u to %u, the daemon %u to %u",
+                        request->version_min, request->version_max, PROTO_VERSION_MIN,
+                        PROTO_VERSION_MAX);
+        call->error.fatal = true;
+        return PCCD_E_VERSION;
+    }
+    call->result.HELLO = (struct proto_HELLO_result){
+        .version = version,
+        .epoch = loop->epoch,
+        .session = session->id,
+        .pid = (uint32_t)getpid(),
+        .threads_max = loop->options->threads_max,
+        .daemon = DAEMON_NAME,
+    };
+    srv_session_open(session, version);
+    srv_log(SRV_LOG_INFO, session->id, "opened by \"%s\", user %u", request->client,
+            (unsigned)session->user->uid);
+    return 0;
+}
+
+int srv_on_PING(struct srv_call *call)
+{
+    call->result.PING.token = call->params.PING.token;
+    call->result.PING.uptime_ns = call->arrival_ns - call->session->loop->start_ns;
+    return 0;
+}
+
+int srv_on_STATS(struct srv_call *call)
+{
+    struct srv_loop *loop = call->session->loop;
+    struct proto_STATS_result *result = &call->result.STATS;
+    *result = loop->metrics.counters;
+    result->uptime_ns = call->arrival_ns - loop->start_ns;
+    result->pid = (uint64_t)getpid();
+    result->threads_max = loop->options->threads_max;
+    result->meshes_now = loop->quota.total[SRV_QUOTA_MESHES];
+    result->triangles_now = loop->quota.total[SRV_QUOTA_TRIANGLES];
+    result->shm_bytes_now = loop->quota.total[SRV_QUOTA_SHM_BYTES];
+    result->jobs_queued_now = srv_compute_queued(&loop->compute);
+    result->allocs = eng_alloc_count();
+    result->engine_bytes_now = eng_alloc_bytes();
+    return 0;
+}
+
+int srv_on_CANCEL(struct srv_call *call)
+{
+    struct srv_request *request =
+        srv_session_request(call->session, call->params.CANCEL.id);
+    call->result.CANCEL.found = request != NULL;
+    if (request != NULL) {
+        srv_request_cancel(request);
+    }
+    return 0;
+}
+
+/* ---- shm.attach ------------------------------------------------------------------------------ */
+
+static int work_attach(struct srv_request *request)
+{
+    return srv_ring_create(request->plan.attached, request->session->loop->epoch,
+                           &request->error);
+}
+
+static void finish_attach(struct srv_request *request)
+{
+    struct srv_session *session = request->session;
+    struct srv_ring *ring = request->plan.attached;
+    session->attaching = false;
+    if (request->status != 0 || session->conn == NULL) {
+        srv_resource_drop(&ring->resource);
+        return;
+    }
+    request->result.SHM_ATTACH = (struct proto_SHM_ATTACH_result){
+        .upload_bytes = ring->upload_bytes,
+        .result_bytes = ring->result_bytes,
+        .slot_count = ring->slot_count,
+        .slot_stride = ring->slot_stride,
+        .inflight_max = ring->inflight_max,
+    };
+    /* The answer takes the descriptors along; the mappings are all the daemon needs. */
+    request->fds[0] = ring->upload.fd;
+    request->fds[1] = ring->results.fd;
+    ring->upload.fd = -1;
+    ring->results.fd = -1;
+    if (session->ring != NULL) {
+        srv_resource_drop(&session->ring->resource);
+    }
+    session->ring = ring;
+}
+
+int srv_on_SHM_ATTACH(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    struct srv_loop *loop = session->loop;
+    struct proto_SHM_ATTACH_result sizes = {0};
+    if (session->request_count > 0) {
+        return proto_error_set(&call->error, PCCD_E_STATE,
+                               "a ring is attached only while nothing is in flight; %u "
+                               "requests are",
+                               session->request_count);
+    }
+    int status = srv_ring_sizes(&call->params.SHM_ATTACH, &sizes, &call->error);
+    if (status != 0) {
+        return status;
+    }
+    sizes.inflight_max = sizes.slot_count < loop->options->inflight_max
+                             ? sizes.slot_count
+                             : loop->options->inflight_max;
+    uint64_t bytes = sizes.upload_bytes + sizes.result_bytes;
+    status = srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_SHM_BYTES, bytes,
+                              &call->error);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_ring *ring = srv_ring_new(session, &sizes);
+    if (ring == NULL) {
+        srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_SHM_BYTES, bytes);
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a ring");
+    }
+    struct srv_plan plan = {
+        .work = work_attach, .finish = finish_attach, .attached = ring};
+    status = srv_request_start(call, &plan);
+    if (status < 0) {
+        srv_resource_drop(&ring->resource);
+        return status;
+    }
+    session->attaching = true;
+    return status;
+}

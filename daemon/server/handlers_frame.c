@@ -1,0 +1,295 @@
+/* handlers_frame.c - frame.submit and frame.fetch.
+ *
+ * Room:     server. See call.h.
+ * Does:     check a step's settings on [loop]; stage, compute and copy out on [compute].
+ * Does not: hold back an answer that does not fit: a page is returned and a cursor.
+ * Threads:  [loop], but for functions named work_ and their helpers.
+ */
+#include <string.h>
+
+#include "call.h"
+#include "invariant.h"
+#include "loop.h"
+#include "now.h"
+#include "request.h"
+#include "session.h"
+#include "wire.h"
+
+#define TOLERANCE_DEFAULT 1e-6
+#define TOLERANCE_MIN 1e-12
+#define TOLERANCE_MAX 1.0
+
+static_assert(sizeof(struct proto_FRAME_SUBMIT_result) ==
+                  sizeof(struct proto_FRAME_FETCH_result),
+              "submit and fetch answer alike");
+
+/* ---- pages ------------------------------------------------------------------------------------- */
+
+/* Copy the records from `first` on into the result region, as many as fit, and say in
+ * *answer which those are. Returns 0 or a status with *error set. [compute] */
+static int write_page(struct srv_scene *scene, struct srv_ring *ring, uint64_t first,
+                      struct proto_FRAME_SUBMIT_result *answer, struct proto_error *error)
+{
+    PCCD_ASSERT(scene->has_answer && first <= scene->answer.total);
+    *answer = scene->answer;
+    struct srv_page page;
+    void *data = NULL;
+    int status = srv_ring_reserve(ring, answer->record_bytes, answer->total - first, &page,
+                                  &data, error);
+    if (status != 0) {
+        return status;
+    }
+    if (page.count > 0) {
+        memcpy(data, (const uint8_t *)scene->records + first * answer->record_bytes,
+               page.count * answer->record_bytes);
+    }
+    answer->first = first;
+    answer->count = page.count;
+    answer->cursor = first + page.count;
+    answer->offset = page.position;
+    answer->release = page.release;
+    if (answer->incomplete == PCCD_COMPLETE && answer->cursor < answer->total) {
+        answer->incomplete = PCCD_INCOMPLETE_RESULT_FULL;
+    }
+    return 0;
+}
+
+/* ---- submit ------------------------------------------------------------------------------------ */
+
+/* Arrival plus the client's budget; 0: none. */
+static uint64_t deadline_of(const struct srv_request *request)
+{
+    uint64_t budget_ns = request->params.FRAME_SUBMIT.deadline_ns;
+    if (budget_ns == 0) {
+        return 0;
+    }
+    return budget_ns > UINT64_MAX - request->arrival_ns ? UINT64_MAX
+                                                        : request->arrival_ns + budget_ns;
+}
+
+/* What the engine says of the step, in the wire's terms, but for the page. [compute] */
+static void describe(const struct eng_step_result *step,
+                     struct proto_FRAME_SUBMIT_result *answer)
+{
+    *answer = (struct proto_FRAME_SUBMIT_result){
+        .mode = step->mode,
+        .incomplete = step->incomplete,
+        .verdict = step->verdict,
+        .total = step->count,
+        .record_bytes = step->mode == ENG_MODE_PAIRS ? (uint32_t)sizeof(struct pccd_pair)
+                                                     : (uint32_t)sizeof(struct pccd_contact),
+        .vf = step->vf,
+        .ee = step->ee,
+        .possible = step->possible,
+        .initial = step->initial,
+        .toi_first = step->toi_first,
+        .hash_hi = step->hash_hi,
+        .hash_lo = step->hash_lo,
+        .threads = step->threads,
+        .method = step->method,
+        .ns_ingest = step->times.ingest,
+        .ns_refit = step->times.refit,
+        .ns_traversal = step->times.traversal,
+        .ns_tests = step->times.tests,
+        .ns_merge = step->times.merge,
+        .ns_step = step->times.step,
+        .task_units = step->counters.task_units,
+        .box_tests = step->counters.box_tests,
+        .leaf_pairs = step->counters.leaf_pairs,
+        .candidates_vf = step->counters.candidates_vf,
+        .candidates_ee = step->counters.candidates_ee,
+        .survivors = step->counters.survivors,
+        .exact = step->counters.exact,
+        .builds = step->counters.builds,
+        .allocs = step->counters.allocs,
+    };
+}
+
+/* Run the staged step and keep its result in the scene. [compute] */
+static int compute_step(struct srv_request *request, struct eng_scene *engine)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    const struct srv_options *options = request->session->loop->options;
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = (enum eng_mode)submit->mode;
+    settings.method = (enum eng_method)submit->method;
+    settings.threads = submit->threads == 0 || submit->threads > options->threads_max
+                           ? options->threads_max
+                           : submit->threads;
+    settings.tolerance = submit->tolerance == 0.0 ? TOLERANCE_DEFAULT : submit->tolerance;
+    settings.deadline_ns = deadline_of(request);
+    settings.cancel = &request->job.cancel;
+    settings.contact_max = options->contacts_max;
+
+    scene->has_answer = false; /* the step takes the memory of the last one's records */
+    struct eng_step_result step;
+    int status = srv_wire_status(eng_step(engine, &settings, &step));
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "the step: %s",
+                               proto_status_text(status));
+    }
+    describe(&step, &scene->answer);
+    scene->answer.step = submit->step;
+    scene->records = step.records;
+    scene->has_answer = true;
+    PCCD_ASSERT(step.count == 0 || step.record_bytes == scene->answer.record_bytes);
+    return 0;
+}
+
+/* A client whose result_head makes no sense hears so before anything has moved. [compute] */
+static int check_head(struct srv_request *request)
+{
+    struct srv_page page;
+    void *data = NULL;
+    return srv_ring_reserve(request->plan.ring, 1, 0, &page, &data, &request->error);
+}
+
+static int work_submit(struct srv_request *request)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_scene *engine = NULL;
+    uint64_t start_ns = srv_now_ns();
+    int status = check_head(request);
+    if (status != 0) {
+        return status;
+    }
+    status = srv_scene_engine(scene, &engine);
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "no memory for the scene");
+    }
+    eng_stage_begin(engine);
+    if (submit->segments > 0) {
+        status = srv_ring_stage(request->plan.ring, submit, scene,
+                                request->session->loop->segments, &request->upload_bytes,
+                                &request->error);
+        srv_request_return_slot(request);
+    }
+    if (status == 0) {
+        status = compute_step(request, engine);
+    }
+    if (status != 0) {
+        eng_stage_abort(engine);
+        return status;
+    }
+    struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    uint64_t copy_ns = srv_now_ns();
+    status = write_page(scene, request->plan.ring, 0, answer, &request->error);
+    uint64_t end_ns = srv_now_ns();
+    answer->ns_queue = start_ns - request->arrival_ns;
+    answer->ns_merge += end_ns - copy_ns;
+    answer->ns_step += end_ns - copy_ns;
+    return status;
+}
+
+static void finish_submit(struct srv_request *request)
+{
+    if (request->status == 0) {
+        srv_metrics_add_step(&request->session->loop->metrics,
+                             &request->result.FRAME_SUBMIT);
+    }
+}
+
+/* The settings of a step, as far as they do not need the scene. */
+static int check_settings(struct srv_call *call)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
+    if (submit->mode >= PCCD_MODE_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown mode %u", submit->mode);
+    }
+    if (submit->method >= PCCD_METHOD_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown method %u",
+                               submit->method);
+    }
+    /* Written so that NaN is refused. */
+    if (submit->tolerance != 0.0 &&
+        !(submit->tolerance >= TOLERANCE_MIN && submit->tolerance <= TOLERANCE_MAX)) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "tolerance is %g, not 0 or %g to %g", submit->tolerance,
+                               TOLERANCE_MIN, TOLERANCE_MAX);
+    }
+    if (submit->segments > PROTO_SEGMENTS_MAX) {
+        return proto_error_set(&call->error, PCCD_E_LIMIT,
+                               "%u segments, a step has at most %u", submit->segments,
+                               PROTO_SEGMENTS_MAX);
+    }
+    return 0;
+}
+
+int srv_on_FRAME_SUBMIT(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
+    struct srv_scene *scene = srv_handles_get(&session->scenes, submit->scene);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               submit->scene);
+    }
+    struct srv_ring *ring = NULL;
+    int status = srv_request_ring(call, &ring);
+    if (status == 0) {
+        status = check_settings(call);
+    }
+    if (status == 0 && submit->segments > 0) {
+        status = srv_request_slot(call, ring, submit->slot, submit->seq);
+    }
+    if (status != 0) {
+        return status;
+    }
+    if (session->submit_count >= ring->inflight_max) {
+        return proto_error_set(&call->error, PCCD_E_BUSY,
+                               "%u steps are in flight, no more than %u may be",
+                               session->submit_count, ring->inflight_max);
+    }
+    struct srv_plan plan = {.work = work_submit,
+                            .finish = finish_submit,
+                            .ring = ring,
+                            .scene = scene,
+                            .takes_slot = submit->segments > 0};
+    return srv_request_start(call, &plan);
+}
+
+/* ---- fetch ------------------------------------------------------------------------------------- */
+
+static int work_fetch(struct srv_request *request)
+{
+    const struct proto_FRAME_FETCH_request *fetch = &request->params.FRAME_FETCH;
+    struct srv_scene *scene = request->plan.scene;
+    uint64_t start_ns = srv_now_ns();
+    if (!scene->has_answer) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "scene 0x%x has no answer: no step since it changed",
+                               fetch->scene);
+    }
+    if (fetch->cursor > scene->answer.total) {
+        return proto_error_set(&request->error, PCCD_E_INVAL,
+                               "cursor %llu is beyond the answer's %llu records",
+                               (unsigned long long)fetch->cursor,
+                               (unsigned long long)scene->answer.total);
+    }
+    struct proto_FRAME_SUBMIT_result answer;
+    int status = write_page(scene, request->plan.ring, fetch->cursor, &answer,
+                            &request->error);
+    if (status == 0) {
+        answer.ns_queue = start_ns - request->arrival_ns;
+        memcpy(&request->result.FRAME_FETCH, &answer, sizeof answer);
+    }
+    return status;
+}
+
+int srv_on_FRAME_FETCH(struct srv_call *call)
+{
+    uint32_t handle = call->params.FRAME_FETCH.scene;
+    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x", handle);
+    }
+    struct srv_ring *ring = NULL;
+    int status = srv_request_ring(call, &ring);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {.work = work_fetch, .ring = ring, .scene = scene};
+    return srv_request_start(call, &plan);
+}

@@ -1,0 +1,178 @@
+/* handlers_scene.c - scene.create, destroy, add and remove.
+ *
+ * Room:     server. See call.h.
+ * Does:     admission on [loop]; hierarchies are built on [compute].
+ * Does not: allocate what the quota has not been charged for.
+ * Threads:  [loop], but for functions named work_.
+ */
+#include "call.h"
+#include "invariant.h"
+#include "loop.h"
+#include "now.h"
+#include "request.h"
+#include "session.h"
+#include "wire.h"
+
+/* The scene of a handle; NULL with the error set. */
+static struct srv_scene *find_scene(struct srv_call *call, uint32_t handle)
+{
+    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
+    if (scene == NULL) {
+        proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x", handle);
+    }
+    return scene;
+}
+
+int srv_on_SCENE_CREATE(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    double ratio = call->params.SCENE_CREATE.rebuild_ratio;
+    if (ratio != 0.0) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "rebuild_ratio is %g; this version takes only 0", ratio);
+    }
+    struct srv_scene *scene = srv_scene_new(session, session->scene_salt++);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
+    }
+    int status = srv_handles_add(&session->scenes, scene, &call->result.SCENE_CREATE.scene);
+    if (status != 0) {
+        srv_resource_drop(&scene->resource);
+        return proto_error_set(&call->error, status, "a session has at most %u scenes",
+                               PROTO_SCENES_PER_CLIENT);
+    }
+    return 0;
+}
+
+int srv_on_SCENE_DESTROY(struct srv_call *call)
+{
+    uint32_t handle = call->params.SCENE_DESTROY.scene;
+    struct srv_scene *scene = find_scene(call, handle);
+    if (scene == NULL) {
+        return PCCD_E_HANDLE;
+    }
+    srv_handles_remove(&call->session->scenes, handle);
+    srv_resource_drop(&scene->resource);
+    call->result.SCENE_DESTROY.done = true;
+    return 0;
+}
+
+/* ---- add --------------------------------------------------------------------------------------- */
+
+static int work_add(struct srv_request *request)
+{
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_mesh *mesh = request->plan.mesh->engine;
+    struct eng_scene *engine = NULL;
+    uint32_t handle = request->plan.object;
+    if (mesh == NULL || !eng_mesh_is_committed(mesh)) {
+        return proto_error_set(&request->error, PCCD_E_STATE, "mesh 0x%x is not committed",
+                               request->params.SCENE_ADD.mesh);
+    }
+    int status = srv_scene_engine(scene, &engine);
+    if (status == 0) {
+        status = srv_scene_reserve(scene, handle);
+    }
+    uint64_t start_ns = srv_now_ns();
+    uint32_t idx = 0;
+    if (status == 0) {
+        status = srv_wire_status(eng_scene_add(engine, mesh, handle, &idx));
+    }
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "mesh 0x%x into scene 0x%x: %s",
+                               request->params.SCENE_ADD.mesh,
+                               request->params.SCENE_ADD.scene, proto_status_text(status));
+    }
+    scene->placed[srv_handle_index(handle)] =
+        (struct srv_placed){.handle = handle,
+                            .engine_idx = idx,
+                            .vertex_count = request->plan.mesh->vertex_count};
+    request->result.SCENE_ADD.object = handle;
+    request->result.SCENE_ADD.build_ns = srv_now_ns() - start_ns;
+    return 0;
+}
+
+static void finish_add(struct srv_request *request)
+{
+    if (request->status != 0) {
+        srv_scene_forget(request->plan.scene, request->plan.object);
+    } else {
+        request->session->loop->metrics.counters.builds++;
+    }
+}
+
+int srv_on_SCENE_ADD(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    struct srv_scene *scene = find_scene(call, call->params.SCENE_ADD.scene);
+    if (scene == NULL) {
+        return PCCD_E_HANDLE;
+    }
+    uint32_t mesh_handle = call->params.SCENE_ADD.mesh;
+    struct srv_mesh *mesh = srv_handles_get(&session->meshes, mesh_handle);
+    if (mesh == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no mesh 0x%x",
+                               mesh_handle);
+    }
+    struct srv_plan plan = {.work = work_add,
+                            .finish = finish_add,
+                            .ring = session->ring,
+                            .mesh = mesh,
+                            .scene = scene};
+    int status = srv_scene_admit(
+        scene, srv_triangle_charge(mesh->vertex_count, mesh->triangle_count), &plan.object,
+        &call->error);
+    if (status != 0) {
+        return status;
+    }
+    status = srv_request_start(call, &plan);
+    if (status < 0) {
+        srv_scene_forget(scene, plan.object);
+    }
+    return status;
+}
+
+/* ---- remove ------------------------------------------------------------------------------------ */
+
+static int work_remove(struct srv_request *request)
+{
+    struct srv_scene *scene = request->plan.scene;
+    struct srv_placed *placed = srv_scene_find(scene, request->plan.object);
+    if (placed == NULL) {
+        return proto_error_set(&request->error, PCCD_E_HANDLE,
+                               "object 0x%x is not in the scene any more",
+                               request->plan.object);
+    }
+    scene->has_answer = false;
+    int status = srv_wire_status(eng_scene_remove(scene->engine, placed->engine_idx));
+    PCCD_ASSERT(status == 0); /* the engine has every object that is placed */
+    *placed = (struct srv_placed){0};
+    request->result.SCENE_REMOVE.done = true;
+    return 0;
+}
+
+static void finish_remove(struct srv_request *request)
+{
+    if (request->status == 0) {
+        srv_scene_forget(request->plan.scene, request->plan.object);
+    }
+}
+
+int srv_on_SCENE_REMOVE(struct srv_call *call)
+{
+    uint32_t object = call->params.SCENE_REMOVE.object;
+    struct srv_scene *scene = find_scene(call, call->params.SCENE_REMOVE.scene);
+    if (scene == NULL) {
+        return PCCD_E_HANDLE;
+    }
+    if (srv_handles_get(&scene->objects, object) == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "scene 0x%x has no object 0x%x",
+                               call->params.SCENE_REMOVE.scene, object);
+    }
+    struct srv_plan plan = {.work = work_remove,
+                            .finish = finish_remove,
+                            .ring = call->session->ring,
+                            .scene = scene,
+                            .object = object};
+    return srv_request_start(call, &plan);
+}

@@ -1,0 +1,267 @@
+/* listener.c - the socket that clients connect to.
+ *
+ * Room:     server. See listener.h.
+ * Does:     binds itself, because libuv cuts long paths silently; accepts a bounded number
+ *           of connections per event.
+ * Does not: watch the socket while a connection could not be served: at the limit until one
+ *           goes, after a refusal of the system for RETRY_MS. The backlog waits meanwhile.
+ * Threads:  [loop]
+ */
+#include "listener.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "conn.h"
+#include "invariant.h"
+#include "loop.h"
+#include "pccd_types.h"
+
+#define BACKLOG 512
+#define ACCEPTS_PER_TURN 16
+#define RETRY_MS 100u
+
+/* ---- the path ------------------------------------------------------------------------------ */
+
+int srv_listener_prepare_folder(const char *socket_path)
+{
+    char folder[SRV_SOCKET_PATH_BYTES];
+    const char *slash = strrchr(socket_path, '/');
+    if (slash == NULL || slash == socket_path) {
+        return 0; /* the current folder, or the root */
+    }
+    snprintf(folder, sizeof folder, "%.*s", (int)(slash - socket_path), socket_path);
+    if (mkdir(folder, 0700) != 0 && errno != EEXIST) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: %s", folder, strerror(errno));
+        return PCCD_E_SYSTEM;
+    }
+    struct stat info;
+    if (lstat(folder, &info) != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: %s", folder, strerror(errno));
+        return PCCD_E_SYSTEM;
+    }
+    /* In a folder where others may rename, they could put their socket in place of ours. A
+     * link is judged by what it leads to, unless somebody else made it. */
+    bool ours = info.st_uid == geteuid() || info.st_uid == 0;
+    if (ours && S_ISLNK(info.st_mode)) {
+        ours = stat(folder, &info) == 0 && (info.st_uid == geteuid() || info.st_uid == 0);
+    }
+    bool open_to_all = (info.st_mode & (S_IWGRP | S_IWOTH)) != 0 &&
+                       (info.st_mode & S_ISVTX) == 0;
+    if (!ours || !S_ISDIR(info.st_mode) || open_to_all) {
+        srv_log(SRV_LOG_ERROR, 0,
+                "%s must be a folder of this user or of root that nobody else can write to",
+                folder);
+        return PCCD_E_SYSTEM;
+    }
+    return 0;
+}
+
+/* Remove what a dead daemon left; anything but a socket stays. */
+static int remove_stale(const char *path)
+{
+    struct stat info;
+    if (lstat(path, &info) != 0) {
+        return errno == ENOENT ? 0 : PCCD_E_SYSTEM;
+    }
+    if (!S_ISSOCK(info.st_mode)) {
+        errno = EEXIST;
+        return PCCD_E_SYSTEM;
+    }
+    return unlink(path) == 0 ? 0 : PCCD_E_SYSTEM;
+}
+
+/* A listening socket at `path` with mode 0600, in *fd. errno says why not. */
+static int open_socket(const char *path, int *fd)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    PCCD_ASSERT(strlen(path) < sizeof address.sun_path); /* checked with the options */
+    strcpy(address.sun_path, path);
+    int made = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (made < 0) {
+        return PCCD_E_SYSTEM;
+    }
+    int status = remove_stale(path);
+    if (status == 0) {
+        mode_t before = umask(0177); /* no other thread creates files */
+        status = bind(made, (const struct sockaddr *)&address, sizeof address) == 0
+                     ? 0
+                     : PCCD_E_SYSTEM;
+        umask(before);
+    }
+    if (status == 0 && listen(made, BACKLOG) != 0) {
+        status = PCCD_E_SYSTEM;
+    }
+    if (status != 0) {
+        int saved = errno;
+        close(made);
+        errno = saved;
+        return status;
+    }
+    *fd = made;
+    return 0;
+}
+
+/* ---- accepting ----------------------------------------------------------------------------- */
+
+static void on_readable(uv_poll_t *poll, int status, int events);
+
+static void watch(struct srv_listener *listener, bool watching)
+{
+    if (listener->fd < 0 || watching == listener->watching) {
+        return;
+    }
+    listener->watching = watching;
+    if (watching) {
+        int failed = uv_poll_start(&listener->poll, UV_READABLE, on_readable);
+        PCCD_ASSERT(failed == 0);
+    } else {
+        uv_poll_stop(&listener->poll);
+    }
+}
+
+void srv_listener_room(struct srv_listener *listener)
+{
+    struct srv_loop *loop = listener->loop;
+    if (loop->conn_count < loop->options->connections_max &&
+        !uv_is_active((uv_handle_t *)&listener->retry)) {
+        watch(listener, true);
+    }
+}
+
+static void on_retry(uv_timer_t *timer)
+{
+    srv_listener_room(timer->data);
+}
+
+static void pause_for_retry(struct srv_listener *listener)
+{
+    watch(listener, false);
+    uv_timer_start(&listener->retry, on_retry, RETRY_MS, 0);
+}
+
+static int open_reserve(void)
+{
+    return open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
+/* No descriptor is left: turn the next client away with the reserve, so that it does not
+ * wait for nothing, then pause. */
+static void turn_away(struct srv_listener *listener)
+{
+    srv_log(SRV_LOG_WARN, 0, "no descriptor for a new connection");
+    listener->loop->metrics.counters.sessions_refused++;
+    if (listener->reserve_fd >= 0) {
+        close(listener->reserve_fd);
+        int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC);
+        if (fd >= 0) {
+            close(fd);
+        }
+    }
+    listener->reserve_fd = open_reserve();
+    pause_for_retry(listener);
+}
+
+/* Take one connection over. Returns whether to try for another at once. */
+static bool accept_one(struct srv_listener *listener)
+{
+    struct srv_loop *loop = listener->loop;
+    if (loop->conn_count >= loop->options->connections_max) {
+        watch(listener, false); /* srv_listener_room goes on */
+        return false;
+    }
+    int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (fd < 0) {
+        switch (errno) {
+        case EINTR:
+        case ECONNABORTED:
+            return true;
+        case EMFILE:
+        case ENFILE:
+            turn_away(listener);
+            return false;
+        case EAGAIN:
+            return false;
+        default:
+            srv_log(SRV_LOG_WARN, 0, "accept: %s", strerror(errno));
+            pause_for_retry(listener);
+            return false;
+        }
+    }
+    struct ucred peer;
+    socklen_t bytes = sizeof peer;
+    if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
+        close(fd);
+        return true;
+    }
+    if (srv_conn_new(loop, fd, peer.uid) != 0) {
+        loop->metrics.counters.sessions_refused++;
+        srv_log(SRV_LOG_WARN, 0, "a connection of user %u was turned away",
+                (unsigned)peer.uid);
+    }
+    return true;
+}
+
+static void on_readable(uv_poll_t *poll, int status, int events)
+{
+    struct srv_listener *listener = poll->data;
+    (void)events;
+    if (status < 0) {
+        srv_log(SRV_LOG_ERROR, 0, "listener: %s", uv_strerror(status));
+        listener->watching = false; /* libuv has stopped it */
+        pause_for_retry(listener);
+        return;
+    }
+    for (int i = 0; i < ACCEPTS_PER_TURN && accept_one(listener); i++) {
+    }
+}
+
+/* ---- life ---------------------------------------------------------------------------------- */
+
+int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
+{
+    const char *path = loop->options->socket_path;
+    *listener = (struct srv_listener){.loop = loop, .fd = -1, .reserve_fd = -1};
+    int fd = -1;
+    int status = open_socket(path, &fd);
+    if (status != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
+        return status;
+    }
+    if (uv_poll_init(&loop->uv, &listener->poll, fd) != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: the socket cannot be watched", path);
+        unlink(path);
+        close(fd);
+        return PCCD_E_SYSTEM;
+    }
+    uv_timer_init(&loop->uv, &listener->retry);
+    listener->poll.data = listener;
+    listener->retry.data = listener;
+    listener->fd = fd;
+    listener->reserve_fd = open_reserve();
+    watch(listener, true);
+    return 0;
+}
+
+void srv_listener_close(struct srv_listener *listener)
+{
+    if (listener->fd < 0) {
+        return;
+    }
+    unlink(listener->loop->options->socket_path);
+    watch(listener, false);
+    uv_close((uv_handle_t *)&listener->poll, NULL);
+    uv_close((uv_handle_t *)&listener->retry, NULL);
+    close(listener->fd);
+    listener->fd = -1;
+    if (listener->reserve_fd >= 0) {
+        close(listener->reserve_fd);
+        listener->reserve_fd = -1;
+    }
+}

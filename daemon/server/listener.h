@@ -1,0 +1,40 @@
+/* listener.h - the socket that clients connect to.
+ *
+ * Room:     server. May include: libuv, the C library.
+ * Does:     bind, listen, accept; keep within the connection limit and survive a lack of
+ *           descriptors without spinning.
+ * Does not: know what a client says (conn.h) or hold the path's lock (lockfile.h).
+ * Threads:  [loop]
+ */
+#ifndef SRV_LISTENER_H
+#define SRV_LISTENER_H
+
+#include <stdbool.h>
+#include <uv.h>
+
+struct srv_loop;
+
+struct srv_listener {
+    struct srv_loop *loop;
+    int fd;         /* -1: closed */
+    int reserve_fd; /* given up to accept and turn away a client when there is no other */
+    bool watching;
+    uv_poll_t poll;
+    uv_timer_t retry; /* after the system refused an accept */
+};
+
+/* Make the folder of the socket when it is missing: for us alone. Returns 0 or a status;
+ * what was wrong is logged. Before the lock is taken. */
+int srv_listener_prepare_folder(const char *socket_path);
+
+/* Listen on loop->options->socket_path; a socket that is there is a dead daemon's, because
+ * we hold the lock. Returns 0 or a status; what was wrong is logged. */
+int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop);
+
+/* Stop listening and remove the socket. */
+void srv_listener_close(struct srv_listener *listener);
+
+/* A connection has gone: there may be room again. */
+void srv_listener_room(struct srv_listener *listener);
+
+#endif

@@ -1,0 +1,30 @@
+/* lockfile.h - one daemon per socket path.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     hold a lock on PATH.lock for as long as the daemon lives; the kernel drops it
+ *           with the process, whatever ends it.
+ * Does not: wait for the lock.
+ * Threads:  [loop].
+ */
+#ifndef SRV_LOCKFILE_H
+#define SRV_LOCKFILE_H
+
+#include <sys/types.h>
+
+#define SRV_LOCKFILE_BYTES 128u
+
+struct srv_lockfile {
+    int fd; /* -1: not held */
+    char path[SRV_LOCKFILE_BYTES];
+};
+
+/* Take the lock of `socket_path` (at most 107 bytes) and write our process id into it.
+ * Returns 0, PCCD_E_BUSY (*holder is the process that has it, 0: unknown) or
+ * PCCD_E_SYSTEM (errno is set). */
+int srv_lockfile_acquire(struct srv_lockfile *lockfile, const char *socket_path,
+                         pid_t *holder);
+
+/* Remove the file and drop the lock; nothing when it is not held. */
+void srv_lockfile_release(struct srv_lockfile *lockfile);
+
+#endif

@@ -1,0 +1,83 @@
+/* main.c - program pccdd.
+ *
+ * Room:     server. May include: every header of the room.
+ * Does:     set the environment that the OpenMP runtime reads, parse options, take the
+ *           socket path's lock, serve.
+ * Does not: daemonize: a supervisor, a shell or a client starts it.
+ * Threads:  [loop]
+ */
+#include <errno.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "lockfile.h"
+#include "log.h"
+#include "loop.h"
+#include "options.h"
+
+/* libgomp reads its environment in a constructor, so setting it here is too late for this
+ * image. Waiting threads spin 2000 times, then sleep: more burns a core and collapses when
+ * another process is busy, none costs the speed-up. Binding by the runtime would pin the
+ * loop thread too. Both changes leave nothing to change for the next image, so that there
+ * is at most one. */
+static void prepare_environment(char **argv)
+{
+    bool changed = false;
+    if (getenv("GOMP_SPINCOUNT") == NULL) {
+        changed = setenv("GOMP_SPINCOUNT", "2000", 0) == 0;
+    }
+    if (getenv("OMP_PROC_BIND") != NULL || getenv("OMP_PLACES") != NULL) {
+        changed = (unsetenv("OMP_PROC_BIND") == 0 && unsetenv("OMP_PLACES") == 0) || changed;
+    }
+    if (changed) {
+        execv("/proc/self/exe", argv);
+        srv_log(SRV_LOG_WARN, 0, "cannot start anew with OpenMP's environment: %s",
+                strerror(errno));
+    }
+}
+
+static void ignore_signals(void)
+{
+    struct sigaction ignore = {.sa_handler = SIG_IGN};
+    sigemptyset(&ignore.sa_mask);
+    sigaction(SIGPIPE, &ignore, NULL); /* a dead peer is an error of its socket */
+    sigaction(SIGHUP, &ignore, NULL);  /* a closed terminal is no reason to go */
+}
+
+/* Hold the lock of the socket path while serving. Returns the exit status. */
+static int run_locked(const struct srv_options *options)
+{
+    struct srv_lockfile lockfile;
+    pid_t holder = 0;
+    int status = srv_lockfile_acquire(&lockfile, options->socket_path, &holder);
+    if (status == PCCD_E_BUSY) {
+        srv_log(SRV_LOG_ERROR, 0, "%s is served by process %ld already",
+                options->socket_path, (long)holder);
+        return 1;
+    }
+    if (status != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: %s", lockfile.path, strerror(errno));
+        return 1;
+    }
+    int exit_status = srv_loop_run(options);
+    srv_lockfile_release(&lockfile);
+    return exit_status;
+}
+
+int main(int argc, char **argv)
+{
+    prepare_environment(argv);
+    struct srv_options options;
+    srv_options_parse(&options, argc, argv);
+    srv_log_set_level(options.log_level);
+    ignore_signals();
+    umask(0077);
+    if (srv_listener_prepare_folder(options.socket_path) != 0) {
+        return 1;
+    }
+    return run_locked(&options);
+}

@@ -1,0 +1,207 @@
+/* options.c - what the command line decides.
+ *
+ * Room:     server. See options.h.
+ * Does:     one table of options for argp; every number has a named range.
+ * Does not: start anything.
+ * Threads:  [loop].
+ */
+#include "options.h"
+
+#include <argp.h>
+#include <errno.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "limits.h"
+#include "seqpacket.h"
+
+const char *argp_program_version = "pccdd " PACKAGE_VERSION;
+
+enum {
+    OPT_SOCKET = 's',
+    OPT_THREADS = 't',
+    OPT_LOG_LEVEL = 'l',
+    OPT_PRIVATE = 0x100,
+    OPT_IDLE_EXIT,
+    OPT_READY_FD,
+    OPT_GRACE,
+    OPT_CLIENTS,
+    OPT_CONNECTIONS,
+    OPT_SHM,
+    OPT_MESHES,
+    OPT_TRIANGLES,
+    OPT_CONTACTS,
+    OPT_INFLIGHT,
+    OPT_QUEUE
+};
+
+static const struct argp_option option_table[] = {
+    {NULL, 0, NULL, 0, "Where and how long:", 1},
+    {"socket", OPT_SOCKET, "PATH", 0,
+     "listen there (default: $XDG_RUNTIME_DIR/pccd/pccd.sock, or /tmp/pccd-UID/pccd.sock)", 1},
+    {"private", OPT_PRIVATE, NULL, 0,
+     "exit with the last client, or after 10 s if none comes", 1},
+    {"idle-exit", OPT_IDLE_EXIT, "SECONDS", 0,
+     "exit after that long without a client; 0 = stay (default)", 1},
+    {"grace", OPT_GRACE, "SECONDS", 0,
+     "on SIGTERM, finish requests in flight for at most that long (default 10)", 1},
+    {"ready-fd", OPT_READY_FD, "N", 0,
+     "write the byte 1 to this descriptor and close it when listening", 1},
+    {"log-level", OPT_LOG_LEVEL, "LEVEL", 0, "error, warn, info (default) or debug", 1},
+    {NULL, 0, NULL, 0, "Computing:", 2},
+    {"threads", OPT_THREADS, "N", 0, "threads of a step (default: the CPUs at hand)", 2},
+    {"contacts-max", OPT_CONTACTS, "N", 0,
+     "records kept for one answer (default 16777216)", 2},
+    {"inflight-max", OPT_INFLIGHT, "N", 0, "steps of one client at a time, 1..16 (default 16)",
+     2},
+    {"queue-max", OPT_QUEUE, "N", 0,
+     "requests of all clients that wait to be computed (default 4096)", 2},
+    {NULL, 0, NULL, 0, "Quotas of one user:", 3},
+    {"clients-max", OPT_CLIENTS, "N", 0, "connections (default 64)", 3},
+    {"shm-max-mib", OPT_SHM, "MIB", 0, "shared memory (default 512)", 3},
+    {"meshes-max", OPT_MESHES, "N", 0, "meshes (default 1024)", 3},
+    {"triangles-max", OPT_TRIANGLES, "N", 0,
+     "triangles of meshes and objects (default 64000000)", 3},
+    {"connections-max", OPT_CONNECTIONS, "N", 0,
+     "connections of all users; more wait to be accepted (default 1024)", 3},
+    {NULL, 0, NULL, 0, NULL, 0},
+};
+
+/* An option's argument as a number in [min, max]; ends the program otherwise. */
+static uint64_t number(const struct argp_state *state, const char *option, const char *text,
+                       uint64_t min, uint64_t max)
+{
+    char *end = NULL;
+    errno = 0;
+    unsigned long long value = strtoull(text, &end, 10);
+    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0 || value < min ||
+        value > max) {
+        argp_error(state, "--%s: \"%s\" is not a number from %llu to %llu", option, text,
+                   (unsigned long long)min, (unsigned long long)max);
+    }
+    return value;
+}
+
+static void set_socket(struct srv_options *options, const struct argp_state *state,
+                       const char *path)
+{
+    if (path[0] == '\0' || strlen(path) >= sizeof options->socket_path) {
+        argp_error(state, "--socket: a path has 1 to %u bytes, this one %zu",
+                   SRV_SOCKET_PATH_BYTES - 1, strlen(path));
+    }
+    strcpy(options->socket_path, path);
+}
+
+static error_t parse_limit(int key, const char *text, const struct argp_state *state,
+                           struct srv_options *options)
+{
+    switch (key) {
+    case OPT_CLIENTS:
+        options->quota[SRV_QUOTA_CLIENTS] = number(state, "clients-max", text, 1, 65536);
+        return 0;
+    case OPT_CONNECTIONS:
+        options->connections_max =
+            (uint32_t)number(state, "connections-max", text, 1, 1u << 20);
+        return 0;
+    case OPT_SHM:
+        options->quota[SRV_QUOTA_SHM_BYTES] =
+            number(state, "shm-max-mib", text, 1, 1u << 24) << 20;
+        return 0;
+    case OPT_MESHES:
+        options->quota[SRV_QUOTA_MESHES] = number(state, "meshes-max", text, 1, 1u << 20);
+        return 0;
+    case OPT_TRIANGLES:
+        options->quota[SRV_QUOTA_TRIANGLES] =
+            number(state, "triangles-max", text, 1, 1ull << 40);
+        return 0;
+    case OPT_CONTACTS:
+        options->contacts_max = number(state, "contacts-max", text, 1, 1ull << 32);
+        return 0;
+    case OPT_INFLIGHT:
+        options->inflight_max =
+            (uint32_t)number(state, "inflight-max", text, 1, PROTO_INFLIGHT_MAX);
+        return 0;
+    case OPT_QUEUE:
+        options->queue_max = (uint32_t)number(state, "queue-max", text, 1, 1u << 20);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static error_t parse_option(int key, char *text, struct argp_state *state)
+{
+    struct srv_options *options = state->input;
+    switch (key) {
+    case OPT_SOCKET:
+        set_socket(options, state, text);
+        return 0;
+    case OPT_PRIVATE:
+        options->private_daemon = true;
+        return 0;
+    case OPT_IDLE_EXIT:
+        options->idle_exit_s = (uint32_t)number(state, "idle-exit", text, 0, 1u << 30);
+        return 0;
+    case OPT_GRACE:
+        options->grace_s = (uint32_t)number(state, "grace", text, 0, 86400);
+        return 0;
+    case OPT_READY_FD:
+        options->ready_fd = (int)number(state, "ready-fd", text, 0, 1u << 20);
+        return 0;
+    case OPT_THREADS:
+        options->threads_max = (uint32_t)number(state, "threads", text, 1, 1024);
+        return 0;
+    case OPT_LOG_LEVEL:
+        if (srv_log_level_by_name(text) < 0) {
+            argp_error(state, "--log-level: \"%s\" is none of error, warn, info, debug", text);
+        }
+        options->log_level = (enum srv_level)srv_log_level_by_name(text);
+        return 0;
+    case ARGP_KEY_ARG:
+        argp_error(state, "there are no arguments, only options: \"%s\"", text);
+        return 0;
+    default:
+        return parse_limit(key, text, state, options);
+    }
+}
+
+static uint32_t cpu_count(void)
+{
+    cpu_set_t cpus;
+    if (sched_getaffinity(0, sizeof cpus, &cpus) != 0) {
+        return 1; /* more CPUs than cpu_set_t holds: --threads says how many to use */
+    }
+    return (uint32_t)CPU_COUNT(&cpus);
+}
+
+void srv_options_parse(struct srv_options *options, int argc, char **argv)
+{
+    static const struct argp argp = {
+        .options = option_table,
+        .parser = parse_option,
+        .doc = "Continuous collision detection of deforming triangle meshes, as a service "
+               "for the processes of this machine.",
+    };
+    *options = (struct srv_options){
+        .threads_max = cpu_count(),
+        .connections_max = 1024,
+        .inflight_max = PROTO_INFLIGHT_MAX,
+        .queue_max = 4096,
+        .contacts_max = PROTO_CONTACTS_PER_STEP,
+        .quota = {[SRV_QUOTA_CLIENTS] = PROTO_CLIENTS_PER_UID,
+                  [SRV_QUOTA_SHM_BYTES] = PROTO_SHM_BYTES_PER_UID,
+                  [SRV_QUOTA_MESHES] = PROTO_MESHES_PER_UID,
+                  [SRV_QUOTA_TRIANGLES] = PROTO_TRIANGLES_PER_UID},
+        .grace_s = 10,
+        .ready_fd = -1,
+        .log_level = SRV_LOG_INFO,
+    };
+    argp_parse(&argp, argc, argv, 0, NULL, options);
+    if (options->socket_path[0] == '\0' &&
+        proto_default_socket_path(options->socket_path, sizeof options->socket_path) != 0) {
+        fprintf(stderr, "pccdd: the default socket path is too long; use --socket\n");
+        exit(1);
+    }
+}

@@ -1,0 +1,37 @@
+/* options.h - what the command line decides.
+ *
+ * Room:     server. May include: the protocol's headers.
+ * Does:     parse and check options; every limit has its default here.
+ * Does not: read files or the environment beyond the default socket path.
+ * Threads:  [loop]; constant after parsing.
+ */
+#ifndef SRV_OPTIONS_H
+#define SRV_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "log.h"
+#include "quota.h"
+
+#define SRV_SOCKET_PATH_BYTES 108u /* sockaddr_un holds 107 and the NUL */
+
+struct srv_options {
+    char socket_path[SRV_SOCKET_PATH_BYTES];
+    uint32_t threads_max;        /* of a step */
+    uint32_t connections_max;    /* of all users; beyond it nobody is accepted */
+    uint32_t inflight_max;       /* requests of one client, 1 .. 16 */
+    uint32_t queue_max;          /* requests that wait for the compute thread */
+    uint64_t contacts_max;       /* records kept for one answer */
+    uint64_t quota[SRV_QUOTA_COUNT];
+    uint32_t grace_s;            /* for requests in flight at shutdown */
+    uint32_t idle_exit_s;        /* 0: stay */
+    bool private_daemon;         /* go with the last client */
+    int ready_fd;                /* -1: none */
+    enum srv_level log_level;
+};
+
+/* Fill from the command line; prints to stderr and exits on a wrong one, as argp does. */
+void srv_options_parse(struct srv_options *options, int argc, char **argv);
+
+#endif

@@ -1,0 +1,173 @@
+/* request.c - a request on its way through the compute thread.
+ *
+ * Room:     server. See request.h.
+ * Does:     create, run, answer and free requests; each is answered exactly once.
+ * Does not: keep any longer than its client asked: at most SRV_REQUESTS_MAX per session.
+ * Threads:  [loop], but for `run` and srv_request_return_slot.
+ */
+#include "request.h"
+
+#include <stdlib.h>
+
+#include "dispatch.h"
+#include "invariant.h"
+#include "loop.h"
+#include "session.h"
+
+int srv_request_ring(struct srv_call *call, struct srv_ring **ring)
+{
+    if (call->session->attaching) {
+        return proto_error_set(&call->error, PCCD_E_STATE, "shm.attach is not done yet");
+    }
+    if (call->session->ring == NULL) {
+        return proto_error_set(&call->error, PCCD_E_STATE, "%s needs shm.attach first",
+                               proto_messages[call->method].name);
+    }
+    *ring = call->session->ring;
+    return 0;
+}
+
+int srv_request_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t slot,
+                     uint64_t seq)
+{
+    if (slot >= ring->slot_count) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "slot is %u, the ring has %u",
+                               slot, ring->slot_count);
+    }
+    if (seq == 0 || seq % 2 != 0) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "seq is %llu, a written slot has an even one from 2 on",
+                               (unsigned long long)seq);
+    }
+    return 0;
+}
+
+void srv_request_return_slot(struct srv_request *request)
+{
+    if (request->plan.takes_slot) {
+        request->plan.takes_slot = false;
+        srv_ring_return_slot(request->plan.ring);
+    }
+}
+
+/* The answer is known: give back what the ring lent. [any], but one at a time. */
+static void conclude(struct srv_request *request)
+{
+    srv_request_return_slot(request);
+    if (request->plan.ring != NULL) {
+        srv_ring_done(request->plan.ring);
+    }
+}
+
+/* [compute] */
+static void run(struct srv_job *job)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    srv_assert_compute();
+    request->status = request->plan.work(request);
+    PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
+    conclude(request);
+}
+
+static void acquire(const struct srv_plan *plan)
+{
+    if (plan->ring != NULL) {
+        srv_resource_acquire(&plan->ring->resource);
+    }
+    if (plan->mesh != NULL) {
+        srv_resource_acquire(&plan->mesh->resource);
+    }
+    if (plan->scene != NULL) {
+        srv_resource_acquire(&plan->scene->resource);
+    }
+}
+
+static void release(const struct srv_plan *plan)
+{
+    if (plan->ring != NULL) {
+        srv_resource_drop(&plan->ring->resource);
+    }
+    if (plan->mesh != NULL) {
+        srv_resource_drop(&plan->mesh->resource);
+    }
+    if (plan->scene != NULL) {
+        srv_resource_drop(&plan->scene->resource);
+    }
+}
+
+/* Answer, and let go of everything. [loop] */
+static void done(struct srv_job *job)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    struct srv_session *session = request->session;
+    srv_assert_loop();
+    if (request->plan.finish != NULL) {
+        request->plan.finish(request);
+    }
+    session->loop->metrics.counters.upload_bytes += request->upload_bytes;
+    srv_dispatch_answer(session, request);
+    release(&request->plan);
+    srv_session_unlist(session, request);
+    free(request);
+    srv_session_settle(session);
+}
+
+int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
+{
+    srv_assert_loop();
+    struct srv_session *session = call->session;
+    struct srv_request *request = calloc(1, sizeof *request);
+    if (request == NULL) {
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");
+    }
+    srv_job_init(&request->job, run, done);
+    request->session = session;
+    request->plan = *plan;
+    request->id = call->id;
+    request->method = call->method;
+    request->arrival_ns = call->arrival_ns;
+    request->params = call->params;
+    request->fds[0] = -1;
+    request->fds[1] = -1;
+    acquire(plan);
+    srv_session_enlist(session, request);
+    int status = srv_compute_push(&session->loop->compute, &session->lane, &request->job);
+    if (status != 0) {
+        srv_session_unlist(session, request);
+        release(plan);
+        free(request);
+        return proto_error_set(&call->error, status,
+                               "%u requests wait to be computed already",
+                               session->loop->options->queue_max);
+    }
+    return SRV_LATER;
+}
+
+/* Answer a request that has been taken out of its lane. */
+static void take_back(struct srv_request *request)
+{
+    request->status = proto_error_set(&request->error, PCCD_E_CANCELLED,
+                                      "request %u was cancelled before it ran", request->id);
+    conclude(request);
+    done(&request->job);
+}
+
+void srv_request_cancel(struct srv_request *request)
+{
+    srv_assert_loop();
+    atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
+    if (request->method != PROTO_METHOD_FRAME_SUBMIT &&
+        srv_compute_remove(&request->session->loop->compute, &request->job)) {
+        take_back(request);
+    }
+}
+
+void srv_request_abandon(struct srv_request *request)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(request->session->conn == NULL);
+    atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
+    if (srv_compute_remove(&request->session->loop->compute, &request->job)) {
+        take_back(request);
+    }
+}

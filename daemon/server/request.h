@@ -1,0 +1,73 @@
+/* request.h - a request on its way through the compute thread.
+ *
+ * Room:     server. May include: call.h, resource.h, ringio.h, compute.h.
+ * Does:     keep a request's parameters and everything it uses until its answer is sent, or
+ *           its client is gone.
+ * Does not: know any method: handlers give the functions.
+ * Threads:  functions say.
+ */
+#ifndef SRV_REQUEST_H
+#define SRV_REQUEST_H
+
+#include "call.h"
+#include "resource.h"
+#include "ringio.h"
+
+struct srv_request;
+
+/* What a handler asks for. References are taken for as long as the request lives. */
+struct srv_plan {
+    /* [compute]; returns 0 with request->result filled in, or a negative status with
+     * request->error set. */
+    int (*work)(struct srv_request *request);
+    /* [loop], may be NULL; after the work, or instead of it when the request was taken
+     * back; request->status says how it went. */
+    void (*finish)(struct srv_request *request);
+    struct srv_ring *ring;   /* NULL: uses none */
+    struct srv_mesh *mesh;   /* likewise */
+    struct srv_scene *scene; /* likewise */
+    struct srv_ring *attached; /* a ring that is not the session's yet; no reference taken */
+    uint32_t object;         /* handle in `scene` */
+    bool takes_slot;         /* a slot of the ring, to be returned exactly once */
+};
+
+struct srv_request {
+    struct srv_job job; /* first: the job is the request */
+    struct srv_session *session;
+    struct srv_request *prev; /* [loop] in the session's list */
+    struct srv_request *next;
+    struct srv_plan plan;
+    uint32_t id;
+    int method;
+    uint64_t arrival_ns;
+    union srv_params params;
+    union srv_result result;
+    struct proto_error error;
+    int status;
+    uint64_t upload_bytes; /* copied out of slots */
+    int fds[2];            /* to send with the answer and close; -1: none */
+};
+
+/* Admission: the session's ring, or PCCD_E_STATE with call->error set. [loop] */
+int srv_request_ring(struct srv_call *call, struct srv_ring **ring);
+/* Admission: whether slot and sequence number can be those of a written slot. [loop] */
+int srv_request_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t slot,
+                     uint64_t seq);
+
+/* Queue a request for `call`. Returns SRV_LATER, or PCCD_E_BUSY or PCCD_E_NOMEM with
+ * call->error set: then neither function of the plan is called. [loop] */
+int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
+
+/* Give the slot back as soon as it has been read; once, further calls do nothing.
+ * [compute] */
+void srv_request_return_slot(struct srv_request *request);
+
+/* Stop it: a queued step still runs, with its flag set, and answers what it found; another
+ * queued request is answered with PCCD_E_CANCELLED at once; a running one sees the flag.
+ * [loop] */
+void srv_request_cancel(struct srv_request *request);
+
+/* The client is gone: stop it without an answer. [loop] */
+void srv_request_abandon(struct srv_request *request);
+
+#endif

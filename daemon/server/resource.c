@@ -1,0 +1,215 @@
+/* resource.c - what a session holds and the compute thread uses.
+ *
+ * Room:     server. See resource.h.
+ * Does:     reference counts on [loop]; the last reference queues the resource itself as a
+ *           job in its session's lane, behind every job that still uses it.
+ * Does not: free anything large on [loop]: returning pages takes milliseconds.
+ * Threads:  [loop] and [compute], as marked.
+ */
+#include "resource.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "invariant.h"
+#include "limits.h"
+#include "loop.h"
+#include "session.h"
+#include "wire.h"
+
+#define PLACED_FIRST 16u
+
+/* ---- references ---------------------------------------------------------------------- */
+
+void srv_resource_init(struct srv_resource *resource, struct srv_session *session,
+                       srv_job_fn free_engine, srv_job_fn free_rest)
+{
+    srv_job_init(&resource->reap, free_engine, free_rest);
+    resource->session = session;
+    resource->refs = 1;
+}
+
+void srv_resource_acquire(struct srv_resource *resource)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(resource->refs > 0);
+    resource->refs++;
+}
+
+void srv_resource_drop(struct srv_resource *resource)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(resource->refs > 0);
+    if (--resource->refs == 0) {
+        struct srv_session *session = resource->session;
+        session->reap_count++;
+        srv_compute_push_reap(&session->loop->compute, &session->lane, &resource->reap);
+    }
+}
+
+/* ---- meshes ---------------------------------------------------------------------------- */
+
+static void mesh_free_engine(struct srv_job *job)
+{
+    struct srv_mesh *mesh = (struct srv_mesh *)job;
+    eng_mesh_release(mesh->engine);
+    mesh->engine = NULL;
+}
+
+static void mesh_free_rest(struct srv_job *job)
+{
+    struct srv_mesh *mesh = (struct srv_mesh *)job;
+    struct srv_session *session = mesh->resource.session;
+    struct srv_loop *loop = session->loop;
+    srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_MESHES, 1);
+    srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES,
+                     srv_triangle_charge(mesh->vertex_count, mesh->triangle_count));
+    free(mesh);
+    srv_session_reaped(session);
+}
+
+struct srv_mesh *srv_mesh_new(struct srv_session *session, uint32_t vertex_count,
+                              uint32_t triangle_count)
+{
+    struct srv_mesh *mesh = calloc(1, sizeof *mesh);
+    if (mesh != NULL) {
+        srv_resource_init(&mesh->resource, session, mesh_free_engine, mesh_free_rest);
+        mesh->vertex_count = vertex_count;
+        mesh->triangle_count = triangle_count;
+    }
+    return mesh;
+}
+
+int srv_mesh_engine(struct srv_mesh *mesh, struct eng_mesh **engine)
+{
+    srv_assert_compute();
+    int status = 0;
+    if (mesh->engine == NULL) {
+        status = srv_wire_status(
+            eng_mesh_new(mesh->vertex_count, mesh->triangle_count, &mesh->engine));
+    }
+    *engine = mesh->engine;
+    return status;
+}
+
+/* ---- scenes ---------------------------------------------------------------------------- */
+
+static void scene_free_engine(struct srv_job *job)
+{
+    struct srv_scene *scene = (struct srv_scene *)job;
+    eng_scene_free(scene->engine);
+    scene->engine = NULL;
+    free(scene->placed);
+    scene->placed = NULL;
+}
+
+/* Refund an object that has left its table already. */
+static void object_free(struct srv_session *session, struct srv_object *object)
+{
+    struct srv_loop *loop = session->loop;
+    srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, object->charge);
+    loop->metrics.counters.objects_now--;
+    free(object);
+}
+
+static void scene_free_rest(struct srv_job *job)
+{
+    struct srv_scene *scene = (struct srv_scene *)job;
+    struct srv_session *session = scene->resource.session;
+    uint32_t cursor = 0;
+    for (struct srv_object *object; (object = srv_handles_pop(&scene->objects, &cursor));) {
+        object_free(session, object);
+    }
+    srv_handles_deinit(&scene->objects);
+    session->loop->metrics.counters.scenes_now--;
+    free(scene);
+    srv_session_reaped(session);
+}
+
+struct srv_scene *srv_scene_new(struct srv_session *session, uint32_t salt)
+{
+    struct srv_scene *scene = calloc(1, sizeof *scene);
+    if (scene != NULL) {
+        srv_resource_init(&scene->resource, session, scene_free_engine, scene_free_rest);
+        srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE, salt);
+        session->loop->metrics.counters.scenes_now++;
+    }
+    return scene;
+}
+
+int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine)
+{
+    srv_assert_compute();
+    int status = 0;
+    if (scene->engine == NULL) {
+        status = srv_wire_status(eng_scene_new(&scene->engine));
+    }
+    *engine = scene->engine;
+    return status;
+}
+
+int srv_scene_reserve(struct srv_scene *scene, uint32_t handle)
+{
+    srv_assert_compute();
+    uint32_t index = srv_handle_index(handle);
+    if (index < scene->placed_count) {
+        return 0;
+    }
+    uint32_t count = scene->placed_count == 0 ? PLACED_FIRST : scene->placed_count;
+    while (count <= index) { /* ends: an index has 20 bits */
+        count *= 2;
+    }
+    struct srv_placed *placed = realloc(scene->placed, (size_t)count * sizeof *placed);
+    if (placed == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    memset(placed + scene->placed_count, 0,
+           (size_t)(count - scene->placed_count) * sizeof *placed);
+    scene->placed = placed;
+    scene->placed_count = count;
+    return 0;
+}
+
+struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle)
+{
+    srv_assert_compute();
+    uint32_t index = srv_handle_index(handle);
+    if (handle == 0 || index >= scene->placed_count ||
+        scene->placed[index].handle != handle) {
+        return NULL;
+    }
+    return &scene->placed[index];
+}
+
+int srv_scene_admit(struct srv_scene *scene, uint64_t charge, uint32_t *object,
+                    struct proto_error *error)
+{
+    srv_assert_loop();
+    struct srv_session *session = scene->resource.session;
+    struct srv_loop *loop = session->loop;
+    int status = srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge,
+                                  error);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_object *item = malloc(sizeof *item);
+    status = item == NULL ? PCCD_E_NOMEM : srv_handles_add(&scene->objects, item, object);
+    if (status != 0) {
+        free(item);
+        srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge);
+        return status == PCCD_E_LIMIT
+                   ? proto_error_set(error, status, "a scene has at most %u objects",
+                                     PROTO_OBJECTS_PER_SCENE)
+                   : proto_error_set(error, status, "no memory for an object");
+    }
+    item->charge = charge;
+    loop->metrics.counters.objects_now++;
+    return 0;
+}
+
+void srv_scene_forget(struct srv_scene *scene, uint32_t object)
+{
+    struct srv_object *item = srv_handles_remove(&scene->objects, object);
+    PCCD_ASSERT(item != NULL);
+    object_free(scene->resource.session, item);
+}

@@ -1,0 +1,88 @@
+/* resource.h - what a session holds and the compute thread uses.
+ *
+ * Room:     server. May include: compute.h, handles.h, the engine's and protocol's headers.
+ * Does:     count the references of meshes, scenes and rings; when the last one goes, free
+ *           the engine's part on the compute thread and the rest on the loop.
+ * Does not: look anything up for a client (session.h).
+ * Threads:  members and functions say.
+ */
+#ifndef SRV_RESOURCE_H
+#define SRV_RESOURCE_H
+
+#include <stdint.h>
+
+#include "codec.h"
+#include "compute.h"
+#include "handles.h"
+#include "messages.h"
+#include "step.h"
+
+struct srv_session;
+
+/* The common start of a mesh, a scene and a ring. */
+struct srv_resource {
+    struct srv_job reap; /* first: the job is the resource */
+    struct srv_session *session;
+    uint32_t refs; /* [loop] the session's table, and each request in flight */
+};
+
+/* One reference. `free_engine` runs on [compute], `free_rest` on [loop]. */
+void srv_resource_init(struct srv_resource *resource, struct srv_session *session,
+                       srv_job_fn free_engine, srv_job_fn free_rest);
+void srv_resource_acquire(struct srv_resource *resource); /* [loop] */
+void srv_resource_drop(struct srv_resource *resource);    /* [loop] */
+
+struct srv_mesh {
+    struct srv_resource resource;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    struct eng_mesh *engine; /* [compute]; NULL until the first data arrive */
+};
+
+/* A mesh whose quota has been charged already; NULL: no memory. [loop] */
+struct srv_mesh *srv_mesh_new(struct srv_session *session, uint32_t vertex_count,
+                              uint32_t triangle_count);
+/* The engine's mesh, made when there is none. Returns a wire status. [compute] */
+int srv_mesh_engine(struct srv_mesh *mesh, struct eng_mesh **engine);
+
+/* An object of a scene as the loop sees it. */
+struct srv_object {
+    uint64_t charge; /* triangles */
+};
+
+/* The same as the compute thread sees it. */
+struct srv_placed {
+    uint32_t handle; /* 0: none here */
+    uint32_t engine_idx;
+    uint32_t vertex_count;
+};
+
+struct srv_scene {
+    struct srv_resource resource;
+    struct srv_handles objects; /* [loop] of struct srv_object */
+    /* [compute] */
+    struct eng_scene *engine;  /* NULL until the first object or step */
+    struct srv_placed *placed; /* by index of the object's handle */
+    uint32_t placed_count;
+    bool has_answer; /* `records` and `answer` are of the last step */
+    const void *records;
+    struct proto_FRAME_SUBMIT_result answer; /* but for the page */
+};
+
+/* `salt` makes the object handles of one session's scenes differ. NULL: no memory. [loop] */
+struct srv_scene *srv_scene_new(struct srv_session *session, uint32_t salt);
+int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine); /* [compute] */
+
+/* Room for an object with that handle. Returns 0 or PCCD_E_NOMEM. [compute] */
+int srv_scene_reserve(struct srv_scene *scene, uint32_t handle);
+/* The object, or NULL: never placed, or removed. [compute] */
+struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
+
+/* A handle for a new object, its quota charged. Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT or
+ * PCCD_E_NOMEM with *error set. [loop] */
+int srv_scene_admit(struct srv_scene *scene, uint64_t charge, uint32_t *object,
+                    struct proto_error *error);
+/* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */
+void srv_scene_forget(struct srv_scene *scene, uint32_t object);
+
+#endif

@@ -1,0 +1,197 @@
+/* session.c - what one client has here.
+ *
+ * Room:     server. See session.h.
+ * Does:     the life of a session:
+ *
+ *     accept --> NEW ----- hello -----> OPEN
+ *       |         |                      |
+ *       |         | no hello in time     | end of file, violation, shutdown
+ *       |         v                      v
+ *       `--> REFUSED ----- answer -----> CLOSED --> freed
+ *         (quota full)                   waits until request_count = 0 (cancelled ones come
+ *                                        back) and reap_count = 0 (scenes, meshes and ring
+ *                                        have been freed on the compute thread)
+ *
+ * Does not: keep a session for a client that comes back.
+ * Threads:  [loop]
+ */
+#include "session.h"
+
+#include <stdlib.h>
+
+#include "conn.h"
+#include "invariant.h"
+#include "limits.h"
+#include "loop.h"
+#include "request.h"
+
+struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn, uid_t uid)
+{
+    srv_assert_loop();
+    struct srv_session *session = calloc(1, sizeof *session);
+    if (session == NULL) {
+        return NULL;
+    }
+    session->user = srv_quota_acquire(&loop->quota, uid);
+    if (session->user == NULL) {
+        free(session);
+        return NULL;
+    }
+    session->loop = loop;
+    session->conn = conn;
+    session->id = ++loop->session_last;
+    struct proto_error error = {0};
+    session->counted =
+        srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1, &error) == 0;
+    if (!session->counted && loop->refused_count >= SRV_REFUSED_MAX) {
+        srv_quota_release(&loop->quota, session->user);
+        free(session);
+        return NULL;
+    }
+    if (!session->counted) {
+        loop->refused_count++;
+        session->state = SRV_SESSION_REFUSED;
+        loop->metrics.counters.sessions_refused++;
+        srv_log(SRV_LOG_WARN, session->id, "refused: %s", error.text);
+    }
+    srv_handles_init(&session->scenes, PROTO_SCENES_PER_CLIENT, 0);
+    srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, 0);
+    session->next = loop->sessions;
+    if (session->next != NULL) {
+        session->next->prev = session;
+    }
+    loop->sessions = session;
+    return session;
+}
+
+void srv_session_open(struct srv_session *session, uint32_t version)
+{
+    PCCD_ASSERT(session->state == SRV_SESSION_NEW);
+    session->state = SRV_SESSION_OPEN;
+    session->version = version;
+    session->loop->metrics.counters.sessions_now++;
+    session->loop->metrics.counters.sessions_total++;
+    srv_conn_established(session->conn);
+    srv_loop_client_joined(session->loop);
+}
+
+/* Drop the session's own references; what requests still use goes with the last of them. */
+static void drop_everything(struct srv_session *session)
+{
+    uint32_t cursor = 0;
+    for (struct srv_scene *scene; (scene = srv_handles_pop(&session->scenes, &cursor));) {
+        srv_resource_drop(&scene->resource);
+    }
+    cursor = 0;
+    for (struct srv_mesh *mesh; (mesh = srv_handles_pop(&session->meshes, &cursor));) {
+        srv_resource_drop(&mesh->resource);
+    }
+    if (session->ring != NULL) {
+        srv_resource_drop(&session->ring->resource);
+        session->ring = NULL;
+    }
+}
+
+void srv_session_detach(struct srv_session *session)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(session->state != SRV_SESSION_CLOSED);
+    struct srv_loop *loop = session->loop;
+    bool was_open = session->state == SRV_SESSION_OPEN;
+    loop->refused_count -= session->state == SRV_SESSION_REFUSED;
+    session->conn = NULL;
+    session->state = SRV_SESSION_CLOSED;
+    if (session->counted) {
+        srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1);
+    }
+    session->reap_count++; /* keeps the session while requests leave it */
+    for (struct srv_request *request = session->requests; request != NULL;) {
+        struct srv_request *next = request->next; /* taken back: frees the request */
+        srv_request_abandon(request);
+        request = next;
+    }
+    drop_everything(session);
+    if (was_open) {
+        loop->metrics.counters.sessions_now--;
+        srv_loop_client_left(loop);
+    }
+    srv_session_reaped(session);
+}
+
+void srv_session_enlist(struct srv_session *session, struct srv_request *request)
+{
+    PCCD_ASSERT(session->request_count < SRV_REQUESTS_MAX);
+    request->prev = NULL;
+    request->next = session->requests;
+    if (request->next != NULL) {
+        request->next->prev = request;
+    }
+    session->requests = request;
+    session->request_count++;
+    session->submit_count += request->method == PROTO_METHOD_FRAME_SUBMIT;
+    session->loop->request_count++;
+}
+
+void srv_session_unlist(struct srv_session *session, struct srv_request *request)
+{
+    PCCD_ASSERT(session->request_count > 0);
+    if (request->prev != NULL) {
+        request->prev->next = request->next;
+    } else {
+        session->requests = request->next;
+    }
+    if (request->next != NULL) {
+        request->next->prev = request->prev;
+    }
+    session->request_count--;
+    session->submit_count -= request->method == PROTO_METHOD_FRAME_SUBMIT;
+    session->loop->request_count--;
+}
+
+struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id)
+{
+    struct srv_request *request = session->requests;
+    while (request != NULL && request->id != id) { /* at most SRV_REQUESTS_MAX */
+        request = request->next;
+    }
+    return request;
+}
+
+void srv_session_reaped(struct srv_session *session)
+{
+    PCCD_ASSERT(session->reap_count > 0);
+    session->reap_count--;
+    srv_session_settle(session);
+}
+
+void srv_session_settle(struct srv_session *session)
+{
+    if (session->state != SRV_SESSION_CLOSED || session->request_count > 0 ||
+        session->reap_count > 0) {
+        return;
+    }
+    struct srv_loop *loop = session->loop;
+    PCCD_ASSERT(session->requests == NULL && session->lane.first == NULL);
+    PCCD_ASSERT(session->scenes.count == 0 && session->meshes.count == 0);
+    if (session->prev != NULL) {
+        session->prev->next = session->next;
+    } else {
+        loop->sessions = session->next;
+    }
+    if (session->next != NULL) {
+        session->next->prev = session->prev;
+    }
+    srv_handles_deinit(&session->scenes);
+    srv_handles_deinit(&session->meshes);
+    srv_quota_release(&loop->quota, session->user);
+    free(session);
+}
+
+void srv_session_cancel_all(struct srv_session *session)
+{
+    for (struct srv_request *request = session->requests; request != NULL;) {
+        struct srv_request *next = request->next;
+        srv_request_cancel(request);
+        request = next;
+    }
+}

@@ -1,0 +1,75 @@
+/* session.h - what one client has here.
+ *
+ * Room:     server. May include: compute.h, handles.h, quota.h, resource.h, request.h.
+ * Does:     own the client's scenes, meshes, ring and requests in flight.
+ * Does not: read or write its socket (conn.h) or know methods (dispatch.h).
+ * Threads:  [loop]
+ */
+#ifndef SRV_SESSION_H
+#define SRV_SESSION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "compute.h"
+#include "handles.h"
+#include "quota.h"
+
+#define SRV_REQUESTS_MAX 32u /* of one session in flight, steps among them */
+#define SRV_REFUSED_MAX 16u  /* sessions of all users that wait to hear they are refused */
+
+enum srv_session_state {
+    SRV_SESSION_NEW = 0,     /* connected, no hello yet */
+    SRV_SESSION_REFUSED = 1, /* connected beyond the quota: hears so and goes */
+    SRV_SESSION_OPEN = 2,    /* hello was answered */
+    SRV_SESSION_CLOSED = 3   /* the connection is gone; waits for the compute thread */
+};
+
+struct srv_session {
+    struct srv_session *prev;
+    struct srv_session *next;
+    struct srv_loop *loop;
+    struct srv_conn *conn; /* NULL: closed */
+    struct srv_quota_user *user;
+    uint64_t id;
+    enum srv_session_state state;
+    bool counted;     /* charged as a client of its user */
+    bool attaching;   /* a ring is being created */
+    uint32_t version; /* of the protocol, after hello */
+    uint32_t scene_salt; /* scenes created: makes their object handles differ */
+    struct srv_handles scenes; /* of struct srv_scene */
+    struct srv_handles meshes; /* of struct srv_mesh */
+    struct srv_ring *ring;     /* NULL: none attached */
+    struct srv_lane lane;
+    struct srv_request *requests; /* in flight, newest first */
+    uint32_t request_count;
+    uint32_t submit_count; /* of these, steps */
+    uint32_t reap_count;   /* resources that are being freed */
+};
+
+/* A session for a new connection of user `uid`. It is REFUSED when the user's quota of
+ * clients is full. NULL: no memory, or too many refused ones wait to hear so already. */
+struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn, uid_t uid);
+
+/* The connection is gone: stop its requests, drop everything it has. The session frees
+ * itself as soon as the compute thread has let go of it. */
+void srv_session_detach(struct srv_session *session);
+
+/* Hello was answered. */
+void srv_session_open(struct srv_session *session, uint32_t version);
+
+void srv_session_enlist(struct srv_session *session, struct srv_request *request);
+void srv_session_unlist(struct srv_session *session, struct srv_request *request);
+/* The request in flight with that message id, or NULL. */
+struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id);
+
+/* A resource of the session has been freed. */
+void srv_session_reaped(struct srv_session *session);
+/* Free a closed session that nothing refers to any more; otherwise nothing. */
+void srv_session_settle(struct srv_session *session);
+
+/* Stop every request in flight; they are answered. */
+void srv_session_cancel_all(struct srv_session *session);
+
+#endif
