@@ -3,22 +3,22 @@
 # Each checks its own answers and exits with 1 when one is wrong. run_examples.sh wraps them
 # in TAP.
 
-EXAMPLE_PROGRAMS = \
+example_names = \
     client/examples/hello \
     client/examples/cloth \
     client/examples/two_clients
-check_PROGRAMS += $(EXAMPLE_PROGRAMS)
+check_PROGRAMS += $(example_names)
 
-EXAMPLE_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
+example_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
 
 client_examples_hello_SOURCES = client/examples/hello.c
-client_examples_hello_CPPFLAGS = $(EXAMPLE_CPPFLAGS)
+client_examples_hello_CPPFLAGS = $(example_cppflags)
 client_examples_hello_LDADD = libpccd.la
 client_examples_cloth_SOURCES = client/examples/cloth.c
-client_examples_cloth_CPPFLAGS = $(EXAMPLE_CPPFLAGS)
+client_examples_cloth_CPPFLAGS = $(example_cppflags)
 client_examples_cloth_LDADD = libpccd.la -lm
 client_examples_two_clients_SOURCES = client/examples/two_clients.c
-client_examples_two_clients_CPPFLAGS = $(EXAMPLE_CPPFLAGS)
+client_examples_two_clients_CPPFLAGS = $(example_cppflags)
 client_examples_two_clients_LDADD = libpccd.la
 
 TESTS += client/examples/run_examples.sh
