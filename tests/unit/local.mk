@@ -1,1 +1,2 @@
 # tests/unit/local.mk
+include $(top_srcdir)/tests/unit/ctl.mk

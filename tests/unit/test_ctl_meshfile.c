@@ -294,7 +294,8 @@ static void check_malformed(const struct malformed *cases, size_t count, const c
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 #define XYZ          "property float x\nproperty float y\nproperty float z\n"
 #define LIST         "property list uchar int vertex_indices\n"
-#define HEAD         "ply\nformat ascii 1.0\nelement vertex 3\n" XYZ "element face 1\n" LIST
+#define START        "ply\nformat ascii 1.0\nelement vertex 3\n"
+#define HEAD         START XYZ "element face 1\n" LIST
 #define BODY(text)   HEAD "end_header\n" text
 
 /* If it failed: a broken header would be guessed at, or its message would not help. */

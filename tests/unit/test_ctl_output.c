@@ -1,0 +1,297 @@
+/* tests/unit/test_ctl_output.c - what pccdctl writes: figures, CSV, JSON and pictures.
+ *
+ * Room:     client/ctl (statistics.h, contacts_csv.h, report.h, picture.h).
+ * Does:     checks each against values worked out by hand.
+ * Does not: need a daemon; answers are made up here.
+ * Threads:  one.
+ * Source:   the headers named above.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include <jansson.h>
+#include <png.h>
+
+#include "contacts_csv.h"
+#include "picture.h"
+#include "report.h"
+#include "statistics.h"
+
+/* If it failed: figures of repeated steps would be means, or off by a rank. */
+static void statistics__give_medians_and_nearest_ranks(void **state)
+{
+    double odd[] = {5, 1, 3};
+    double even[] = {4, 1, 3, 100};
+    double many[200];
+    (void)state;
+    statistics_sort(odd, 3);
+    assert_true(statistics_median(odd, 3) == 3.0);
+    statistics_sort(even, 4);
+    assert_true(statistics_median(even, 4) == 3.5);
+    for (int i = 0; i < 200; i++)
+        many[i] = 200 - i;
+    statistics_sort(many, 200);
+    assert_true(statistics_quantile(many, 200, 0.99) == 198.0);
+    assert_true(statistics_quantile(many, 200, 1.0) == 200.0);
+    assert_true(statistics_quantile(many, 200, 0.0) == 1.0);
+    assert_true(statistics_quantile(many, 1, 0.99) == 1.0);
+}
+
+static const uint32_t triangles[2][3] = {{7, 5, 6}, {0, 2, 1}};
+static const struct pccd_edge edges[3] = {{0, 1}, {0, 2}, {5, 6}};
+static const struct pccd_contact contacts[2] = {
+    {.kind = PCCD_VF,
+     .flags = PCCD_PROVED,
+     .feature_a = 3,
+     .feature_b = 1,
+     .toi = 0.1,
+     .toi_hi = 0.25},
+    {.kind = PCCD_EE, .feature_a = 1, .feature_b = 2, .toi = 0.0, .toi_hi = 1.0},
+};
+
+/* The text of a file, NUL-terminated. */
+static void read_back(FILE *file, char *text, size_t bytes)
+{
+    rewind(file);
+    size_t count = fread(text, 1, bytes - 1, file);
+    text[count] = '\0';
+}
+
+/* If it failed: feature numbers would be taken for vertex numbers, or times lose digits.
+ */
+static void csv__names_vertices_in_file_order(void **state)
+{
+    const struct pccd_answer page = {.contacts = contacts, .count = 2};
+    struct contacts_csv csv = {.triangles = triangles, .edges = edges};
+    char text[512];
+    (void)state;
+    csv.file = tmpfile();
+    assert_non_null(csv.file);
+    contacts_csv_page(&csv, 1, &page);
+    read_back(csv.file, text, sizeof(text));
+    assert_string_equal(text, "vf,3,0,2,1,0.10000000000000001,0.25,1\n"
+                              "ee,0,2,5,6,0,1,0\n");
+    struct ctl_error error;
+    assert_int_equal(contacts_csv_close(&csv, &error), PCCD_OK);
+}
+
+/* If it failed: pairs would come with times nobody computed, or steps run together. */
+static void csv__leaves_times_of_pairs_empty_and_numbers_steps(void **state)
+{
+    const struct pccd_pair pairs[1] = {{.kind = PCCD_EE, .feature_a = 0, .feature_b = 2}};
+    const struct pccd_answer page = {.pairs = pairs, .count = 1};
+    struct contacts_csv csv = {.triangles = triangles, .edges = edges, .has_step = true};
+    struct ctl_error error;
+    char text[512];
+    (void)state;
+    csv.file = tmpfile();
+    assert_non_null(csv.file);
+    contacts_csv_page(&csv, 12, &page);
+    read_back(csv.file, text, sizeof(text));
+    assert_string_equal(text, "12,ee,0,1,5,6,,,0\n");
+    assert_int_equal(contacts_csv_close(&csv, &error), PCCD_OK);
+}
+
+/* If it failed: a full disk would look like a complete file. */
+static void csv__tells_when_the_disk_is_full(void **state)
+{
+    struct contacts_csv csv = {
+        .path = "/dev/full", .triangles = triangles, .edges = edges};
+    struct ctl_error error = {.text = ""};
+    (void)state;
+    assert_int_equal(contacts_csv_open(&csv, &error), PCCD_OK);
+    assert_int_equal(contacts_csv_close(&csv, &error), PCCD_E_SYSTEM);
+    assert_non_null(strstr(error.text, "/dev/full: cannot write"));
+}
+
+static const struct report_mesh mesh = {
+    .info = {.vertex_count = 4, .edge_count = 5, .triangle_count = 2}, .build_ms = 0.5};
+
+static struct report_step made_step(uint64_t total, double toi)
+{
+    struct report_step step = {.from = "a.ply",
+                               .to = "b.ply",
+                               .answer = {.total = total,
+                                          .vf = 1,
+                                          .ee = total - 1,
+                                          .possible = 1,
+                                          .toi_first = toi,
+                                          .hash = {0x123, 0xabc},
+                                          .counters = {.box_tests = 77}},
+                               .is_complete = true,
+                               .ms = {[REPORT_tests] = 1.5, [REPORT_step] = 4.0}};
+    return step;
+}
+
+static json_t *json_of(const struct report_step *steps, uint32_t count)
+{
+    char text[8192];
+    json_error_t error;
+    FILE *file = tmpfile();
+    assert_non_null(file);
+    assert_true(report_json(file, &mesh, steps, count));
+    read_back(file, text, sizeof(text));
+    fclose(file);
+    json_t *object = json_loads(text, 0, &error);
+    assert_non_null(object);
+    return object;
+}
+
+static json_int_t count_of(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    assert_true(json_is_integer(value));
+    return json_integer_value(value);
+}
+
+/* If it failed: programs that read the report would miss a value they were promised. */
+static void json__holds_the_promised_keys(void **state)
+{
+    static const char *const phases[] = {"build", "ingest", "refit", "traversal",
+                                         "tests", "merge",  "step"};
+    struct report_step step = made_step(3, 0.125);
+    json_t *object = json_of(&step, 1);
+    const json_t *ms = json_object_get(object, "ms");
+    (void)state;
+    assert_int_equal(count_of(object, "vertices"), 4);
+    assert_int_equal(count_of(object, "edges"), 5);
+    assert_int_equal(count_of(object, "triangles"), 2);
+    assert_int_equal(count_of(object, "contacts"), 3);
+    assert_int_equal(count_of(object, "vf"), 1);
+    assert_int_equal(count_of(object, "ee"), 2);
+    assert_int_equal(count_of(object, "possible"), 1);
+    assert_true(json_real_value(json_object_get(object, "toi_first")) == 0.125);
+    assert_true(json_is_true(json_object_get(object, "complete")));
+    assert_string_equal(json_string_value(json_object_get(object, "hash")),
+                        "00000000000001230000000000000abc");
+    for (size_t i = 0; i < sizeof(phases) / sizeof(phases[0]); i++)
+        assert_true(json_is_real(json_object_get(ms, phases[i])));
+    assert_true(json_real_value(json_object_get(ms, "build")) == 0.5);
+    assert_true(json_real_value(json_object_get(ms, "tests")) == 1.5);
+    assert_true(json_real_value(json_object_get(ms, "step")) == 4.0);
+    assert_int_equal(count_of(json_object_get(object, "counters"), "box_tests"), 77);
+    json_decref(object);
+}
+
+/* If it failed: a sequence's sums or steps would be lost, or "never" look like a time. */
+static void json__sums_a_sequence(void **state)
+{
+    struct report_step steps[2] = {made_step(3, 0.125), made_step(2, 2.0)};
+    (void)state;
+    steps[1].is_complete = false;
+    json_t *object = json_of(steps, 2);
+    const json_t *array = json_object_get(object, "steps");
+    assert_int_equal(count_of(object, "contacts"), 5);
+    assert_int_equal(count_of(object, "ee"), 3);
+    assert_true(json_is_false(json_object_get(object, "complete")));
+    assert_int_equal(json_array_size(array), 2);
+    assert_int_equal(count_of(json_array_get(array, 1), "contacts"), 2);
+    assert_true(json_is_null(json_object_get(json_array_get(array, 1), "toi_first")));
+    json_decref(object);
+}
+
+static const float corner_x[4][3] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+static const uint32_t corner_triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+
+/* Draw the square seen from `from_z` with one mark in the middle; read the PNG back. */
+static uint8_t *drawn_square(float from_z, const char *path)
+{
+    const struct picture_mesh square = {.x = corner_x,
+                                        .triangles = corner_triangles,
+                                        .vertex_count = 4,
+                                        .triangle_count = 2,
+                                        .front = {0, 0, 1},
+                                        .back = {0, 1, 0}};
+    const struct picture_mark mark = {{0.5f, 0.25f, 0}, 0};
+    const struct picture_group group = {"mark", {1, 0, 0}};
+    struct picture picture = {.meshes = &square,
+                              .marks = &mark,
+                              .groups = &group,
+                              .mesh_count = 1,
+                              .mark_count = 1,
+                              .group_count = 1,
+                              .from = {0, 0, from_z},
+                              .title = "square"};
+    struct ctl_error error = {.text = ""};
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    FILE *file = NULL;
+    assert_int_equal(picture_open(path, &file, &error), PCCD_OK);
+    assert_int_equal(picture_write(&picture, file, path, &error), PCCD_OK);
+    assert_int_not_equal(png_image_begin_read_from_file(&image, path), 0);
+    assert_int_equal(image.width, PICTURE_WIDTH);
+    assert_int_equal(image.height, PICTURE_HEIGHT);
+    image.format = PNG_FORMAT_RGB;
+    uint8_t *pixels = malloc(PNG_IMAGE_SIZE(image));
+    assert_non_null(pixels);
+    assert_int_not_equal(png_image_finish_read(&image, NULL, pixels, 0, NULL), 0);
+    return pixels;
+}
+
+static const uint8_t *pixel(const uint8_t *pixels, uint32_t x, uint32_t y)
+{
+    return pixels + ((size_t)y * PICTURE_WIDTH + x) * 3;
+}
+
+/* If it failed: sides would be swapped, marks missing or misplaced, or an older and
+ * longer file would show through. */
+static void picture__shows_sides_and_marks_where_they_are(void **state)
+{
+    char path[] = "/tmp/pccd-picture-XXXXXX";
+    int fd = mkstemp(path);
+    (void)state;
+    assert_true(fd >= 0);
+    assert_int_equal(ftruncate(fd, 4000000), 0);
+    close(fd);
+    uint8_t *front = drawn_square(1.0f, path);
+    uint8_t *back = drawn_square(-1.0f, path);
+    const uint32_t middle_x = PICTURE_WIDTH / 2, middle_y = PICTURE_HEIGHT / 2;
+    /* The square's side is the picture's height without the margins of 12 %. */
+    const uint32_t half = (uint32_t)(PICTURE_HEIGHT / 2 / 1.12);
+    const uint8_t *blue = pixel(front, middle_x - 40, middle_y - 20);
+    const uint8_t *green = pixel(back, middle_x + 40, middle_y - 20);
+    const uint8_t *red = pixel(front, middle_x + half / 2, middle_y - half / 4);
+    assert_in_range(blue[2], blue[0] + 60, 255);
+    assert_in_range(green[1], green[0] + 60, 255);
+    assert_in_range(red[0], red[2] + 100, 255);
+    /* From behind the mark is on the other side, and shines through nothing. */
+    red = pixel(back, middle_x - half / 2, middle_y - half / 4);
+    assert_in_range(red[0], red[2] + 100, 255);
+    free(front);
+    free(back);
+    unlink(path);
+}
+
+/* If it failed: the demo would work for seconds before it says that it cannot write. */
+static void picture__tells_at_once_that_a_path_is_no_good(void **state)
+{
+    struct ctl_error error = {.text = ""};
+    FILE *file = NULL;
+    (void)state;
+    assert_int_equal(picture_open("/nowhere/at/all.png", &file, &error), PCCD_E_SYSTEM);
+    assert_string_equal(error.text,
+                        "/nowhere/at/all.png: cannot write: No such file or directory");
+    assert_null(file);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(statistics__give_medians_and_nearest_ranks),
+        cmocka_unit_test(csv__names_vertices_in_file_order),
+        cmocka_unit_test(csv__leaves_times_of_pairs_empty_and_numbers_steps),
+        cmocka_unit_test(csv__tells_when_the_disk_is_full),
+        cmocka_unit_test(json__holds_the_promised_keys),
+        cmocka_unit_test(json__sums_a_sequence),
+        cmocka_unit_test(picture__shows_sides_and_marks_where_they_are),
+        cmocka_unit_test(picture__tells_at_once_that_a_path_is_no_good),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
