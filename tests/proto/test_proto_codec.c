@@ -1,0 +1,395 @@
+/* test_proto_codec.c - what is encoded is what is decoded.
+ *
+ * Room:     tests/proto. May include: proto, cmocka.
+ * Does:     round trips of every message of the manifest, errors, names.
+ * Does not: feed malformed messages (test_proto_malformed.c).
+ * Threads:  one.
+ */
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "codec.h"
+#include "random.h"
+
+#define ROUNDS 200
+
+/* Large enough for the struct of any message. */
+union any_body {
+    uint64_t align;
+    char bytes[1024];
+};
+
+struct fixture {
+    struct proto_decoder *decoder;
+    struct proto_encoder encoder;
+    struct random random;
+};
+
+static int set_up(void **state)
+{
+    static struct fixture fixture;
+    fixture.decoder = proto_decoder_new();
+    fixture.random.state = random_seed();
+    print_message("# PCCD_SEED=%llu\n", (unsigned long long)fixture.random.state);
+    *state = &fixture;
+    return fixture.decoder == NULL;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    proto_decoder_free(fixture->decoder);
+    return 0;
+}
+
+/* 0 .. PROTO_STR_MAX bytes of UTF-8 with sequences of every length. */
+static void random_text(struct random *random, char *text)
+{
+    static const char *const pieces[] = {"a", "~", "\x7f", "\xc2\x80", "\xe0\xa0\x80",
+                                         "\xed\x9f\xbf", "\xf0\x90\x80\x80",
+                                         "\xf4\x8f\xbf\xbf"};
+    size_t wanted = random_below(random, PROTO_STR_MAX + 1), bytes = 0;
+    for (;;) {
+        const char *piece = pieces[random_below(random, 8)];
+        if (bytes + strlen(piece) > wanted)
+            break;
+        memcpy(text + bytes, piece, strlen(piece) + 1);
+        bytes += strlen(piece);
+    }
+    while (bytes < wanted)
+        text[bytes++] = 'z';
+    text[bytes] = '\0';
+}
+
+static double random_double(struct random *random)
+{
+    static const double corners[] = {0.0, 1e-12, 1.0, DBL_MAX, -DBL_MAX, DBL_TRUE_MIN,
+                                     INFINITY, -1e18};
+    if (random_below(random, 2) == 0)
+        return corners[random_below(random, 8)];
+    return ldexp((double)random_u64(random), (int)random_below(random, 200) - 100);
+}
+
+static void random_body(struct random *random, const struct proto_fields *fields, char *body)
+{
+    memset(body, 0, fields->struct_bytes);
+    for (uint32_t i = 0; i < fields->count; i++) {
+        char *member = body + fields->items[i].offset;
+        switch (fields->items[i].type) {
+        case PROTO_TYPE_u32:
+            *(uint32_t *)member = (uint32_t)random_magnitude(random);
+            break;
+        case PROTO_TYPE_u64:
+            *(uint64_t *)member = random_magnitude(random);
+            break;
+        case PROTO_TYPE_f64:
+            *(double *)member = random_double(random);
+            break;
+        case PROTO_TYPE_bool:
+            *(bool *)member = random_below(random, 2) == 1;
+            break;
+        case PROTO_TYPE_str:
+            random_text(random, member);
+            break;
+        }
+    }
+}
+
+/* Field by field, because a string's bytes after its NUL and padding mean nothing. */
+static void assert_same_body(const struct proto_fields *fields, const char *a, const char *b)
+{
+    for (uint32_t i = 0; i < fields->count; i++) {
+        const struct proto_field *field = &fields->items[i];
+        const char *in = a + field->offset, *out = b + field->offset;
+        switch (field->type) {
+        case PROTO_TYPE_u32:
+            assert_int_equal(*(const uint32_t *)in, *(const uint32_t *)out);
+            break;
+        case PROTO_TYPE_u64:
+        case PROTO_TYPE_f64:
+            assert_memory_equal(in, out, 8);
+            break;
+        case PROTO_TYPE_bool:
+            assert_int_equal(*(const bool *)in, *(const bool *)out);
+            break;
+        case PROTO_TYPE_str:
+            assert_string_equal(in, out);
+            break;
+        }
+    }
+}
+
+/* Decode what the encoder holds; the message's bytes end where the allocation ends. */
+static void decode(struct fixture *fixture, struct proto_envelope *envelope, void **copy)
+{
+    struct proto_error error;
+    *copy = malloc(fixture->encoder.bytes);
+    assert_non_null(*copy);
+    memcpy(*copy, fixture->encoder.data, fixture->encoder.bytes);
+    assert_int_equal(proto_decode(fixture->decoder, *copy, fixture->encoder.bytes, envelope,
+                                  &error),
+                     0);
+}
+
+static void decode_same(const struct proto_envelope *envelope,
+                        const struct proto_fields *fields, const char *sent)
+{
+    union any_body got;
+    struct proto_error error;
+    memset(&got, 0xa5, sizeof(got));
+    assert_int_equal(proto_decode_body(envelope, fields, got.bytes, &error), 0);
+    assert_same_body(fields, sent, got.bytes);
+}
+
+/* If this failed, a request would arrive with other values than it was sent with. */
+static void request__comes_back_with_the_same_fields(void **state)
+{
+    struct fixture *fixture = *state;
+    for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
+        const struct proto_fields *fields = &proto_messages[method].request;
+        for (int round = 0; round < ROUNDS; round++) {
+            union any_body sent;
+            struct proto_envelope envelope;
+            void *copy;
+            uint32_t id = (uint32_t)random_magnitude(&fixture->random);
+            assert_true(fields->struct_bytes <= sizeof(sent));
+            random_body(&fixture->random, fields, sent.bytes);
+            assert_int_equal(proto_encode_request(&fixture->encoder, id, method, &sent), 0);
+            decode(fixture, &envelope, &copy);
+            assert_int_equal(envelope.kind, PROTO_REQUEST);
+            assert_int_equal(envelope.id, id);
+            assert_int_equal(envelope.method, method);
+            assert_false(envelope.failed);
+            decode_same(&envelope, fields, sent.bytes);
+            free(copy);
+        }
+    }
+}
+
+/* If this failed, an answer would arrive with other values than it was sent with. */
+static void result__comes_back_with_the_same_fields(void **state)
+{
+    struct fixture *fixture = *state;
+    for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
+        const struct proto_fields *fields = &proto_messages[method].result;
+        for (int round = 0; round < ROUNDS; round++) {
+            union any_body sent;
+            struct proto_envelope envelope;
+            void *copy;
+            uint32_t id = (uint32_t)random_magnitude(&fixture->random);
+            assert_true(fields->struct_bytes <= sizeof(sent));
+            random_body(&fixture->random, fields, sent.bytes);
+            assert_int_equal(proto_encode_result(&fixture->encoder, id, method, &sent), 0);
+            decode(fixture, &envelope, &copy);
+            assert_int_equal(envelope.kind, PROTO_RESPONSE);
+            assert_int_equal(envelope.id, id);
+            assert_false(envelope.failed);
+            decode_same(&envelope, fields, sent.bytes);
+            free(copy);
+        }
+    }
+}
+
+/* If this failed, a goaway would not say why. */
+static void notification__comes_back_with_the_same_fields(void **state)
+{
+    struct fixture *fixture = *state;
+    for (int note = PROTO_METHOD_COUNT; note < PROTO_MESSAGE_COUNT; note++) {
+        const struct proto_fields *fields = &proto_messages[note].request;
+        for (int round = 0; round < ROUNDS; round++) {
+            union any_body sent;
+            struct proto_envelope envelope;
+            void *copy;
+            random_body(&fixture->random, fields, sent.bytes);
+            assert_int_equal(proto_encode_notification(&fixture->encoder, note, &sent), 0);
+            decode(fixture, &envelope, &copy);
+            assert_int_equal(envelope.kind, PROTO_NOTIFICATION);
+            assert_int_equal(envelope.id, 0);
+            assert_int_equal(envelope.method, note);
+            decode_same(&envelope, fields, sent.bytes);
+            free(copy);
+        }
+    }
+}
+
+/* If this failed, a client would get another error than the daemon sent. */
+static void error__comes_back_with_code_text_and_fatal(void **state)
+{
+    struct fixture *fixture = *state;
+    static const int codes[] = {
+#define CODE(name, value, text) value,
+        PCCD_STATUS_LIST(CODE)
+#undef CODE
+        INT32_MIN};
+    for (size_t i = 0; i < sizeof(codes) / sizeof(codes[0]); i++) {
+        struct proto_error sent;
+        struct proto_envelope envelope;
+        void *copy;
+        if (codes[i] == PCCD_OK)
+            continue;
+        sent.code = codes[i];
+        sent.fatal = random_below(&fixture->random, 2) == 1;
+        random_text(&fixture->random, sent.text);
+        assert_int_equal(proto_encode_error(&fixture->encoder, 77, &sent), 0);
+        decode(fixture, &envelope, &copy);
+        assert_int_equal(envelope.kind, PROTO_RESPONSE);
+        assert_int_equal(envelope.id, 77);
+        assert_true(envelope.failed);
+        assert_null(envelope.body);
+        assert_int_equal(envelope.error.code, sent.code);
+        assert_int_equal(envelope.error.fatal, sent.fatal);
+        assert_string_equal(envelope.error.text, sent.text);
+        free(copy);
+    }
+}
+
+/* If this failed, a failed answer could be read as one full of zeros. */
+static void error__has_no_fields(void **state)
+{
+    struct fixture *fixture = *state;
+    struct proto_error sent = {PCCD_E_BUSY, false, "later"}, error;
+    struct proto_envelope envelope;
+    struct proto_PING_result result = {1, 2};
+    void *copy;
+    assert_int_equal(proto_encode_error(&fixture->encoder, 1, &sent), 0);
+    decode(fixture, &envelope, &copy);
+    assert_int_equal(proto_decode_body(&envelope, &proto_messages[PROTO_METHOD_PING].result,
+                                       &result, &error),
+                     PCCD_E_BADMSG);
+    assert_int_equal(result.token, 0);
+    free(copy);
+}
+
+/* If this failed, messages would carry fields that say nothing, or drop some that do. */
+static void optional__is_left_out_only_when_zero(void **state)
+{
+    struct fixture *fixture = *state;
+    struct proto_FRAME_SUBMIT_request request = {.scene = 0, .segments = 0};
+    assert_int_equal(proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT,
+                                          &request),
+                     0);
+    size_t bare = fixture->encoder.bytes;
+    /* [0, 1, "frame.submit", {"scene": 0, "segments": 0}] by hand. */
+    static const uint8_t expected[] = "\x94\x00\x01\xac"
+                                      "frame.submit"
+                                      "\x82\xa5scene\x00\xa8segments";
+    assert_int_equal(bare, sizeof(expected)); /* the string's NUL is the last 0 */
+    assert_memory_equal(fixture->encoder.data, expected, sizeof(expected));
+
+    request.tolerance = DBL_TRUE_MIN;
+    assert_int_equal(proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT,
+                                          &request),
+                     0);
+    assert_int_equal(fixture->encoder.bytes, bare + 10 + 9); /* its name and a double */
+}
+
+/* If this failed, a file name in Latin-1 would make the peer refuse the whole message. */
+static void text__that_is_not_utf8_is_cleaned(void **state)
+{
+    static const char *const cases[][2] = {
+        {"caf\xe9", "caf?"},        {"\xc0\x80", "??"},         {"\xed\xa0\x80", "???"},
+        {"\xf4\x90\x80\x80", "????"}, {"\xe2\x82", "??"},       {"\xff", "?"},
+        {"\xc3\xa9", "\xc3\xa9"},   {"\x80\xc3\xa9", "?\xc3\xa9"}};
+    struct fixture *fixture = *state;
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct proto_error sent = {PCCD_E_INVAL, false, ""};
+        struct proto_envelope envelope;
+        void *copy;
+        strcpy(sent.text, cases[i][0]);
+        assert_int_equal(proto_encode_error(&fixture->encoder, 1, &sent), 0);
+        decode(fixture, &envelope, &copy);
+        assert_string_equal(envelope.error.text, cases[i][1]);
+        free(copy);
+    }
+}
+
+/* If this failed, an error text longer than a field would overflow or be refused. */
+static void error_set__cuts_the_text(void **state)
+{
+    struct fixture *fixture = *state;
+    struct proto_error error = {0, true, ""};
+    struct proto_envelope envelope;
+    char longer[2 * PROTO_STR_MAX];
+    void *copy;
+    memset(longer, 'x', sizeof(longer));
+    memcpy(longer + PROTO_STR_MAX - 1, "\xc3\xa9", 2); /* cut in two */
+    longer[sizeof(longer) - 1] = '\0';
+    assert_int_equal(proto_error_set(&error, PCCD_E_INVAL, "%s", longer), PCCD_E_INVAL);
+    assert_int_equal(strlen(error.text), PROTO_STR_MAX);
+    assert_int_equal(error.code, PCCD_E_INVAL);
+    assert_false(error.fatal);
+    assert_int_equal(proto_encode_error(&fixture->encoder, 1, &error), 0);
+    decode(fixture, &envelope, &copy);
+    assert_int_equal(envelope.error.text[PROTO_STR_MAX - 1], '?');
+    free(copy);
+}
+
+/* If this failed, a method could not be called by its name. */
+static void method__is_found_by_its_whole_name(void **state)
+{
+    (void)state;
+    for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
+        const char *name = proto_messages[i].name;
+        assert_non_null(name);
+        assert_int_equal(proto_method_by_name(name, strlen(name)), i);
+        assert_int_equal(proto_method_by_name(name, strlen(name) - 1), -1);
+    }
+    assert_int_equal(proto_method_by_name("", 0), -1);
+    assert_int_equal(proto_method_by_name("helloo", 6), -1);
+}
+
+/* If this failed, tools would print a wrong name for a status. */
+static void status__has_a_name_and_a_text(void **state)
+{
+    (void)state;
+#define CHECK(name, value, text)                                                         \
+    assert_string_equal(proto_status_name(value), #name);                                \
+    assert_string_equal(proto_status_text(value), text);
+    PCCD_STATUS_LIST(CHECK)
+#undef CHECK
+    assert_non_null(proto_status_name(1234));
+    assert_non_null(proto_status_text(INT32_MIN));
+}
+
+/* If this failed, the decoder's bit set of seen fields would be too small, or a message with
+ * all its fields longer than what the prescan lets through. */
+static void manifest__fits_the_decoder(void **state)
+{
+    (void)state;
+    for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
+        const struct proto_message_info *message = &proto_messages[i];
+        assert_in_range(message->request.count, 1, 64);
+        assert_in_range(message->result.count, i < PROTO_METHOD_COUNT ? 1 : 0, 64);
+        assert_in_range(message->since, PROTO_VERSION_MIN, PROTO_VERSION_MAX);
+        for (uint32_t f = 0; f < message->request.count; f++)
+            for (uint32_t g = 0; g < f; g++)
+                assert_string_not_equal(message->request.items[f].name,
+                                        message->request.items[g].name);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(request__comes_back_with_the_same_fields),
+        cmocka_unit_test(result__comes_back_with_the_same_fields),
+        cmocka_unit_test(notification__comes_back_with_the_same_fields),
+        cmocka_unit_test(error__comes_back_with_code_text_and_fatal),
+        cmocka_unit_test(error__has_no_fields),
+        cmocka_unit_test(optional__is_left_out_only_when_zero),
+        cmocka_unit_test(text__that_is_not_utf8_is_cleaned),
+        cmocka_unit_test(error_set__cuts_the_text),
+        cmocka_unit_test(method__is_found_by_its_whole_name),
+        cmocka_unit_test(status__has_a_name_and_a_text),
+        cmocka_unit_test(manifest__fits_the_decoder),
+    };
+    return cmocka_run_group_tests_name("proto_codec", tests, set_up, tear_down);
+}

@@ -1,0 +1,247 @@
+/* test_proto_memfd.c - sealed memory keeps its size and its writer.
+ *
+ * Room:     tests/proto. May include: proto, cmocka.
+ * Does:     what either side could try against the other, on real memfds.
+ * Threads:  one.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "memfd.h"
+#include "pccd_types.h"
+#include "shm.h"
+
+#define BYTES (16 * (size_t)PROTO_SHM_PAGE)
+#define ALL_SEALS (F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL)
+
+static int count_open(void)
+{
+    int count = 0;
+    for (int fd = 0; fd < 1024; fd++)
+        count += fcntl(fd, F_GETFD) != -1;
+    return count;
+}
+
+/* A memory of one's own making, for what a daemon would never send. */
+static int make_memfd(off_t bytes, int seals)
+{
+    int fd = memfd_create("test", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    assert_true(fd >= 0);
+    assert_int_equal(ftruncate(fd, bytes), 0);
+    if (seals != 0)
+        assert_int_equal(fcntl(fd, F_ADD_SEALS, seals), 0);
+    return fd;
+}
+
+/* If this failed, a client could shrink the memory and kill the daemon with SIGBUS. */
+static void memory__cannot_change_its_size(void **state)
+{
+    struct proto_memory memory = PROTO_MEMORY_NONE;
+    (void)state;
+    for (int read_only = 0; read_only < 2; read_only++) {
+        assert_int_equal(proto_memory_create(&memory, "test", BYTES, read_only), 0);
+        assert_int_equal(ftruncate(memory.fd, (off_t)BYTES - 1), -1);
+        assert_int_equal(errno, EPERM);
+        assert_int_equal(ftruncate(memory.fd, (off_t)BYTES + 1), -1);
+        assert_int_equal(errno, EPERM);
+        assert_int_equal(fcntl(memory.fd, F_ADD_SEALS, F_SEAL_WRITE), -1);
+        assert_int_equal(errno, EPERM);
+        assert_int_equal(fcntl(memory.fd, F_GETFD), FD_CLOEXEC);
+        proto_memory_deinit(&memory);
+    }
+}
+
+/* If this failed, the two sides would not see the same bytes. */
+static void memory__is_shared(void **state)
+{
+    struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
+    (void)state;
+    for (int read_only = 0; read_only < 2; read_only++) {
+        assert_int_equal(proto_memory_create(&ours, "test", BYTES, read_only), 0);
+        assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, read_only), 0);
+        for (size_t i = 0; i < BYTES; i += 4096)
+            assert_int_equal(((char *)ours.base)[i], 0);
+        memcpy((char *)ours.base + BYTES - 5, "there", 5);
+        assert_memory_equal((char *)theirs.base + BYTES - 5, "there", 5);
+        if (!read_only) {
+            memcpy(theirs.base, "back", 4);
+            assert_memory_equal(ours.base, "back", 4);
+        }
+        proto_memory_deinit(&theirs);
+        proto_memory_deinit(&ours);
+    }
+}
+
+/* If this failed, one client could rewrite the results that it reads. */
+static void result__cannot_be_made_writable(void **state)
+{
+    struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
+    (void)state;
+    assert_int_equal(proto_memory_create(&ours, "test", BYTES, true), 0);
+    assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, true), 0);
+    assert_int_equal(mprotect(theirs.base, BYTES, PROT_READ | PROT_WRITE), -1);
+    assert_int_equal(errno, EACCES);
+    assert_ptr_equal(mmap(NULL, BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, theirs.fd, 0),
+                     MAP_FAILED);
+    assert_int_equal(errno, EPERM);
+    assert_int_equal(pwrite(theirs.fd, "x", 1, 0), -1);
+    assert_int_equal(errno, EPERM);
+    /* The mapping that stood before the seal still writes. */
+    memcpy(ours.base, "ok", 2);
+    assert_memory_equal(theirs.base, "ok", 2);
+    proto_memory_deinit(&theirs);
+    proto_memory_deinit(&ours);
+}
+
+/* If this failed, a read beyond the end of a short memory would be a SIGBUS. */
+static void map__refuses_another_size(void **state)
+{
+    struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
+    static const size_t sizes[] = {0, 1, BYTES - 1, BYTES - 4096, BYTES + 1, BYTES + 4096};
+    (void)state;
+    assert_int_equal(proto_memory_create(&ours, "test", BYTES, false), 0);
+    int open_before = count_open();
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++)
+        assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), sizes[i], false),
+                         PCCD_E_BADMSG);
+    assert_int_equal(count_open(), open_before);
+    assert_null(theirs.base);
+    assert_int_equal(theirs.fd, -1);
+    proto_memory_deinit(&ours);
+}
+
+/* If this failed, a memory whose size can still change would be trusted. */
+static void map__refuses_missing_seals(void **state)
+{
+    struct proto_memory theirs = PROTO_MEMORY_NONE;
+    static const int seals[] = {0,
+                                F_SEAL_SHRINK,
+                                F_SEAL_SHRINK | F_SEAL_GROW,
+                                F_SEAL_GROW | F_SEAL_SEAL,
+                                F_SEAL_SHRINK | F_SEAL_SEAL};
+    (void)state;
+    int open_before = count_open();
+    for (size_t i = 0; i < sizeof(seals) / sizeof(seals[0]); i++)
+        for (int read_only = 0; read_only < 2; read_only++)
+            assert_int_equal(proto_memory_map(&theirs, make_memfd((off_t)BYTES, seals[i]),
+                                              BYTES, read_only),
+                             PCCD_E_BADMSG);
+    /* Right but for who may write. */
+    assert_int_equal(
+        proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS), BYTES, true),
+        PCCD_E_BADMSG);
+    assert_int_equal(
+        proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS | F_SEAL_FUTURE_WRITE),
+                         BYTES, false),
+        PCCD_E_BADMSG);
+    assert_int_equal(count_open(), open_before);
+    assert_int_equal(
+        proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS), BYTES, false), 0);
+    proto_memory_deinit(&theirs);
+}
+
+/* If this failed, a pipe or a file on disk could stand in for a memory. */
+static void map__refuses_what_is_no_memfd(void **state)
+{
+    struct proto_memory theirs = PROTO_MEMORY_NONE;
+    int pipe_fds[2];
+    (void)state;
+    int open_before = count_open();
+    assert_int_equal(pipe2(pipe_fds, O_CLOEXEC), 0);
+    assert_int_equal(proto_memory_map(&theirs, pipe_fds[0], BYTES, false), PCCD_E_BADMSG);
+    assert_int_equal(proto_memory_map(&theirs, pipe_fds[1], BYTES, true), PCCD_E_BADMSG);
+    assert_int_equal(proto_memory_map(&theirs, open("/proc/self/exe", O_RDONLY), BYTES, true),
+                     PCCD_E_BADMSG);
+    assert_int_equal(proto_memory_map(&theirs, -1, BYTES, true), PCCD_E_BADMSG);
+    assert_int_equal(count_open(), open_before);
+}
+
+/* If this failed, the first step into each page would cost a fault, or die for lack of
+ * memory that was promised. */
+static void memory__is_there_from_the_start(void **state)
+{
+    struct proto_memory memory = PROTO_MEMORY_NONE;
+    struct stat info;
+    unsigned char resident[BYTES / 4096];
+    (void)state;
+    assert_int_equal(proto_memory_create(&memory, "test", BYTES, false), 0);
+    assert_int_equal(fstat(memory.fd, &info), 0);
+    assert_true((size_t)info.st_blocks * 512 >= BYTES);
+    assert_int_equal(mincore(memory.base, BYTES, resident), 0);
+    for (size_t i = 0; i < sizeof(resident); i++)
+        assert_int_equal(resident[i] & 1, 1);
+    proto_memory_deinit(&memory);
+}
+
+/* If this failed, running out of memory or descriptors would leave half a memory behind. */
+static void create__leaves_nothing_behind_on_failure(void **state)
+{
+    struct proto_memory memory = PROTO_MEMORY_NONE;
+    struct rlimit before, none;
+    (void)state;
+    int open_before = count_open();
+
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    none = before;
+    none.rlim_cur = 4096; /* posix_fallocate fails: the file may not be that large */
+    assert_true(signal(SIGXFSZ, SIG_IGN) != SIG_ERR);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+    int rc = proto_memory_create(&memory, "test", BYTES, false);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_true(rc == PCCD_E_SYSTEM || rc == PCCD_E_NOMEM);
+
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    none = before;
+    none.rlim_cur = 0;
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+    rc = proto_memory_create(&memory, "test", BYTES, false);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    assert_int_equal(rc, PCCD_E_SYSTEM);
+
+    assert_int_equal(count_open(), open_before);
+    assert_int_equal(memory.fd, -1);
+    assert_null(memory.base);
+}
+
+/* If this failed, an error path that cleans up twice would close a stranger's descriptor. */
+static void deinit__may_be_called_twice(void **state)
+{
+    struct proto_memory memory = PROTO_MEMORY_NONE;
+    (void)state;
+    proto_memory_deinit(&memory);
+    assert_int_equal(proto_memory_create(&memory, "test", BYTES, true), 0);
+    proto_memory_deinit(&memory);
+    assert_int_equal(memory.fd, -1);
+    assert_null(memory.base);
+    int open_before = count_open();
+    proto_memory_deinit(&memory);
+    assert_int_equal(count_open(), open_before);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory__cannot_change_its_size),
+        cmocka_unit_test(memory__is_shared),
+        cmocka_unit_test(result__cannot_be_made_writable),
+        cmocka_unit_test(map__refuses_another_size),
+        cmocka_unit_test(map__refuses_missing_seals),
+        cmocka_unit_test(map__refuses_what_is_no_memfd),
+        cmocka_unit_test(memory__is_there_from_the_start),
+        cmocka_unit_test(create__leaves_nothing_behind_on_failure),
+        cmocka_unit_test(deinit__may_be_called_twice),
+    };
+    return cmocka_run_group_tests_name("proto_memfd", tests, NULL, NULL);
+}

@@ -1,0 +1,310 @@
+/* test_proto_seqpacket.c - datagrams and the descriptors that travel beside them.
+ *
+ * Room:     tests/proto. May include: proto, cmocka.
+ * Does:     real socket pairs; every descriptor of the process is counted to see leaks.
+ * Threads:  one.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "limits.h"
+#include "pccd_types.h"
+#include "seqpacket.h"
+
+#define FD_LIMIT 1024
+
+struct fixture {
+    int near; /* sends */
+    int far;  /* receives */
+    int open_before;
+    char buffer[PROTO_MESSAGE_BYTES_MAX];
+};
+
+static int count_open(void)
+{
+    int count = 0;
+    for (int fd = 0; fd < FD_LIMIT; fd++)
+        count += fcntl(fd, F_GETFD) != -1;
+    return count;
+}
+
+static int set_up(void **state)
+{
+    static struct fixture fixture;
+    int pair[2];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair) != 0)
+        return -1;
+    fixture.near = pair[0];
+    fixture.far = pair[1];
+    fixture.open_before = count_open();
+    *state = &fixture;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    if (fixture->near >= 0)
+        close(fixture->near);
+    close(fixture->far);
+    return 0;
+}
+
+/* Send `count` copies of a descriptor without the help of proto_send. */
+static void send_fds(int socket, const char *message, size_t bytes, int count)
+{
+    union {
+        struct cmsghdr align;
+        char bytes[CMSG_SPACE(253 * sizeof(int))];
+    } control;
+    struct iovec iov = {(void *)message, bytes};
+    struct msghdr header = {.msg_iov = &iov, .msg_iovlen = 1};
+    memset(&control, 0, sizeof(control));
+    header.msg_control = control.bytes;
+    header.msg_controllen = CMSG_SPACE((size_t)count * sizeof(int));
+    struct cmsghdr *cmsg = CMSG_FIRSTHDR(&header);
+    cmsg->cmsg_level = SOL_SOCKET;
+    cmsg->cmsg_type = SCM_RIGHTS;
+    cmsg->cmsg_len = CMSG_LEN((size_t)count * sizeof(int));
+    for (int i = 0; i < count; i++) {
+        int fd = STDERR_FILENO;
+        memcpy(CMSG_DATA(cmsg) + (size_t)i * sizeof(int), &fd, sizeof(fd));
+    }
+    assert_int_equal(sendmsg(socket, &header, 0), (ssize_t)bytes);
+}
+
+/* If this failed, two messages could run into one, or one be cut. */
+static void message__keeps_its_bounds(void **state)
+{
+    struct fixture *fixture = *state;
+    static char longest[PROTO_MESSAGE_BYTES_MAX];
+    size_t bytes = 0;
+    int fd_count = -1;
+    memset(longest, 'l', sizeof(longest));
+    assert_int_equal(proto_send(fixture->near, "a", 1, NULL, 0), 0);
+    assert_int_equal(proto_send(fixture->near, longest, sizeof(longest), NULL, 0), 0);
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     0);
+    assert_int_equal(bytes, 1);
+    assert_int_equal(fd_count, 0);
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     0);
+    assert_int_equal(bytes, sizeof(longest));
+    assert_memory_equal(fixture->buffer, longest, sizeof(longest));
+}
+
+/* If this failed, an attach would arrive without its memories. */
+static void descriptors__arrive_as_the_same_files(void **state)
+{
+    struct fixture *fixture = *state;
+    int sent[2], got[2] = {-1, -1}, fd_count;
+    size_t bytes;
+    struct stat before, after;
+    assert_int_equal(pipe2(sent, O_CLOEXEC), 0);
+    assert_int_equal(proto_send(fixture->near, "x", 1, sent, 2), 0);
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, got, &fd_count),
+                     0);
+    assert_int_equal(fd_count, 2);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(fstat(sent[i], &before), 0);
+        assert_int_equal(fstat(got[i], &after), 0);
+        assert_true(before.st_ino == after.st_ino && before.st_dev == after.st_dev);
+        assert_int_equal(fcntl(got[i], F_GETFD), FD_CLOEXEC);
+        close(sent[i]);
+        close(got[i]);
+    }
+    assert_int_equal(count_open(), fixture->open_before);
+}
+
+/* If this failed, a client could fill the daemon's table of descriptors. */
+static void descriptors__unwanted_ones_are_closed_and_counted(void **state)
+{
+    struct fixture *fixture = *state;
+    static const int counts[] = {1, 2, 3, 253};
+    for (int i = 0; i < 4; i++) {
+        size_t bytes;
+        int fd_count = -1;
+        send_fds(fixture->near, "x", 1, counts[i]);
+        assert_int_equal(proto_receive(fixture->far, fixture->buffer,
+                                       sizeof(fixture->buffer), &bytes, NULL, &fd_count),
+                         0);
+        assert_int_equal(fd_count, counts[i]);
+        assert_int_equal(count_open(), fixture->open_before);
+    }
+}
+
+/* If this failed, what a daemon sends beyond two descriptors would stay open in a client. */
+static void descriptors__surplus_ones_are_closed_and_counted(void **state)
+{
+    struct fixture *fixture = *state;
+    static const int counts[] = {1, 2, 3, 253};
+    for (int i = 0; i < 4; i++) {
+        size_t bytes;
+        int fds[2] = {-1, -1}, fd_count = -1;
+        int stored = counts[i] < 2 ? counts[i] : 2;
+        send_fds(fixture->near, "x", 1, counts[i]);
+        assert_int_equal(proto_receive(fixture->far, fixture->buffer,
+                                       sizeof(fixture->buffer), &bytes, fds, &fd_count),
+                         0);
+        assert_int_equal(fd_count, counts[i]);
+        assert_int_equal(count_open(), fixture->open_before + stored);
+        for (int k = 0; k < stored; k++)
+            assert_int_equal(close(fds[k]), 0);
+    }
+}
+
+/* If this failed, a message that was cut would be taken, or its descriptors leak. */
+static void truncated__is_refused_and_its_descriptors_closed(void **state)
+{
+    struct fixture *fixture = *state;
+    size_t bytes;
+    int fds[2] = {-1, -1}, fd_count = -1;
+    send_fds(fixture->near, "0123456789", 10, 3);
+    assert_int_equal(
+        proto_receive(fixture->far, fixture->buffer, 9, &bytes, fds, &fd_count),
+        PCCD_E_BADMSG);
+    assert_int_equal(count_open(), fixture->open_before);
+    send_fds(fixture->near, "0123456789", 10, 3);
+    assert_int_equal(
+        proto_receive(fixture->far, fixture->buffer, 9, &bytes, NULL, &fd_count),
+        PCCD_E_BADMSG);
+    assert_int_equal(count_open(), fixture->open_before);
+    /* One byte of room more and it is whole. */
+    assert_int_equal(proto_send(fixture->near, "0123456789", 10, NULL, 0), 0);
+    assert_int_equal(
+        proto_receive(fixture->far, fixture->buffer, 10, &bytes, NULL, &fd_count), 0);
+}
+
+/* If this failed, an empty datagram could be taken for a message of no bytes. */
+static void empty__datagram_reads_as_the_end(void **state)
+{
+    struct fixture *fixture = *state;
+    size_t bytes = 99;
+    int fd_count = -1;
+    assert_int_equal(send(fixture->near, "", 0, 0), 0);
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     PCCD_E_DISCONNECTED);
+    send_fds(fixture->near, "", 0, 2);
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     PCCD_E_DISCONNECTED);
+    assert_int_equal(bytes, 99);
+    assert_int_equal(count_open(), fixture->open_before);
+}
+
+/* If this failed, the loop would block, or close a client that is merely slow. */
+static void socket__that_would_block_says_again(void **state)
+{
+    struct fixture *fixture = *state;
+    static char block[PROTO_MESSAGE_BYTES_MAX];
+    size_t bytes;
+    int fd_count, rc = 0, sent = 0;
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     PCCD_E_AGAIN);
+    while (sent < 10000 && (rc = proto_send(fixture->near, block, sizeof(block), NULL, 0)) == 0)
+        sent++;
+    assert_int_equal(rc, PCCD_E_AGAIN);
+    assert_true(sent >= 1);
+    /* What was sent before is whole, and nothing of the refused message came. */
+    for (int i = 0; i < sent; i++)
+        assert_int_equal(proto_receive(fixture->far, fixture->buffer,
+                                       sizeof(fixture->buffer), &bytes, NULL, &fd_count),
+                         0);
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     PCCD_E_AGAIN);
+}
+
+/* If this failed, a peer that died would raise SIGPIPE or look like a fault of the system. */
+static void peer__that_is_gone_reads_as_disconnected(void **state)
+{
+    struct fixture *fixture = *state;
+    size_t bytes;
+    int fd_count;
+    close(fixture->near);
+    fixture->near = -1;
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     PCCD_E_DISCONNECTED);
+    assert_int_equal(proto_send(fixture->far, "x", 1, NULL, 0), PCCD_E_DISCONNECTED);
+}
+
+/* If this failed, a broken descriptor would look like a peer that went. */
+static void socket__that_is_none_is_a_system_error(void **state)
+{
+    struct fixture *fixture = *state;
+    size_t bytes;
+    int fd_count;
+    assert_int_equal(proto_receive(-1, fixture->buffer, 1, &bytes, NULL, &fd_count),
+                     PCCD_E_SYSTEM);
+    assert_int_equal(errno, EBADF);
+    assert_int_equal(proto_send(-1, "x", 1, NULL, 0), PCCD_E_SYSTEM);
+    assert_int_equal(errno, EBADF);
+}
+
+/* If this failed, client and daemon would not meet, or a long path be cut silently. */
+static void default_path__follows_the_runtime_directory(void **state)
+{
+    char path[512], expected[64], directory[108];
+    (void)state;
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", "/run/user/7", 1), 0);
+    assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
+    assert_string_equal(path, "/run/user/7/pccd/pccd.sock");
+    assert_int_equal(proto_default_socket_path(path, strlen(path)), PCCD_E_LIMIT);
+    assert_int_equal(proto_default_socket_path(path, strlen("/run/user/7/pccd/pccd.sock") + 1),
+                     0);
+
+    snprintf(expected, sizeof(expected), "/tmp/pccd-%lu/pccd.sock", (unsigned long)getuid());
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", "relative", 1), 0);
+    assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
+    assert_string_equal(path, expected);
+    assert_int_equal(unsetenv("XDG_RUNTIME_DIR"), 0);
+    assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
+    assert_string_equal(path, expected);
+
+    /* 107 bytes fit a sockaddr_un with their NUL, 108 do not. */
+    for (size_t bytes = 107; bytes <= 108; bytes++) {
+        size_t room = bytes - strlen("/pccd/pccd.sock");
+        memset(directory, 'd', room);
+        directory[0] = '/';
+        directory[room] = '\0';
+        assert_int_equal(setenv("XDG_RUNTIME_DIR", directory, 1), 0);
+        assert_int_equal(proto_default_socket_path(path, sizeof(path)),
+                         bytes == 107 ? 0 : PCCD_E_LIMIT);
+    }
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(message__keeps_its_bounds),
+        TEST(descriptors__arrive_as_the_same_files),
+        TEST(descriptors__unwanted_ones_are_closed_and_counted),
+        TEST(descriptors__surplus_ones_are_closed_and_counted),
+        TEST(truncated__is_refused_and_its_descriptors_closed),
+        TEST(empty__datagram_reads_as_the_end),
+        TEST(socket__that_would_block_says_again),
+        TEST(peer__that_is_gone_reads_as_disconnected),
+        TEST(socket__that_is_none_is_a_system_error),
+        cmocka_unit_test(default_path__follows_the_runtime_directory),
+    };
+    return cmocka_run_group_tests_name("proto_seqpacket", tests, NULL, NULL);
+}
