@@ -32,7 +32,8 @@ static inline void put_byte(struct bytes *bytes, unsigned value)
 }
 
 /* A type byte and a big-endian number of `width` bytes. */
-static inline void put_number(struct bytes *bytes, unsigned type, uint64_t value, int width)
+static inline void put_number(struct bytes *bytes, unsigned type, uint64_t value,
+                              int width)
 {
     put_byte(bytes, type);
     for (int i = width - 1; i >= 0; i--)

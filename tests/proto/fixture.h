@@ -1,8 +1,8 @@
 /* fixture.h - decode bytes that a peer could send.
  *
  * Room:     tests/proto. May include: proto, cmocka.
- * Does:     one decoder for the program, and a decode of envelope and body that reads from
- *           an allocation of exactly the message's size.
+ * Does:     one decoder for the program, and a decode of envelope and body that reads
+ *           from an allocation of exactly the message's size.
  * Threads:  one.
  */
 #ifndef TEST_PROTO_FIXTURE_H
@@ -45,10 +45,11 @@ static inline int tear_down(void **state)
     return 0;
 }
 
-/* Decode `count` bytes that end where an allocation ends, so that a read past them is seen
- * by the address sanitiser. The body is decoded too when there is one; for an answer as the
- * result of `method`. */
-static inline int decode(struct fixture *fixture, const uint8_t *data, size_t count, int method)
+/* Decode `count` bytes that end where an allocation ends, so that a read past them is
+ * seen by the address sanitiser. The body is decoded too when there is one; for an
+ * answer as the result of `method`. */
+static inline int decode(struct fixture *fixture, const uint8_t *data, size_t count,
+                         int method)
 {
     char body[1024];
     uint8_t *copy = malloc(count > 0 ? count : 1);
@@ -56,7 +57,8 @@ static inline int decode(struct fixture *fixture, const uint8_t *data, size_t co
     assert_non_null(copy);
     memcpy(copy, data, count);
     memset(&fixture->error, 0, sizeof(fixture->error));
-    int rc = proto_decode(fixture->decoder, copy, count, &fixture->envelope, &fixture->error);
+    int rc =
+        proto_decode(fixture->decoder, copy, count, &fixture->envelope, &fixture->error);
     if (rc == 0 && fixture->envelope.body != NULL) {
         if (fixture->envelope.kind == PROTO_RESPONSE)
             fields = &proto_messages[method].result;

@@ -53,8 +53,13 @@ static int tear_down(void **state)
 /* 0 .. PROTO_STR_MAX bytes of UTF-8 with sequences of every length. */
 static void random_text(struct random *random, char *text)
 {
-    static const char *const pieces[] = {"a", "~", "\x7f", "\xc2\x80", "\xe0\xa0\x80",
-                                         "\xed\x9f\xbf", "\xf0\x90\x80\x80",
+    static const char *const pieces[] = {"a",
+                                         "~",
+                                         "\x7f",
+                                         "\xc2\x80",
+                                         "\xe0\xa0\x80",
+                                         "\xed\x9f\xbf",
+                                         "\xf0\x90\x80\x80",
                                          "\xf4\x8f\xbf\xbf"};
     size_t wanted = random_below(random, PROTO_STR_MAX + 1), bytes = 0;
     for (;;) {
@@ -71,14 +76,15 @@ static void random_text(struct random *random, char *text)
 
 static double random_double(struct random *random)
 {
-    static const double corners[] = {0.0, 1e-12, 1.0, DBL_MAX, -DBL_MAX, DBL_TRUE_MIN,
-                                     INFINITY, -1e18};
+    static const double corners[] = {0.0,      1e-12,        1.0,      DBL_MAX,
+                                     -DBL_MAX, DBL_TRUE_MIN, INFINITY, -1e18};
     if (random_below(random, 2) == 0)
         return corners[random_below(random, 8)];
     return ldexp((double)random_u64(random), (int)random_below(random, 200) - 100);
 }
 
-static void random_body(struct random *random, const struct proto_fields *fields, char *body)
+static void random_body(struct random *random, const struct proto_fields *fields,
+                        char *body)
 {
     memset(body, 0, fields->struct_bytes);
     for (uint32_t i = 0; i < fields->count; i++) {
@@ -104,7 +110,8 @@ static void random_body(struct random *random, const struct proto_fields *fields
 }
 
 /* Field by field, because a string's bytes after its NUL and padding mean nothing. */
-static void assert_same_body(const struct proto_fields *fields, const char *a, const char *b)
+static void assert_same_body(const struct proto_fields *fields, const char *a,
+                             const char *b)
 {
     for (uint32_t i = 0; i < fields->count; i++) {
         const struct proto_field *field = &fields->items[i];
@@ -134,9 +141,9 @@ static void decode(struct fixture *fixture, struct proto_envelope *envelope, voi
     *copy = malloc(fixture->encoder.bytes);
     assert_non_null(*copy);
     memcpy(*copy, fixture->encoder.data, fixture->encoder.bytes);
-    assert_int_equal(proto_decode(fixture->decoder, *copy, fixture->encoder.bytes, envelope,
-                                  &error),
-                     0);
+    assert_int_equal(
+        proto_decode(fixture->decoder, *copy, fixture->encoder.bytes, envelope, &error),
+        0);
 }
 
 static void decode_same(const struct proto_envelope *envelope,
@@ -162,7 +169,8 @@ static void request__comes_back_with_the_same_fields(void **state)
             uint32_t id = (uint32_t)random_magnitude(&fixture->random);
             assert_true(fields->struct_bytes <= sizeof(sent));
             random_body(&fixture->random, fields, sent.bytes);
-            assert_int_equal(proto_encode_request(&fixture->encoder, id, method, &sent), 0);
+            assert_int_equal(proto_encode_request(&fixture->encoder, id, method, &sent),
+                             0);
             decode(fixture, &envelope, &copy);
             assert_int_equal(envelope.kind, PROTO_REQUEST);
             assert_int_equal(envelope.id, id);
@@ -187,7 +195,8 @@ static void result__comes_back_with_the_same_fields(void **state)
             uint32_t id = (uint32_t)random_magnitude(&fixture->random);
             assert_true(fields->struct_bytes <= sizeof(sent));
             random_body(&fixture->random, fields, sent.bytes);
-            assert_int_equal(proto_encode_result(&fixture->encoder, id, method, &sent), 0);
+            assert_int_equal(proto_encode_result(&fixture->encoder, id, method, &sent),
+                             0);
             decode(fixture, &envelope, &copy);
             assert_int_equal(envelope.kind, PROTO_RESPONSE);
             assert_int_equal(envelope.id, id);
@@ -209,7 +218,8 @@ static void notification__comes_back_with_the_same_fields(void **state)
             struct proto_envelope envelope;
             void *copy;
             random_body(&fixture->random, fields, sent.bytes);
-            assert_int_equal(proto_encode_notification(&fixture->encoder, note, &sent), 0);
+            assert_int_equal(proto_encode_notification(&fixture->encoder, note, &sent),
+                             0);
             decode(fixture, &envelope, &copy);
             assert_int_equal(envelope.kind, PROTO_NOTIFICATION);
             assert_int_equal(envelope.id, 0);
@@ -228,7 +238,7 @@ static void error__comes_back_with_code_text_and_fatal(void **state)
 #define CODE(name, value, text) value,
         PCCD_STATUS_LIST(CODE)
 #undef CODE
-        INT32_MIN};
+            INT32_MIN};
     for (size_t i = 0; i < sizeof(codes) / sizeof(codes[0]); i++) {
         struct proto_error sent;
         struct proto_envelope envelope;
@@ -261,8 +271,9 @@ static void error__has_no_fields(void **state)
     void *copy;
     assert_int_equal(proto_encode_error(&fixture->encoder, 1, &sent), 0);
     decode(fixture, &envelope, &copy);
-    assert_int_equal(proto_decode_body(&envelope, &proto_messages[PROTO_METHOD_PING].result,
-                                       &result, &error),
+    assert_int_equal(proto_decode_body(&envelope,
+                                       &proto_messages[PROTO_METHOD_PING].result, &result,
+                                       &error),
                      PCCD_E_BADMSG);
     assert_int_equal(result.token, 0);
     free(copy);
@@ -273,9 +284,9 @@ static void optional__is_left_out_only_when_zero(void **state)
 {
     struct fixture *fixture = *state;
     struct proto_FRAME_SUBMIT_request request = {.scene = 0, .segments = 0};
-    assert_int_equal(proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT,
-                                          &request),
-                     0);
+    assert_int_equal(
+        proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT, &request),
+        0);
     size_t bare = fixture->encoder.bytes;
     /* [0, 1, "frame.submit", {"scene": 0, "segments": 0}] by hand. */
     static const uint8_t expected[] = "\x94\x00\x01\xac"
@@ -285,9 +296,9 @@ static void optional__is_left_out_only_when_zero(void **state)
     assert_memory_equal(fixture->encoder.data, expected, sizeof(expected));
 
     request.tolerance = DBL_TRUE_MIN;
-    assert_int_equal(proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT,
-                                          &request),
-                     0);
+    assert_int_equal(
+        proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT, &request),
+        0);
     assert_int_equal(fixture->encoder.bytes, bare + 10 + 9); /* its name and a double */
 }
 
@@ -295,9 +306,10 @@ static void optional__is_left_out_only_when_zero(void **state)
 static void text__that_is_not_utf8_is_cleaned(void **state)
 {
     static const char *const cases[][2] = {
-        {"caf\xe9", "caf?"},        {"\xc0\x80", "??"},         {"\xed\xa0\x80", "???"},
-        {"\xf4\x90\x80\x80", "????"}, {"\xe2\x82", "??"},       {"\xff", "?"},
-        {"\xc3\xa9", "\xc3\xa9"},   {"\x80\xc3\xa9", "?\xc3\xa9"}};
+        {"caf\xe9", "caf?"},      {"\xc0\x80", "??"},
+        {"\xed\xa0\x80", "???"},  {"\xf4\x90\x80\x80", "????"},
+        {"\xe2\x82", "??"},       {"\xff", "?"},
+        {"\xc3\xa9", "\xc3\xa9"}, {"\x80\xc3\xa9", "?\xc3\xa9"}};
     struct fixture *fixture = *state;
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct proto_error sent = {PCCD_E_INVAL, false, ""};
@@ -359,8 +371,8 @@ static void status__has_a_name_and_a_text(void **state)
     assert_non_null(proto_status_text(INT32_MIN));
 }
 
-/* If this failed, the decoder's bit set of seen fields would be too small, or a message with
- * all its fields longer than what the prescan lets through. */
+/* If this failed, the decoder's bit set of seen fields would be too small, or a
+ * message with all its fields longer than what the prescan lets through. */
 static void manifest__fits_the_decoder(void **state)
 {
     (void)state;

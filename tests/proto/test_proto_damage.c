@@ -8,7 +8,8 @@
  */
 #include "fixture.h"
 
-/* Message number `which` as the encoder writes it, with all fields set; false: no more. */
+/* Message number `which` as the encoder writes it, with all fields set; false: no
+ * more. */
 static bool encode_nth(struct fixture *fixture, int which, int *method)
 {
     uint64_t ones[128]; /* u32 and u64 0x01..01, doubles small, strings of one byte */
@@ -22,7 +23,8 @@ static bool encode_nth(struct fixture *fixture, int which, int *method)
             return proto_encode_error(&fixture->encoder, 3, &error) == 0;
         struct proto_GOAWAY_request goaway = {20, "shutting down"};
         return which == 2 * PROTO_METHOD_COUNT + 1 &&
-               proto_encode_notification(&fixture->encoder, PROTO_NOTE_GOAWAY, &goaway) == 0;
+               proto_encode_notification(&fixture->encoder, PROTO_NOTE_GOAWAY, &goaway) ==
+                   0;
     }
     const struct proto_fields *fields =
         is_result ? &proto_messages[*method].result : &proto_messages[*method].request;
@@ -76,8 +78,8 @@ static void damage__every_byte_to_every_value_is_taken_or_refused(void **state)
             uint8_t right = fixture->encoder.data[at];
             for (unsigned value = 0; value < 256; value++) {
                 fixture->encoder.data[at] = (uint8_t)value;
-                int rc =
-                    decode(fixture, fixture->encoder.data, fixture->encoder.bytes, method);
+                int rc = decode(fixture, fixture->encoder.data, fixture->encoder.bytes,
+                                method);
                 if (rc == 0)
                     taken++;
                 else if (rc == PCCD_E_BADMSG && fixture->error.text[0] != '\0')
@@ -98,7 +100,8 @@ static void damage__random_bytes_are_taken_or_refused(void **state)
     for (int round = 0; round < 200000; round++) {
         size_t count = random_below(&random, 40);
         fixture->bytes.count = 0;
-        for (size_t i = 0; i < count; i++) /* biased to containers, so that nesting occurs */
+        for (size_t i = 0; i < count;
+             i++) /* biased to containers, so that nesting occurs */
             put_byte(&fixture->bytes, random_below(&random, 3) == 0
                                           ? 0x80 + (unsigned)random_below(&random, 0x14)
                                           : (unsigned)random_below(&random, 256));

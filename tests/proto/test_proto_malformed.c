@@ -32,13 +32,13 @@ static void assert_taken(struct fixture *fixture)
         put(&(fixture)->bytes, literal, sizeof(literal) - 1);                            \
     } while (0)
 
-/* ---- the prescan -------------------------------------------------------------------- */
+/* ---- the prescan ------------------------------------------------------------------ */
 
 /* If this failed, five bytes could make msgpack-c allocate gigabytes. */
 static void prescan__refuses_claims_beyond_the_message(void **state)
 {
     struct fixture *fixture = *state;
-    static const unsigned wide[] = {0xdd, 0xdf, 0xdb, 0xc6};   /* array, map, str, bin 32 */
+    static const unsigned wide[] = {0xdd, 0xdf, 0xdb, 0xc6}; /* array, map, str, bin 32 */
     static const unsigned middle[] = {0xdc, 0xde, 0xda, 0xc5}; /* 16 */
     for (size_t i = 0; i < 4; i++) {
         for (uint64_t claim = UINT32_MAX; claim > 8; claim /= 3) {
@@ -76,17 +76,18 @@ static void prescan__refuses_claims_deep_inside(void **state)
     assert_refused(fixture, "claims more");
 }
 
-/* If this failed, a length field cut off by the end of the message would be read past it. */
+/* If this failed, a length field cut off by the end of the message would be read past
+ * it. */
 static void prescan__refuses_cut_headers(void **state)
 {
     struct fixture *fixture = *state;
     static const struct {
         unsigned type;
         int width;
-    } headers[] = {{0xc4, 1}, {0xc5, 2}, {0xc6, 4}, {0xca, 4}, {0xcb, 8}, {0xcc, 1},
-                   {0xcd, 2}, {0xce, 4}, {0xcf, 8}, {0xd0, 1}, {0xd1, 2}, {0xd2, 4},
-                   {0xd3, 8}, {0xd9, 1}, {0xda, 2}, {0xdb, 4}, {0xdc, 2}, {0xdd, 4},
-                   {0xde, 2}, {0xdf, 4}};
+    } headers[] = {{0xc4, 1}, {0xc5, 2}, {0xc6, 4}, {0xca, 4}, {0xcb, 8},
+                   {0xcc, 1}, {0xcd, 2}, {0xce, 4}, {0xcf, 8}, {0xd0, 1},
+                   {0xd1, 2}, {0xd2, 4}, {0xd3, 8}, {0xd9, 1}, {0xda, 2},
+                   {0xdb, 4}, {0xdc, 2}, {0xdd, 4}, {0xde, 2}, {0xdf, 4}};
     for (size_t i = 0; i < sizeof(headers) / sizeof(headers[0]); i++)
         for (int width = 0; width < headers[i].width; width++) {
             fixture->bytes.count = 0;
@@ -99,7 +100,8 @@ static void prescan__refuses_cut_headers(void **state)
 static void prescan__refuses_ext_and_unused_types(void **state)
 {
     struct fixture *fixture = *state;
-    static const unsigned types[] = {0xc1, 0xc7, 0xc8, 0xc9, 0xd4, 0xd5, 0xd6, 0xd7, 0xd8};
+    static const unsigned types[] = {0xc1, 0xc7, 0xc8, 0xc9, 0xd4,
+                                     0xd5, 0xd6, 0xd7, 0xd8};
     for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++) {
         static const uint8_t rest[32] = {0};
         fixture->bytes.count = 0;
@@ -185,7 +187,7 @@ static void prescan__bounds_the_bytes(void **state)
     }
 }
 
-/* ---- the envelope ------------------------------------------------------------------- */
+/* ---- the envelope ----------------------------------------------------------------- */
 
 /* If this failed, something that is no message would be dispatched. */
 static void envelope__of_another_shape_is_refused(void **state)
@@ -203,7 +205,8 @@ static void envelope__of_another_shape_is_refused(void **state)
     assert_refused(fixture, "an array that begins");
     SET(fixture, "\x94\xff\x01\xa4ping\x80"); /* kind -1 */
     assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x94\xa1" "0\x01\xa4ping\x80"); /* kind "0" */
+    SET(fixture, "\x94\xa1"
+                 "0\x01\xa4ping\x80"); /* kind "0" */
     assert_refused(fixture, "an array that begins");
     SET(fixture, "\x93\x00\x01\xa4ping"); /* a request of 3 */
     assert_refused(fixture, "3 items");
@@ -270,8 +273,9 @@ static void envelope__answer_is_an_error_or_a_result(void **state)
     assert_refused(fixture, "[code, name, text, fatal]");
     SET(fixture, "\x94\x01\x05\x94\x00\xa1x\xa1y\xc2\xc0"); /* code 0 is success */
     assert_refused(fixture, "not negative");
-    SET(fixture, "\x94\x01\x05\x94\xd3\xff\xff\xff\xff\x7f\xff\xff\xff\xa1x\xa1y\xc2\xc0");
-    assert_refused(fixture, "not negative"); /* below -2^31 */
+    SET(fixture,
+        "\x94\x01\x05\x94\xd3\xff\xff\xff\xff\x7f\xff\xff\xff\xa1x\xa1y\xc2\xc0");
+    assert_refused(fixture, "not negative");               /* below -2^31 */
     SET(fixture, "\x94\x01\x05\x94\xfb\x01\xa1y\xc2\xc0"); /* name 1 */
     assert_refused(fixture, "another type");
     SET(fixture, "\x94\x01\x05\x94\xfb\xa1x\xa2y\x00\xc2\xc0"); /* NUL in the text */
@@ -284,7 +288,7 @@ static void envelope__answer_is_an_error_or_a_result(void **state)
     assert_true(fixture->envelope.error.fatal);
 }
 
-/* ---- the body ----------------------------------------------------------------------- */
+/* ---- the body --------------------------------------------------------------------- */
 
 /* If this failed, a newer peer could not add a field. */
 static void body__skips_unknown_fields(void **state)
@@ -302,11 +306,12 @@ static void body__skips_unknown_fields(void **state)
     put_str(&fixture->bytes, "toke");
     put_byte(&fixture->bytes, 7);
     assert_int_equal(proto_decode(fixture->decoder, fixture->bytes.data,
-                                  fixture->bytes.count, &fixture->envelope, &fixture->error),
+                                  fixture->bytes.count, &fixture->envelope,
+                                  &fixture->error),
                      0);
     assert_int_equal(proto_decode_body(&fixture->envelope,
-                                       &proto_messages[PROTO_METHOD_PING].request, &request,
-                                       &fixture->error),
+                                       &proto_messages[PROTO_METHOD_PING].request,
+                                       &request, &fixture->error),
                      0);
     assert_int_equal(request.token, 42);
 }
@@ -356,7 +361,8 @@ static void body__needs_every_required_field(void **state)
                 else
                     put_byte(&fixture->bytes, 1);
             }
-            snprintf(about, sizeof(about), "\"%s\" is missing", fields->items[left_out].name);
+            snprintf(about, sizeof(about), "\"%s\" is missing",
+                     fields->items[left_out].name);
             if (fields->items[left_out].need == PROTO_NEED_REQ)
                 assert_refused(fixture, about);
             else
@@ -404,15 +410,17 @@ static void integer__of_another_type_or_range_is_refused(void **state)
 {
     struct fixture *fixture = *state;
     TAKEN("frame.submit", "mode", "\x03");
-    TAKEN("frame.submit", "mode", "\xd0\x03");                 /* signed, but positive */
+    TAKEN("frame.submit", "mode", "\xd0\x03"); /* signed, but positive */
     TAKEN("frame.submit", "mode", "\xcf\0\0\0\0\xff\xff\xff\xff"); /* wide, but small */
-    REFUSED("frame.submit", "mode", "\xcf\0\0\0\x01\0\0\0\0"); /* 2^32 */
-    REFUSED("frame.submit", "mode", "\xff");                   /* -1 */
+    REFUSED("frame.submit", "mode", "\xcf\0\0\0\x01\0\0\0\0");     /* 2^32 */
+    REFUSED("frame.submit", "mode", "\xff");                       /* -1 */
     REFUSED("frame.submit", "mode", "\xd3\xff\xff\xff\xff\xff\xff\xff\xfe");
     REFUSED("frame.submit", "mode", "\xca\x3f\x80\x00\x00"); /* 1.0 */
     REFUSED("frame.submit", "mode", "\xc0");
     REFUSED("frame.submit", "mode", "\xc3");
-    REFUSED("frame.submit", "mode", "\xa1" "1");
+    REFUSED("frame.submit", "mode",
+            "\xa1"
+            "1");
     REFUSED("frame.submit", "mode", "\x91\x01");
     REFUSED("frame.submit", "mode", "\x80");
     TAKEN("frame.submit", "seq", "\xcf\xff\xff\xff\xff\xff\xff\xff\xff");
@@ -421,7 +429,8 @@ static void integer__of_another_type_or_range_is_refused(void **state)
     REFUSED("frame.submit", "seq", "\xc2");
 }
 
-/* If this failed, peers that write 1 for 1.0 would be refused, or text taken for a number. */
+/* If this failed, peers that write 1 for 1.0 would be refused, or text taken for a
+ * number. */
 static void number__may_be_an_integer_but_no_text(void **state)
 {
     struct fixture *fixture = *state;
@@ -429,7 +438,9 @@ static void number__may_be_an_integer_but_no_text(void **state)
     TAKEN("frame.submit", "tolerance", "\xca\x3f\x80\x00\x00");
     TAKEN("frame.submit", "tolerance", "\x01");
     TAKEN("frame.submit", "tolerance", "\xff");
-    REFUSED("frame.submit", "tolerance", "\xa3" "1.0");
+    REFUSED("frame.submit", "tolerance",
+            "\xa3"
+            "1.0");
     REFUSED("frame.submit", "tolerance", "\xc0");
     REFUSED("frame.submit", "tolerance", "\xc3");
 }
@@ -448,25 +459,31 @@ static void text__is_short_utf8_without_nul(void **state)
     assert_refused(fixture, "\"client\" is not");
     TAKEN("hello", "client", "\xa0");
     TAKEN("hello", "client", "\xa4\xf0\x9f\x98\x80");
-    REFUSED("hello", "client", "\xa3" "a\0b");
+    REFUSED("hello", "client",
+            "\xa3"
+            "a\0b");
     REFUSED("hello", "client", "\xa1\x80");
     REFUSED("hello", "client", "\xa2\xc0\xaf");         /* overlong */
     REFUSED("hello", "client", "\xa3\xed\xa0\x80");     /* a surrogate */
     REFUSED("hello", "client", "\xa4\xf4\x90\x80\x80"); /* beyond U+10FFFF */
     REFUSED("hello", "client", "\xa1\xe2");             /* cut */
-    REFUSED("hello", "client", "\xc4\x01" "a");         /* bin */
+    REFUSED("hello", "client",
+            "\xc4\x01"
+            "a"); /* bin */
     REFUSED("hello", "client", "\x07");
     REFUSED("hello", "client", "\xc0");
 }
 
-/* If this failed, 0 and 1 would be read as truth values by one peer and not by another. */
+/* If this failed, 0 and 1 would be read as truth values by one peer and not by
+ * another. */
 static void truth__is_a_boolean(void **state)
 {
     struct fixture *fixture = *state;
     struct proto_CANCEL_result result;
     static const char *const values[] = {"\xc3", "\x01", "\xc0", "\xa4true"};
     for (int i = 0; i < 4; i++) {
-        SET(fixture, "\x94\x01\x05\xc0\x81\xa5" "found");
+        SET(fixture, "\x94\x01\x05\xc0\x81\xa5"
+                     "found");
         put(&fixture->bytes, values[i], i == 3 ? 5 : 1);
         assert_int_equal(proto_decode(fixture->decoder, fixture->bytes.data,
                                       fixture->bytes.count, &fixture->envelope,
@@ -491,7 +508,8 @@ static void body__is_zeroed_when_refused(void **state)
     put_str(&fixture->bytes, "scene");
     put_byte(&fixture->bytes, 5);
     assert_int_equal(proto_decode(fixture->decoder, fixture->bytes.data,
-                                  fixture->bytes.count, &fixture->envelope, &fixture->error),
+                                  fixture->bytes.count, &fixture->envelope,
+                                  &fixture->error),
                      0);
     assert_int_equal(proto_decode_body(&fixture->envelope,
                                        &proto_messages[PROTO_METHOD_SCENE_ADD].request,

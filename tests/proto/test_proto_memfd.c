@@ -23,7 +23,7 @@
 #include "pccd_types.h"
 #include "shm.h"
 
-#define BYTES (16 * (size_t)PROTO_SHM_PAGE)
+#define BYTES     (16 * (size_t)PROTO_SHM_PAGE)
 #define ALL_SEALS (F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL)
 
 static int count_open(void)
@@ -109,7 +109,8 @@ static void result__cannot_be_made_writable(void **state)
 static void map__refuses_another_size(void **state)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
-    static const size_t sizes[] = {0, 1, BYTES - 1, BYTES - 4096, BYTES + 1, BYTES + 4096};
+    static const size_t sizes[] = {0,         1,           BYTES - 1, BYTES - 4096,
+                                   BYTES + 1, BYTES + 4096};
     (void)state;
     assert_int_equal(proto_memory_create(&ours, "test", BYTES, false), 0);
     int open_before = count_open();
@@ -126,11 +127,8 @@ static void map__refuses_another_size(void **state)
 static void map__refuses_missing_seals(void **state)
 {
     struct proto_memory theirs = PROTO_MEMORY_NONE;
-    static const int seals[] = {0,
-                                F_SEAL_SHRINK,
-                                F_SEAL_SHRINK | F_SEAL_GROW,
-                                F_SEAL_GROW | F_SEAL_SEAL,
-                                F_SEAL_SHRINK | F_SEAL_SEAL};
+    static const int seals[] = {0, F_SEAL_SHRINK, F_SEAL_SHRINK | F_SEAL_GROW,
+                                F_SEAL_GROW | F_SEAL_SEAL, F_SEAL_SHRINK | F_SEAL_SEAL};
     (void)state;
     int open_before = count_open();
     for (size_t i = 0; i < sizeof(seals) / sizeof(seals[0]); i++)
@@ -143,8 +141,9 @@ static void map__refuses_missing_seals(void **state)
         proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS), BYTES, true),
         PCCD_E_BADMSG);
     assert_int_equal(
-        proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS | F_SEAL_FUTURE_WRITE),
-                         BYTES, false),
+        proto_memory_map(&theirs,
+                         make_memfd((off_t)BYTES, ALL_SEALS | F_SEAL_FUTURE_WRITE), BYTES,
+                         false),
         PCCD_E_BADMSG);
     assert_int_equal(count_open(), open_before);
     assert_int_equal(
@@ -162,8 +161,9 @@ static void map__refuses_what_is_no_memfd(void **state)
     assert_int_equal(pipe2(pipe_fds, O_CLOEXEC), 0);
     assert_int_equal(proto_memory_map(&theirs, pipe_fds[0], BYTES, false), PCCD_E_BADMSG);
     assert_int_equal(proto_memory_map(&theirs, pipe_fds[1], BYTES, true), PCCD_E_BADMSG);
-    assert_int_equal(proto_memory_map(&theirs, open("/proc/self/exe", O_RDONLY), BYTES, true),
-                     PCCD_E_BADMSG);
+    assert_int_equal(
+        proto_memory_map(&theirs, open("/proc/self/exe", O_RDONLY), BYTES, true),
+        PCCD_E_BADMSG);
     assert_int_equal(proto_memory_map(&theirs, -1, BYTES, true), PCCD_E_BADMSG);
     assert_int_equal(count_open(), open_before);
 }
@@ -185,7 +185,8 @@ static void memory__is_there_from_the_start(void **state)
     proto_memory_deinit(&memory);
 }
 
-/* If this failed, running out of memory or descriptors would leave half a memory behind. */
+/* If this failed, running out of memory or descriptors would leave half a memory
+ * behind. */
 static void create__leaves_nothing_behind_on_failure(void **state)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
@@ -215,7 +216,8 @@ static void create__leaves_nothing_behind_on_failure(void **state)
     assert_null(memory.base);
 }
 
-/* If this failed, an error path that cleans up twice would close a stranger's descriptor. */
+/* If this failed, an error path that cleans up twice would close a stranger's
+ * descriptor. */
 static void deinit__may_be_called_twice(void **state)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;

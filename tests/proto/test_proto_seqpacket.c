@@ -148,7 +148,8 @@ static void descriptors__unwanted_ones_are_closed_and_counted(void **state)
     }
 }
 
-/* If this failed, what a daemon sends beyond two descriptors would stay open in a client. */
+/* If this failed, what a daemon sends beyond two descriptors would stay open in a
+ * client. */
 static void descriptors__surplus_ones_are_closed_and_counted(void **state)
 {
     struct fixture *fixture = *state;
@@ -218,7 +219,8 @@ static void socket__that_would_block_says_again(void **state)
     assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
                                    &bytes, NULL, &fd_count),
                      PCCD_E_AGAIN);
-    while (sent < 10000 && (rc = proto_send(fixture->near, block, sizeof(block), NULL, 0)) == 0)
+    while (sent < 10000 &&
+           (rc = proto_send(fixture->near, block, sizeof(block), NULL, 0)) == 0)
         sent++;
     assert_int_equal(rc, PCCD_E_AGAIN);
     assert_true(sent >= 1);
@@ -232,7 +234,8 @@ static void socket__that_would_block_says_again(void **state)
                      PCCD_E_AGAIN);
 }
 
-/* If this failed, a peer that died would raise SIGPIPE or look like a fault of the system. */
+/* If this failed, a peer that died would raise SIGPIPE or look like a fault of the
+ * system. */
 static void peer__that_is_gone_reads_as_disconnected(void **state)
 {
     struct fixture *fixture = *state;
@@ -268,10 +271,11 @@ static void default_path__follows_the_runtime_directory(void **state)
     assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
     assert_string_equal(path, "/run/user/7/pccd/pccd.sock");
     assert_int_equal(proto_default_socket_path(path, strlen(path)), PCCD_E_LIMIT);
-    assert_int_equal(proto_default_socket_path(path, strlen("/run/user/7/pccd/pccd.sock") + 1),
-                     0);
+    assert_int_equal(
+        proto_default_socket_path(path, strlen("/run/user/7/pccd/pccd.sock") + 1), 0);
 
-    snprintf(expected, sizeof(expected), "/tmp/pccd-%lu/pccd.sock", (unsigned long)getuid());
+    snprintf(expected, sizeof(expected), "/tmp/pccd-%lu/pccd.sock",
+             (unsigned long)getuid());
     assert_int_equal(setenv("XDG_RUNTIME_DIR", "relative", 1), 0);
     assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
     assert_string_equal(path, expected);
