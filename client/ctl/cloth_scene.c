@@ -1,4 +1,4 @@
-/* client/ctl/cloth_scene.c - the scene of the demo: a cloth falls over a spinning ball.
+/* client/ctl/cloth_scene.c - the scene of the demo: a cloth falls over a turning ball.
  *
  * Room:     client/ctl.
  * Does:     builds the meshes and integrates the springs.
@@ -15,21 +15,21 @@
 
 #include "pccd_types.h"
 
-#define SIDE              CLOTH_SIDE_VERTICES
-#define CLOTH_WIDTH       2.0  /* of the square */
-#define CLOTH_HEIGHT      0.75 /* above the ball's centre at the start */
-#define VERTEX_MASS       1e-4 /* kilograms: half a kilogram of cloth */
-#define GRAVITY           9.81 /* metres per second squared */
-#define FRAME_SECONDS     0.01
-#define SMALL_STEPS       10   /* per frame */
-#define AIR_DRAG          0.6  /* share of the speed lost per second */
-#define FRICTION          0.35 /* tangential over normal displacement on the ball */
-#define SHEAR_COMPLIANCE  2e-4
-#define BEND_COMPLIANCE   4e-2
-#define ROUGHNESS         1e-3 /* largest unevenness of the start, so that it can fold */
-#define SPIN_DELAY_FRAMES 60   /* the ball stands still until the cloth lies on it */
-#define SPIN_RAMP_FRAMES  80   /* and then takes this long to its full speed */
-#define SPIN_MAX          2.2  /* radians per second */
+#define SIDE                CLOTH_SIDE_VERTICES
+#define CLOTH_WIDTH         2.0  /* of the square */
+#define CLOTH_HEIGHT        0.75 /* above the ball's centre at the start */
+#define VERTEX_MASS         1e-4 /* kilograms: half a kilogram of cloth */
+#define GRAVITY             9.81 /* metres per second squared */
+#define FRAME_SECONDS       0.01
+#define SMALL_STEPS         10  /* per frame */
+#define AIR_DRAG            0.6 /* share of the speed lost per second */
+#define FRICTION            0.3 /* tangential over normal displacement on the ball */
+#define SHEAR_COMPLIANCE    2e-4
+#define BEND_COMPLIANCE     4e-2
+#define ROUGHNESS           1e-3 /* largest unevenness of the start, so that it can fold */
+#define SPIN_DELAY_FRAMES   60   /* the ball stands still until the cloth lies on it */
+#define SPIN_QUARTER_FRAMES 16   /* then it swings to and fro: a quarter of the period */
+#define SPIN_MAX            4.0  /* radians per second */
 
 /* ---- meshes -------------------------------------------------------------------------
  */
@@ -200,13 +200,17 @@ static int build_springs(struct cloth_scene *scene, struct ctl_error *error)
 /* ---- motion -------------------------------------------------------------------------
  */
 
-/* Radians per second in the frame at hand. */
+/* Radians per second in the frame at hand: a triangular wave, so that the cloth, which
+ * lags behind, slips over the ball again and again without being carried off it. */
 static double spin(const struct cloth_scene *scene)
 {
     if (scene->frame < SPIN_DELAY_FRAMES)
         return 0.0;
-    double share = (double)(scene->frame - SPIN_DELAY_FRAMES) / SPIN_RAMP_FRAMES;
-    return SPIN_MAX * (share < 1.0 ? share : 1.0);
+    uint64_t phase = (scene->frame - SPIN_DELAY_FRAMES) % (4 * SPIN_QUARTER_FRAMES);
+    double share = (double)phase / SPIN_QUARTER_FRAMES;
+    if (share > 3.0)
+        return SPIN_MAX * (share - 4.0);
+    return SPIN_MAX * (share > 1.0 ? 2.0 - share : share);
 }
 
 static void fall(struct cloth_scene *scene, double dt)

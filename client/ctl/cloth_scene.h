@@ -1,4 +1,4 @@
-/* client/ctl/cloth_scene.h - the scene of the demo: a cloth falls over a spinning ball.
+/* client/ctl/cloth_scene.h - the scene of the demo: a cloth falls over a turning ball.
  *
  * Room:     client/ctl. May include: the C library.
  * Does:     moves a square cloth of springs by one frame at a time.

@@ -73,7 +73,7 @@ static const struct argp argp = {
     .options = option_list,
     .parser = parse,
     .doc =
-        "Let a cloth fall over a spinning ball, stream every step through a daemon, and "
+        "Let a cloth fall over a turning ball, stream every step through a daemon, and "
         "show what was found, how long it took and where.\v"
         "Without --url and --socket a private daemon is started. The picture shows the "
         "contacts of the last step.",

@@ -64,7 +64,7 @@ int demo_picture_write(const struct demo_object objects[2],
                                             .triangles = objects[1].triangles,
                                             .vertex_count = objects[1].vertex_count,
                                             .triangle_count = objects[1].triangle_count,
-                                            .front = {0.95f, 0.80f, 0.56f},
+                                            .front = {1.00f, 0.84f, 0.60f},
                                             .back = {0.60f, 0.45f, 0.30f}}};
     struct picture_group groups[2] = {{.colour = {0.90f, 0.22f, 0.10f}},
                                       {.colour = {0.98f, 0.84f, 0.10f}}};

@@ -157,12 +157,13 @@ void raster_clear(struct raster *raster, const float top[3], const float bottom[
            (size_t)raster->width * raster->height * sizeof(*raster->nearness));
 }
 
-/* Ambient light from above, diffuse light and a soft highlight; both sides are lit. */
+/* Ambient light from above, a lamp, a little light from the eye, and a soft highlight;
+ * both sides are lit. */
 static void shade(const struct raster_surface *surface, const float direction[3],
                   bool is_back, float colour[3])
 {
     float sign = is_back ? -1.0f : 1.0f;
-    float length = 0.0f, to_light = 0.0f, to_half = 0.0f;
+    float length = 0.0f, to_light = 0.0f, to_eye = 0.0f, to_half = 0.0f;
     for (uint32_t k = 0; k < 3; k++)
         length += direction[k] * direction[k];
     length = sqrtf(length) + 1e-20f;
@@ -170,12 +171,14 @@ static void shade(const struct raster_surface *surface, const float direction[3]
     for (uint32_t k = 0; k < 3; k++) {
         float half = surface->light[k] + surface->eye[k];
         to_light += sign * direction[k] / length * surface->light[k];
+        to_eye += sign * direction[k] / length * surface->eye[k];
         to_half += sign * direction[k] / length * half;
         half_length += half * half;
     }
     to_half /= sqrtf(half_length) + 1e-20f;
     float sky = 0.5f + 0.5f * sign * direction[1] / length;
-    float bright = AMBIENT * (0.65f + 0.35f * sky) + 0.62f * fmaxf(to_light, 0.0f);
+    float bright = AMBIENT * (0.65f + 0.35f * sky) + 0.52f * fmaxf(to_light, 0.0f) +
+                   0.16f * fmaxf(to_eye, 0.0f);
     float shine = fmaxf(to_half, 0.0f);
     for (uint32_t power = 0; power < 5; power++)
         shine *= shine;
