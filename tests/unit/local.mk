@@ -1,2 +1,3 @@
 # tests/unit/local.mk
 include $(top_srcdir)/tests/unit/ctl.mk
+include $(top_srcdir)/tests/unit/server.mk

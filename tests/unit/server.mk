@@ -1,0 +1,26 @@
+# tests/unit/server.mk - the parts of the daemon that need no socket.
+
+SERVER_TEST_CPPFLAGS = $(server_cppflags) $(CMOCKA_CFLAGS)
+SERVER_TEST_LDADD = libserver.la libengine.la libproto.la $(UV_LIBS) $(CMOCKA_LIBS)
+
+check_PROGRAMS += tests/unit/test_srv_region tests/unit/test_srv_handles \
+    tests/unit/test_srv_quota tests/unit/test_srv_compute
+TESTS += tests/unit/test_srv_region tests/unit/test_srv_handles \
+    tests/unit/test_srv_quota tests/unit/test_srv_compute
+
+tests_unit_test_srv_region_SOURCES = tests/unit/test_srv_region.c
+tests_unit_test_srv_region_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
+tests_unit_test_srv_region_LDADD = $(SERVER_TEST_LDADD)
+
+tests_unit_test_srv_handles_SOURCES = tests/unit/test_srv_handles.c
+tests_unit_test_srv_handles_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
+tests_unit_test_srv_handles_LDADD = $(SERVER_TEST_LDADD)
+
+tests_unit_test_srv_quota_SOURCES = tests/unit/test_srv_quota.c
+tests_unit_test_srv_quota_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
+tests_unit_test_srv_quota_LDADD = $(SERVER_TEST_LDADD)
+
+tests_unit_test_srv_compute_SOURCES = tests/unit/test_srv_compute.c
+tests_unit_test_srv_compute_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
+tests_unit_test_srv_compute_CFLAGS = $(AM_CFLAGS) -pthread
+tests_unit_test_srv_compute_LDADD = $(SERVER_TEST_LDADD)

@@ -1,0 +1,284 @@
+/* test_srv_compute.c - the compute thread and its queue.
+ *
+ * Room:     tests; sees daemon/server/compute.h.
+ * Does:     order within a lane, turns between lanes, bounds, taking back, cancelling,
+ *           batches of notifications.
+ */
+#include <semaphore.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#include "compute.h"
+#include "invariant.h"
+#include "pccd_types.h"
+
+#define CAPACITY 64u
+#define RUNS_MAX 256
+
+struct fixture {
+    struct srv_compute compute;
+    sem_t notified;
+    sem_t blocked; /* posted when the gate job runs */
+    sem_t gate;    /* it waits for this */
+    _Atomic int notify_count;
+    int run[RUNS_MAX]; /* names in the order of running: compute thread, read after stop */
+    int run_count;
+    int done[RUNS_MAX];
+    int done_count;
+};
+
+struct named_job {
+    struct srv_job job; /* first */
+    struct fixture *fixture;
+    int name;
+    bool saw_cancel;
+};
+
+static void on_notify(void *context)
+{
+    struct fixture *fixture = context;
+    atomic_fetch_add(&fixture->notify_count, 1);
+    sem_post(&fixture->notified);
+}
+
+static void run_named(struct srv_job *job)
+{
+    struct named_job *named = (struct named_job *)job;
+    srv_assert_compute();
+    named->fixture->run[named->fixture->run_count++] = named->name;
+}
+
+static void done_named(struct srv_job *job)
+{
+    struct named_job *named = (struct named_job *)job;
+    srv_assert_loop();
+    named->fixture->done[named->fixture->done_count++] = named->name;
+}
+
+/* Holds the thread until the gate opens. */
+static void run_gate(struct srv_job *job)
+{
+    struct named_job *named = (struct named_job *)job;
+    sem_post(&named->fixture->blocked);
+    sem_wait(&named->fixture->gate);
+}
+
+/* Runs until it sees its flag, 10 s at most. */
+static void run_until_cancelled(struct srv_job *job)
+{
+    struct named_job *named = (struct named_job *)job;
+    sem_post(&named->fixture->blocked);
+    for (int i = 0; i < 10000 && !named->saw_cancel; i++) {
+        struct timespec millisecond = {0, 1000000};
+        named->saw_cancel = atomic_load(&job->cancel);
+        if (!named->saw_cancel) {
+            nanosleep(&millisecond, NULL);
+        }
+    }
+}
+
+static void name_job(struct named_job *named, struct fixture *fixture, int name,
+                     srv_job_fn run)
+{
+    srv_job_init(&named->job, run, done_named);
+    named->fixture = fixture;
+    named->name = name;
+    named->saw_cancel = false;
+}
+
+static int set_up(void **state)
+{
+    static struct fixture fixture;
+    fixture = (struct fixture){.run_count = 0};
+    srv_thread_enter(SRV_THREAD_LOOP);
+    sem_init(&fixture.notified, 0, 0);
+    sem_init(&fixture.blocked, 0, 0);
+    sem_init(&fixture.gate, 0, 0);
+    *state = &fixture;
+    return srv_compute_start(&fixture.compute, CAPACITY, on_notify, &fixture);
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    sem_destroy(&fixture->notified);
+    sem_destroy(&fixture->blocked);
+    sem_destroy(&fixture->gate);
+    return 0;
+}
+
+/* Wait until `count` jobs are done; each wait ends within 10 s. */
+static void drain(struct fixture *fixture, int count)
+{
+    while (fixture->done_count < count) {
+        struct timespec until;
+        clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_sec += 10;
+        assert_int_equal(sem_timedwait(&fixture->notified, &until), 0);
+        srv_compute_drain(&fixture->compute);
+    }
+}
+
+static void block(struct fixture *fixture, struct srv_lane *lane, struct named_job *gate)
+{
+    name_job(gate, fixture, -1, run_gate);
+    assert_int_equal(srv_compute_push(&fixture->compute, lane, &gate->job), 0);
+    sem_wait(&fixture->blocked);
+}
+
+/* A session that pipelines mesh.data, mesh.commit and scene.add relies on this order. */
+static void compute__jobs_of_a_lane_run_in_order(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lane = {NULL, NULL, NULL};
+    struct named_job jobs[50];
+    for (int i = 0; i < 50; i++) {
+        name_job(&jobs[i], fixture, i, run_named);
+        assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[i].job), 0);
+    }
+    drain(fixture, 50);
+    srv_compute_stop(&fixture->compute);
+    for (int i = 0; i < 50; i++) {
+        assert_int_equal(fixture->run[i], i);
+        assert_int_equal(fixture->done[i], i);
+    }
+}
+
+/* A session with many jobs must delay another by one of them, not by all. */
+static void compute__lanes_take_turns(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lanes[4] = {{NULL, NULL, NULL}};
+    struct named_job gate;
+    struct named_job jobs[9];
+    static const int lane_of[9] = {0, 0, 0, 0, 1, 1, 2, 2, 2};
+    static const int expected[9] = {0, 4, 6, 1, 5, 7, 2, 8, 3};
+    block(fixture, &lanes[3], &gate);
+    for (int i = 0; i < 9; i++) {
+        name_job(&jobs[i], fixture, i, run_named);
+        assert_int_equal(
+            srv_compute_push(&fixture->compute, &lanes[lane_of[i]], &jobs[i].job), 0);
+    }
+    assert_int_equal(srv_compute_queued(&fixture->compute), 9);
+    sem_post(&fixture->gate);
+    drain(fixture, 10);
+    srv_compute_stop(&fixture->compute);
+    for (int i = 0; i < 9; i++) {
+        assert_int_equal(fixture->run[i], expected[i]);
+    }
+}
+
+/* An unbounded queue would let clients fill the memory; freeing must never be refused. */
+static void compute__queue_is_bounded_but_not_for_reaping(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lane = {NULL, NULL, NULL};
+    struct named_job gate;
+    static struct named_job jobs[CAPACITY + 2];
+    block(fixture, &lane, &gate);
+    for (uint32_t i = 0; i < CAPACITY; i++) {
+        name_job(&jobs[i], fixture, (int)i, run_named);
+        assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[i].job), 0);
+    }
+    name_job(&jobs[CAPACITY], fixture, 1000, run_named);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[CAPACITY].job),
+                     PCCD_E_BUSY);
+    srv_compute_push_reap(&fixture->compute, &lane, &jobs[CAPACITY].job);
+    sem_post(&fixture->gate);
+    drain(fixture, (int)CAPACITY + 2);
+    name_job(&jobs[CAPACITY + 1], fixture, 1001, run_named);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[CAPACITY + 1].job), 0);
+    drain(fixture, (int)CAPACITY + 3);
+    srv_compute_stop(&fixture->compute);
+    assert_int_equal(fixture->run[CAPACITY], 1000);
+    assert_int_equal(fixture->run[CAPACITY + 1], 1001);
+}
+
+/* A job taken back must neither run nor be reported, and the others must stay in order. */
+static void compute__removed_jobs_do_not_run(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lanes[3] = {{NULL, NULL, NULL}};
+    struct named_job gate;
+    struct named_job jobs[6];
+    static const int lane_of[6] = {0, 0, 0, 1, 2, 2};
+    block(fixture, &lanes[0], &gate);
+    for (int i = 0; i < 6; i++) {
+        name_job(&jobs[i], fixture, i, run_named);
+        assert_int_equal(
+            srv_compute_push(&fixture->compute, &lanes[lane_of[i]], &jobs[i].job), 0);
+    }
+    assert_true(srv_compute_remove(&fixture->compute, &jobs[1].job));  /* in the middle */
+    assert_true(srv_compute_remove(&fixture->compute, &jobs[3].job));  /* a whole lane */
+    assert_true(srv_compute_remove(&fixture->compute, &jobs[5].job));  /* the last */
+    assert_false(srv_compute_remove(&fixture->compute, &jobs[5].job)); /* not twice */
+    assert_false(srv_compute_remove(&fixture->compute, &gate.job));    /* it runs */
+    assert_int_equal(srv_compute_queued(&fixture->compute), 3);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lanes[1], &jobs[3].job), 0);
+    sem_post(&fixture->gate);
+    drain(fixture, 5);
+    assert_false(srv_compute_remove(&fixture->compute, &jobs[0].job)); /* it is done */
+    srv_compute_stop(&fixture->compute);
+    static const int expected[4] = {0, 4, 3, 2};
+    assert_int_equal(fixture->run_count, 4);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(fixture->run[i], expected[i]);
+    }
+}
+
+/* A step that never sees its flag would hold up every other session. */
+static void compute__running_job_sees_its_cancel_flag(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lane = {NULL, NULL, NULL};
+    struct named_job job;
+    name_job(&job, fixture, 1, run_until_cancelled);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &job.job), 0);
+    sem_wait(&fixture->blocked);
+    assert_false(srv_compute_remove(&fixture->compute, &job.job));
+    atomic_store(&job.job.cancel, true);
+    drain(fixture, 1);
+    srv_compute_stop(&fixture->compute);
+    assert_true(job.saw_cancel);
+}
+
+/* One notification a batch: a wake-up per job would cost more than a small job. */
+static void compute__completions_are_batched(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lane = {NULL, NULL, NULL};
+    struct named_job jobs[20];
+    struct named_job gate;
+    for (int i = 0; i < 20; i++) {
+        name_job(&jobs[i], fixture, i, run_named);
+        assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[i].job), 0);
+    }
+    block(fixture, &lane, &gate); /* now the 20 have finished and nobody has drained */
+    assert_int_equal(atomic_load(&fixture->notify_count), 1);
+    assert_int_equal(srv_compute_drain(&fixture->compute), 20);
+    assert_int_equal(srv_compute_drain(&fixture->compute), 0);
+    sem_post(&fixture->gate);
+    drain(fixture, 21);
+    assert_int_equal(atomic_load(&fixture->notify_count), 2);
+    srv_compute_stop(&fixture->compute);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(compute__jobs_of_a_lane_run_in_order),
+        TEST(compute__lanes_take_turns),
+        TEST(compute__queue_is_bounded_but_not_for_reaping),
+        TEST(compute__removed_jobs_do_not_run),
+        TEST(compute__running_job_sees_its_cancel_flag),
+        TEST(compute__completions_are_batched),
+    };
+    return cmocka_run_group_tests_name("srv_compute", tests, NULL, NULL);
+}

@@ -1,0 +1,177 @@
+/* test_srv_handles.c - handles with generations.
+ *
+ * Room:     tests; sees daemon/server/handles.h.
+ * Does:     stale handles, reuse in turn, the wrap of generations, exhaustion.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "handles.h"
+#include "pccd_types.h"
+
+static char items[64];
+
+/* A handle that leads elsewhere would let a client change another object than it named. */
+static void handles__get_returns_what_was_added(void **state)
+{
+    (void)state;
+    struct srv_handles handles;
+    uint32_t handle[64];
+    srv_handles_init(&handles, 64, 0);
+    for (int i = 0; i < 64; i++) {
+        assert_int_equal(srv_handles_add(&handles, &items[i], &handle[i]), 0);
+        assert_int_not_equal(handle[i], 0);
+    }
+    for (int i = 0; i < 64; i++) {
+        assert_ptr_equal(srv_handles_get(&handles, handle[i]), &items[i]);
+    }
+    assert_int_equal(handles.count, 64);
+    srv_handles_deinit(&handles);
+}
+
+/* Numbers from nowhere must not lead anywhere, 0 least of all. */
+static void handles__unknown_handles_are_null(void **state)
+{
+    (void)state;
+    struct srv_handles handles;
+    uint32_t handle = 0;
+    srv_handles_init(&handles, 64, 0);
+    assert_null(srv_handles_get(&handles, 0));
+    assert_int_equal(srv_handles_add(&handles, items, &handle), 0);
+    assert_null(srv_handles_get(&handles, 0));
+    assert_null(srv_handles_get(&handles, handle + 1));
+    assert_null(srv_handles_get(&handles, handle + (1u << SRV_HANDLE_INDEX_BITS)));
+    assert_null(srv_handles_get(&handles, UINT32_MAX));
+    assert_null(srv_handles_remove(&handles, handle + 1));
+    assert_int_equal(handles.count, 1);
+    srv_handles_deinit(&handles);
+}
+
+/* A removed handle must stay dead when its index is used again, until 4095 reuses later. */
+static void handles__removed_handle_stays_stale_through_4094_reuses(void **state)
+{
+    (void)state;
+    struct srv_handles handles;
+    uint32_t first = 0;
+    srv_handles_init(&handles, 1, 7);
+    assert_int_equal(srv_handles_add(&handles, items, &first), 0);
+    assert_ptr_equal(srv_handles_remove(&handles, first), items);
+    assert_null(srv_handles_get(&handles, first));
+    assert_null(srv_handles_remove(&handles, first));
+    for (uint32_t reuse = 1; reuse < SRV_HANDLE_GENERATION_MAX; reuse++) {
+        uint32_t handle = 0;
+        assert_int_equal(srv_handles_add(&handles, items + 1, &handle), 0);
+        assert_int_not_equal(handle, first);
+        assert_int_not_equal(handle >> SRV_HANDLE_INDEX_BITS, 0);
+        assert_null(srv_handles_get(&handles, first));
+        assert_ptr_equal(srv_handles_remove(&handles, handle), items + 1);
+    }
+    uint32_t wrapped = 0;
+    assert_int_equal(srv_handles_add(&handles, items, &wrapped), 0);
+    assert_int_equal(wrapped, first);
+    srv_handles_deinit(&handles);
+}
+
+/* Reusing the newest free index first would wear out its generations 1000 times as fast. */
+static void handles__free_indices_are_reused_in_turn(void **state)
+{
+    (void)state;
+    struct srv_handles handles;
+    uint32_t handle[3];
+    srv_handles_init(&handles, 64, 0);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(srv_handles_add(&handles, &items[i], &handle[i]), 0);
+    }
+    static const int order[] = {1, 0, 2};
+    for (int i = 0; i < 3; i++) {
+        srv_handles_remove(&handles, handle[order[i]]);
+    }
+    for (int i = 0; i < 3; i++) {
+        uint32_t again = 0;
+        assert_int_equal(srv_handles_add(&handles, &items[i], &again), 0);
+        assert_int_equal(srv_handle_index(again), srv_handle_index(handle[order[i]]));
+        assert_int_not_equal(again, handle[order[i]]);
+    }
+    srv_handles_deinit(&handles);
+}
+
+/* Without a bound a client could fill the memory; after removal there must be room again. */
+static void handles__exhaustion_is_a_limit_and_passes(void **state)
+{
+    (void)state;
+    struct srv_handles handles;
+    uint32_t handle[20];
+    uint32_t more = 77;
+    srv_handles_init(&handles, 20, 0);
+    for (int i = 0; i < 20; i++) {
+        assert_int_equal(srv_handles_add(&handles, &items[i], &handle[i]), 0);
+    }
+    assert_int_equal(srv_handles_add(&handles, items, &more), PCCD_E_LIMIT);
+    assert_int_equal(more, 77);
+    assert_ptr_equal(srv_handles_remove(&handles, handle[13]), &items[13]);
+    assert_int_equal(srv_handles_add(&handles, items, &more), 0);
+    assert_int_equal(srv_handle_index(more), srv_handle_index(handle[13]));
+    assert_int_equal(srv_handles_add(&handles, items, &more), PCCD_E_LIMIT);
+    srv_handles_deinit(&handles);
+}
+
+/* Two scenes of one session whose object handles are alike would hide a mix-up. */
+static void handles__tables_with_other_salt_share_no_handles(void **state)
+{
+    (void)state;
+    struct srv_handles a;
+    struct srv_handles b;
+    uint32_t handle = 0;
+    srv_handles_init(&a, 64, 4);
+    srv_handles_init(&b, 64, 5);
+    for (int i = 0; i < 10; i++) {
+        uint32_t other = 0;
+        assert_int_equal(srv_handles_add(&a, &items[i], &handle), 0);
+        assert_int_equal(srv_handles_add(&b, &items[i], &other), 0);
+        assert_null(srv_handles_get(&b, handle));
+        assert_null(srv_handles_get(&a, other));
+    }
+    srv_handles_deinit(&a);
+    srv_handles_deinit(&b);
+}
+
+/* A session that ends must find everything it has exactly once. */
+static void handles__pop_yields_every_item_once(void **state)
+{
+    (void)state;
+    struct srv_handles handles;
+    uint32_t handle[40];
+    srv_handles_init(&handles, 64, 0);
+    for (int i = 0; i < 40; i++) {
+        assert_int_equal(srv_handles_add(&handles, &items[i], &handle[i]), 0);
+    }
+    for (int i = 0; i < 40; i += 3) {
+        srv_handles_remove(&handles, handle[i]);
+    }
+    uint32_t cursor = 0;
+    int seen = 0;
+    for (char *item; (item = srv_handles_pop(&handles, &cursor)) != NULL; seen++) {
+        assert_int_not_equal((item - items) % 3, 0);
+    }
+    assert_int_equal(seen, 26);
+    assert_int_equal(handles.count, 0);
+    srv_handles_deinit(&handles);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(handles__get_returns_what_was_added),
+        cmocka_unit_test(handles__unknown_handles_are_null),
+        cmocka_unit_test(handles__removed_handle_stays_stale_through_4094_reuses),
+        cmocka_unit_test(handles__free_indices_are_reused_in_turn),
+        cmocka_unit_test(handles__exhaustion_is_a_limit_and_passes),
+        cmocka_unit_test(handles__tables_with_other_salt_share_no_handles),
+        cmocka_unit_test(handles__pop_yields_every_item_once),
+    };
+    return cmocka_run_group_tests_name("srv_handles", tests, NULL, NULL);
+}

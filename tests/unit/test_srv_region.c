@@ -1,0 +1,173 @@
+/* test_srv_region.c - pages of the result region.
+ *
+ * Room:     tests; sees daemon/server/region.h.
+ * Does:     the ends of the ring, the wrap, full and empty regions, and hostile heads.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "pccd_types.h"
+#include "region.h"
+
+#define CAPACITY 4096u
+
+static struct srv_page reserve(struct srv_region *region, uint64_t head, uint32_t item_bytes,
+                               uint64_t wanted)
+{
+    struct srv_page page = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
+    assert_int_equal(srv_region_reserve(region, head, item_bytes, wanted, &page), 0);
+    return page;
+}
+
+/* Pages that overlap would let one answer overwrite another before it is read. */
+static void region__pages_follow_each_other(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init(&region, CAPACITY);
+    struct srv_page a = reserve(&region, 0, 20, 3);
+    struct srv_page b = reserve(&region, 0, 64, 2);
+    assert_int_equal(a.position, 0);
+    assert_int_equal(a.count, 3);
+    assert_int_equal(a.release, 64); /* 60 bytes, rounded to a cache line */
+    assert_int_equal(b.position, 64);
+    assert_int_equal(b.count, 2);
+    assert_int_equal(b.release, 192);
+}
+
+/* A full region that did not say so would hand out memory the client still reads. */
+static void region__full_region_gives_what_is_left_then_nothing(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init(&region, CAPACITY);
+    struct srv_page a = reserve(&region, 0, 64, 60);
+    struct srv_page b = reserve(&region, 0, 64, 10);
+    struct srv_page c = reserve(&region, 0, 64, 10);
+    assert_int_equal(a.count, 60);
+    assert_int_equal(b.count, 4);
+    assert_int_equal(c.count, 0);
+    assert_int_equal(c.release, b.release);
+}
+
+/* A page that wraps would make records straddle the end of the memory. */
+static void region__page_moves_to_the_start_rather_than_wrap(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init(&region, CAPACITY);
+    struct srv_page a = reserve(&region, 0, 64, 60);
+    struct srv_page b = reserve(&region, a.release, 64, 10); /* 4 at the end, 60 at the start */
+    assert_int_equal(b.position, 0);
+    assert_int_equal(b.count, 10);
+    assert_int_equal(b.release, CAPACITY + 640);
+}
+
+/* If only part fits in either stretch, the longer one saves round trips. */
+static void region__longer_stretch_is_taken_when_neither_holds_all(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init(&region, CAPACITY);
+    struct srv_page a = reserve(&region, 0, 64, 10);
+    reserve(&region, 0, 64, 20);                               /* up to item 30 */
+    struct srv_page c = reserve(&region, a.release, 64, 100); /* 34 behind, 10 in front */
+    assert_int_equal(c.position, 30 * 64);
+    assert_int_equal(c.count, 34);
+    struct srv_page d = reserve(&region, a.release, 64, 100);
+    assert_int_equal(d.position, 0);
+    assert_int_equal(d.count, 10);
+    assert_int_equal(reserve(&region, a.release, 64, 1).count, 0);
+}
+
+/* An answer as large as the region could never be fetched if an empty region were cut in
+ * two by where the last page ended. */
+static void region__empty_region_holds_a_page_of_its_whole_size(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init(&region, CAPACITY);
+    uint64_t head = reserve(&region, 0, 64, 5).release;
+    struct srv_page page = reserve(&region, head, 64, 64);
+    assert_int_equal(page.position, 0);
+    assert_int_equal(page.count, 64);
+    assert_int_equal(reserve(&region, head, 64, 1).count, 0); /* nothing was released */
+    page = reserve(&region, page.release, 64, 64);
+    assert_int_equal(page.count, 64);
+}
+
+/* A head that is believed when it lies would free pages that were never handed out. */
+static void region__impossible_heads_are_refused(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init(&region, CAPACITY);
+    struct srv_page page;
+    uint64_t first = reserve(&region, 0, 64, 5).release;
+    uint64_t second = reserve(&region, first, 64, 5).release;
+    assert_int_equal(srv_region_reserve(&region, 0, 64, 1, &page), PCCD_E_INVAL);
+    assert_int_equal(srv_region_reserve(&region, second + 1, 64, 1, &page), PCCD_E_INVAL);
+    assert_int_equal(srv_region_reserve(&region, UINT64_MAX, 64, 1, &page), PCCD_E_INVAL);
+    assert_int_equal(reserve(&region, second, 64, 1).position, second); /* unharmed */
+}
+
+/* Over many turns no page may overlap one that has not been released, whatever the sizes. */
+static void region__random_pages_never_overlap_unreleased_ones(void **state)
+{
+    (void)state;
+    enum { LIVE_MAX = 8, ROUNDS = 20000 };
+    static const uint32_t sizes[] = {8, 20, 64};
+    struct {
+        uint64_t begin, end, release;
+    } live[LIVE_MAX];
+    struct srv_region region;
+    srv_region_init(&region, CAPACITY);
+    uint64_t seed = 12345;
+    uint64_t head = 0;
+    uint64_t items = 0;
+    int count = 0;
+    for (int round = 0; round < ROUNDS; round++) {
+        seed = seed * 6364136223846793005u + 1442695040888963407u;
+        uint32_t bytes = sizes[(seed >> 33) % 3];
+        struct srv_page page = reserve(&region, head, bytes, (seed >> 40) % 70);
+        uint64_t end = page.position + page.count * bytes;
+        assert_true(end <= CAPACITY);
+        assert_int_equal(page.position % SRV_PAGE_ALIGN, 0);
+        for (int i = 0; i < count && page.count > 0; i++) {
+            assert_true(end <= live[i].begin || page.position >= live[i].end);
+        }
+        items += page.count;
+        if (page.count > 0) {
+            live[count].begin = page.position;
+            live[count].end = end;
+            live[count++].release = page.release;
+        }
+        int released = count == LIVE_MAX || page.count == 0 ? 1 + (int)(seed >> 60) % 4 : 0;
+        for (; released > 0 && count > 0; released--) {
+            head = live[0].release;
+            for (int i = 1; i < count; i++) {
+                live[i - 1] = live[i];
+            }
+            count--;
+        }
+    }
+    assert_true(items > ROUNDS); /* the loop has not been refused all the time */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(region__pages_follow_each_other),
+        cmocka_unit_test(region__full_region_gives_what_is_left_then_nothing),
+        cmocka_unit_test(region__page_moves_to_the_start_rather_than_wrap),
+        cmocka_unit_test(region__longer_stretch_is_taken_when_neither_holds_all),
+        cmocka_unit_test(region__empty_region_holds_a_page_of_its_whole_size),
+        cmocka_unit_test(region__impossible_heads_are_refused),
+        cmocka_unit_test(region__random_pages_never_overlap_unreleased_ones),
+    };
+    return cmocka_run_group_tests_name("srv_region", tests, NULL, NULL);
+}
