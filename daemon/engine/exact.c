@@ -28,21 +28,6 @@ enum {
     DET = 38
 };
 
-void eng_exact_init(struct eng_exact *exact)
-{
-    for (int i = 0; i < ENG_EXACT_WORDS; i++) {
-        mpz_init2(exact->z[i], 1024);
-    }
-    exact->queries = 0;
-}
-
-void eng_exact_deinit(struct eng_exact *exact)
-{
-    for (int i = 0; i < ENG_EXACT_WORDS; i++) {
-        mpz_clear(exact->z[i]);
-    }
-}
-
 /* z[POINTS + 3 i + k] = x[i][k] * 2^s with one s that makes all of them integers. */
 static void load(struct eng_exact *exact, const double (*x)[3])
 {

@@ -13,6 +13,7 @@ libengine_la_SOURCES = \
     daemon/engine/direction.h \
     daemon/engine/exact.c \
     daemon/engine/exact.h \
+    daemon/engine/exact_span.c \
     daemon/engine/feature.c \
     daemon/engine/feature.h \
     daemon/engine/filter.c \
@@ -25,6 +26,8 @@ libengine_la_SOURCES = \
     daemon/engine/mesh.h \
     daemon/engine/motion.c \
     daemon/engine/motion.h \
+    daemon/engine/poly.c \
+    daemon/engine/poly.h \
     daemon/engine/query.h \
     daemon/engine/radix.c \
     daemon/engine/radix.h \

@@ -1,8 +1,9 @@
 /* daemon/engine/range.c - ranges of consecutive indices in growing arrays.
  *
  * Room:     engine.
- * Does:     keep the holes sorted; there are never more holes than ranges handed out plus
- *           one, so `take` grows the list ahead of need and `give` cannot fail.
+ * Does:     keep the holes sorted. A range handed out lies behind every hole but one that is
+ *           just being made, so there are never more holes than ranges were out before: `take`
+ *           grows the list to that number and `give` cannot fail.
  * Threads:  one thread for one allocator.
  */
 #include "range.h"
@@ -36,7 +37,7 @@ static void remove_hole(struct eng_ranges *ranges, uint32_t i)
 /* One more range is about to exist, so one more hole may appear when it goes. */
 static int reserve_hole(struct eng_ranges *ranges)
 {
-    if (ranges->hole_count + 2 <= ranges->hole_capacity) {
+    if (ranges->taken < ranges->hole_capacity) {
         return ENG_OK;
     }
     uint32_t capacity = ranges->hole_capacity ? ranges->hole_capacity * 2 : 16;
@@ -65,6 +66,7 @@ int eng_ranges_take(struct eng_ranges *ranges, uint32_t count, uint32_t *first)
             if (hole->count == 0) {
                 remove_hole(ranges, i);
             }
+            ranges->taken++;
             return ENG_OK;
         }
     }
@@ -73,6 +75,7 @@ int eng_ranges_take(struct eng_ranges *ranges, uint32_t count, uint32_t *first)
     }
     *first = ranges->end;
     ranges->end += count;
+    ranges->taken++;
     return ENG_OK;
 }
 
@@ -86,6 +89,8 @@ void eng_ranges_give(struct eng_ranges *ranges, uint32_t first, uint32_t count)
     struct eng_range *above = i < ranges->hole_count ? &ranges->holes[i] : NULL;
     assert(!below || below->first + below->count <= first);
     assert(!above || first + count <= above->first);
+    assert(ranges->taken > 0);
+    ranges->taken--;
     bool joins_below = below && below->first + below->count == first;
     bool joins_above = above && first + count == above->first;
     if (joins_below) {

@@ -21,6 +21,7 @@ struct eng_ranges {
     struct eng_range *holes; /* free, sorted by first, never adjacent, all below end */
     uint32_t hole_count;
     uint32_t hole_capacity;
+    uint32_t taken;          /* ranges handed out and not given back */
     uint32_t end;            /* first index never handed out, or handed back at the end */
     uint32_t limit;          /* end never passes it */
 };
