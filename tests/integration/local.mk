@@ -1,7 +1,9 @@
 # tests/integration/local.mk - a real daemon and real clients.
 
 integration_names = \
-    tests/integration/test_int_session
+    tests/integration/test_int_flow \
+    tests/integration/test_int_session \
+    tests/integration/test_int_step
 check_PROGRAMS += $(integration_names)
 TESTS += $(integration_names)
 
@@ -9,6 +11,14 @@ integration_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/clie
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 integration_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
 
+tests_integration_test_int_flow_SOURCES = tests/integration/test_int_flow.c
+tests_integration_test_int_flow_CPPFLAGS = $(integration_cppflags) $(XXHASH_CFLAGS)
+tests_integration_test_int_flow_LDADD = $(integration_libs) $(XXHASH_LIBS)
+
 tests_integration_test_int_session_SOURCES = tests/integration/test_int_session.c
 tests_integration_test_int_session_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_session_LDADD = $(integration_libs)
+
+tests_integration_test_int_step_SOURCES = tests/integration/test_int_step.c
+tests_integration_test_int_step_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_step_LDADD = $(integration_libs)

@@ -285,7 +285,7 @@ static void session__clients_beyond_the_quota_are_refused(void **state)
 /* If it failed, one user could fill the daemon's memory. */
 static void session__meshes_triangles_and_memory_have_quotas(void **state)
 {
-    const char *const options[] = {"--meshes-max", "3", "--triangles-max", "1000",
+    const char *const options[] = {"--meshes-max", "4", "--triangles-max", "1000",
                                    "--shm-max-mib", "8", NULL};
     struct pccd_options large;
     struct test_daemon daemon;
@@ -293,7 +293,7 @@ static void session__meshes_triangles_and_memory_have_quotas(void **state)
     struct pccd_client *greedy = NULL;
     struct test_crossing crossing;
     struct test_grid grid;
-    uint32_t mesh = 0;
+    uint32_t meshes[2] = {0, 0};
     uint32_t extra = 0;
 
     (void)state;
@@ -301,14 +301,18 @@ static void session__meshes_triangles_and_memory_have_quotas(void **state)
     client = test_connect(daemon.url);
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
-    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
-                                      1, &mesh, NULL),
-                     0);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
+                                          test_triangle, 1, &meshes[i], NULL),
+                         0);
     assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
                                       1, &extra, NULL),
                      PCCD_E_QUOTA);
-    assert_int_equal(pccd_mesh_destroy(client, mesh), 0);
+    assert_non_null(strstr(pccd_error_text(client), "meshes"));
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(pccd_mesh_destroy(client, meshes[i]), 0);
     assert_int_equal(test_grid_make(client, 40, &grid), PCCD_E_QUOTA); /* 3042 triangles */
+    assert_non_null(strstr(pccd_error_text(client), "triangles"));
     test_grid_free(&grid);
     pccd_options_init(&large);
     large.url = daemon.url;

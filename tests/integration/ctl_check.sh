@@ -1,0 +1,278 @@
+#!/bin/bash
+# tests/integration/ctl_check.sh - pccdctl against real daemons.
+#
+# Room:     client/ctl, from outside.
+# Does:     runs every command on files made here and compares what comes out.
+# Does not: need the public scenes, a network or a user's daemon.
+# Source:   client/ctl/pccdctl.1.scd says what is promised.
+# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
+
+set -u
+: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}"
+unset PCCD_URL
+
+dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-ctl-XXXXXX") || exit 1
+daemon_pid=
+finish() {
+    [ -z "$daemon_pid" ] || kill "$daemon_pid" 2>/dev/null
+    rm -rf "$dir"
+}
+trap finish EXIT
+cd "$dir" || exit 1
+
+# ---- TAP ----------------------------------------------------------------------------
+
+number=0
+# report NAME: the status of the command before it decides.
+report() {
+    local status=$?
+    number=$((number + 1))
+    if [ "$status" -eq 0 ]; then
+        echo "ok $number - $1"
+    else
+        echo "not ok $number - $1"
+        sed 's/^/# out: /' out | head -n 20
+        sed 's/^/# err: /' err | head -n 20
+    fi
+}
+
+# ctl ARGUMENT...: the exit status is the program's; its output lands in out and err.
+ctl() { "$PCCDCTL" "$@" >out 2>err; }
+# fails TEXT ARGUMENT...: exit status 1, nothing on stdout, TEXT on stderr.
+fails() {
+    local text=$1
+    shift
+    ctl "$@"
+    [ $? -eq 1 ] && [ ! -s out ] && grep -qF -- "$text" err
+}
+# says TEXT...: each stands in out.
+says() {
+    local text
+    for text; do
+        grep -qE -- "$text" out || return 1
+    done
+}
+# json_value KEY: of the JSON object in out, which jansson prints one member a line.
+json_value() { sed -n "s/^ *\"$1\": \(.*[^,]\),\{0,1\}\$/\1/p" out | head -n 1; }
+
+# ---- files --------------------------------------------------------------------------
+
+# A triangle in the plane z = 0 and one above it that moves down by 2; its lowest corner,
+# vertex 3, passes the first triangle at t = 1/2, the others stay above.
+ply_frame() { # DROP
+    cat <<PLY
+ply
+format ascii 1.0
+element vertex 6
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+0.25 0.25 $((1 - $1))
+0.25 0.25 $((4 - $1))
+0.375 0.25 $((4 - $1))
+3 0 1 2
+3 3 4 5
+PLY
+}
+obj_frame() { # DROP
+    printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $((1 - $1))" \
+        "0.25 0.25 $((4 - $1))" "0.375 0.25 $((4 - $1))"
+    printf 'f 1 2 3\nf -3 -2 -1\n'
+}
+ply_frame 0 >t0.ply
+ply_frame 2 >t1.ply
+obj_frame 0 >t0.obj
+obj_frame 2 >t1.obj
+
+# A stack of 40 sheets and 40 needles that pass all of them: at least 1600 contacts.
+stack_frame() { # DROP
+    awk -v drop="$1" 'BEGIN {
+        n = 40
+        print "ply\nformat ascii 1.0\nelement vertex " 6 * n
+        print "property double x\nproperty double y\nproperty double z"
+        print "element face " 2 * n "\nproperty list uchar int vertex_indices\nend_header"
+        for (i = 0; i < n; i++) {
+            z = -i / 64
+            print 0, 0, z; print 4, 0, z; print 0, 4, z
+        }
+        for (i = 0; i < n; i++) {
+            x = 0.25 + i / 64; y = 0.25 + i % 7 / 8
+            print x, y, 1 - drop; print x, y, 5 - drop; print x + 1 / 128, y, 5 - drop
+        }
+        for (i = 0; i < 2 * n; i++)
+            print 3, 3 * i, 3 * i + 1, 3 * i + 2
+    }'
+}
+stack_frame 0 >s0.ply
+stack_frame 3 >s1.ply
+
+# ---- check --------------------------------------------------------------------------
+
+ctl check t0.ply t1.ply &&
+    says '^mesh +6 vertices, 6 edges, 2 triangles$' '^contacts +1: 1 vertex-face, 0 edge-edge$' \
+        '1 proved, 0 possible; 0 touch at the start' '^first at +t = 0\.(5|4999)' \
+        '^answer +complete$' '^hash +[0-9a-f]{32}$' 'median of 1 after one to warm up' \
+        '^  build ' '^  ingest ' '^  refit ' '^  traversal ' '^  tests ' '^  merge ' '^  step '
+report "check prints the summary"
+
+# The vertex, then the triangle's three; the time within the tolerance around 1/2.
+known_contact() { # FILE
+    awk -F, 'NR == 1 { good = $0 == "kind,i0,i1,i2,i3,toi,toi_hi,proved" }
+        NR == 2 { good = good && $1 == "vf" && $2 == 3 && $3 == 0 && $4 == 1 && $5 == 2 &&
+                  $6 <= 0.5 && $7 >= 0.5 && $7 - $6 <= 1e-6 && $8 == 1 }
+        END { exit !(good && NR == 2) }' "$1"
+}
+ctl check --contacts contacts.csv t0.ply t1.ply && known_contact contacts.csv
+report "check --contacts writes the known contact"
+
+ctl check --contacts - t0.ply t1.ply && known_contact out && grep -q '^contacts +*1' err
+report "check --contacts - keeps the report off the standard output"
+
+ctl check --json --repeat 3 t0.ply t1.ply &&
+    [ "$(json_value vertices)" = 6 ] && [ "$(json_value edges)" = 6 ] &&
+    [ "$(json_value triangles)" = 2 ] && [ "$(json_value contacts)" = 1 ] &&
+    [ "$(json_value vf)" = 1 ] && [ "$(json_value ee)" = 0 ] &&
+    [ "$(json_value possible)" = 0 ] && [ "$(json_value complete)" = true ] &&
+    [ "$(json_value repeat)" = 3 ] && [ "$(json_value allocs)" = 0 ] &&
+    [ "$(json_value builds)" = 0 ] &&
+    says '"toi_first": 0\.(5|4999)' '"hash": "[0-9a-f]{32}"' '"build": [0-9]' \
+        '"ingest": [0-9]' '"refit": [0-9]' '"traversal": [0-9]' '"tests": [0-9]' \
+        '"merge": [0-9]' '"step": [0-9]'
+report "check --json has the promised keys, and a warm step builds and allocates nothing"
+
+hash=$(json_value hash)
+ctl check --json t0.obj t1.obj && [ "$(json_value hash)" = "$hash" ] && [ -n "$hash" ]
+report "OBJ in double gives the hash of PLY in float"
+
+ctl check --json t0.ply t1.obj && [ "$(json_value hash)" = "$hash" ]
+report "frames of different formats go together"
+
+ctl check --json --threads 1 t0.ply t1.ply && [ "$(json_value threads)" = 1 ] &&
+    [ "$(json_value hash)" = "$hash" ] &&
+    ctl check --json --method paper t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ]
+report "threads and method do not change the hash"
+
+ctl check --mode any t0.ply t1.ply && says '^contact +yes$' &&
+    ctl check --mode any t0.ply t0.ply && says '^contact +no$'
+report "mode any says yes or no"
+
+ctl check --mode first --contacts contacts.csv t0.ply t1.ply && known_contact contacts.csv
+report "mode first gives the earliest contact"
+
+ctl check --mode pairs --contacts contacts.csv t0.ply t1.ply &&
+    grep -qx 'vf,3,0,1,2,,,0' contacts.csv && says '^pairs +[1-9]'
+report "mode pairs gives candidates without times"
+
+ctl check --tolerance 0.25 --contacts contacts.csv t0.ply t1.ply &&
+    awk -F, 'NR == 2 { good = $6 <= 0.5 && $7 >= 0.5 && $7 - $6 <= 0.25 } END { exit !good }' \
+        contacts.csv
+report "a wide tolerance still holds the contact"
+
+ctl check --json --contacts contacts.csv t0.ply t1.ply t0.ply t0.ply &&
+    [ "$(json_value contacts)" = 2 ] && [ "$(grep -c '"hash"' out)" = 3 ] &&
+    [ "$(head -n 1 contacts.csv)" = step,kind,i0,i1,i2,i3,toi,toi_hi,proved ] &&
+    [ "$(grep -c '^1,vf,3,0,1,2,' contacts.csv)" = 1 ] &&
+    [ "$(grep -c '^2,vf,3,0,1,2,' contacts.csv)" = 1 ] && [ "$(wc -l <contacts.csv)" = 3 ]
+report "a sequence is checked step by step"
+
+ctl check t0.ply t1.ply t0.ply && says '^ +1  t1\.ply: 1 \(1 vf' '^ +2  t0\.ply: 1 \(1 vf' &&
+    [ ! -s err ]
+report "a sequence prints a line a step, and no bar into a file"
+
+ctl check --json --contacts whole.csv s0.ply s1.ply && whole=$(json_value hash) &&
+    ctl check --json --result-bytes 65536 --contacts paged.csv s0.ply s1.ply &&
+    [ "$(json_value hash)" = "$whole" ] && [ "$(json_value complete)" = true ] &&
+    [ "$(wc -l <whole.csv)" -gt 1600 ] && cmp -s whole.csv paged.csv
+report "an answer in pages is the same as in one piece"
+
+# ---- what is refused ----------------------------------------------------------------
+
+sed 's/^0 1 0$/0 nan 0/' t0.ply >nan.ply
+fails 'nan.ply:12: vertex 2: coordinate y is nan' check nan.ply t1.ply
+report "a NaN is refused with file, line and vertex"
+
+sed 's/^3 0 1 2$/3 0 1 6/' t0.ply >index.ply
+fails 'index.ply:16: face 0: 6 is not a vertex number' check t0.ply index.ply
+report "a bad index in the second frame is refused"
+
+sed 's/^3 0 1 2$/3 0 2 1/' t0.ply >turned.ply
+fails 'triangle 0 is (0 1 2) in t0.ply and (0 2 1) in turned.ply' check t0.ply turned.ply
+report "frames of different meshes are refused"
+
+head -n 12 t0.ply >cut.ply
+fails 'cut.ply:12: vertex 3: the file ends here' check cut.ply t1.ply ||
+    grep -q 'cut.ply:9: .*the file ends before' err
+report "a cut file is refused"
+
+fails 'absent.ply: cannot open: No such file' check t0.ply absent.ply
+report "an absent file is told"
+
+fails 'two files at least' check t0.ply &&
+    fails '"wide-open" is not known' check --method wide-open t0.ply t1.ply &&
+    fails 'is not a whole number' check --threads -1 t0.ply t1.ply &&
+    fails 'mode any gives no contacts' check --mode any --contacts c.csv t0.ply t1.ply
+report "wrong usage is an error with exit status 1"
+
+"$PCCDCTL" check --contacts /dev/full t0.ply t1.ply >out 2>err
+[ $? -eq 1 ] && grep -qF '/dev/full: cannot write' err
+report "a full disk is told"
+
+fails 'no connection' check --daemon /nowhere/pccdd t0.ply t1.ply
+report "a daemon that cannot be started is told"
+
+# ---- a daemon that stays ------------------------------------------------------------
+
+mkfifo ready
+"$PCCD_DAEMON" --socket "$dir/s" --log-level error --ready-fd 3 3>ready 2>daemon.log &
+daemon_pid=$!
+read -r -t 10 -N 1 _ <ready
+
+ctl ping --socket "$dir/s" -c 5 -i 0 && [ "$(grep -c "^daemon $daemon_pid: seq" out)" = 5 ] &&
+    says '^5 round trips: min [0-9.]+ us, median [0-9.]+ us, p99 [0-9.]+ us, max'
+report "ping measures round trips through the daemon asked for"
+
+ctl check --url "unix:$dir/s" t0.ply t1.ply && ctl stats --socket "$dir/s" &&
+    says '^steps +2  .*' "^pid +$daemon_pid  " &&
+    ctl stats --json --socket "$dir/s" && [ "$(json_value steps)" = 2 ]
+report "stats counts the steps of check, as text and as JSON"
+
+PCCD_URL="unix:$dir/s" "$PCCDCTL" version >out 2>err &&
+    says '^tool +pccdctl [0-9.]+$' '^library +libpccd [0-9.]+$' "^daemon +.*$daemon_pid"
+report "version names the daemon's process"
+
+kill "$daemon_pid" && wait "$daemon_pid"
+daemon_pid=
+fails 'no connection' ping --socket "$dir/s"
+report "ping fails when nobody listens"
+
+ctl version --socket "$dir/s" && says '^daemon +does not answer'
+report "version works without a daemon"
+
+# ---- demo and help ------------------------------------------------------------------
+
+is_png() { [ "$(head -c 8 "$1" | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ]; }
+ctl demo --steps 40 && is_png pccd-demo.png && says '^picture +\./pccd-demo\.png$' \
+    '^steps +40' '^triangles +14642' '^contacts +[1-9]' '^per step +p50 .* p99 ' '^  ingest ' \
+    '^  refit ' '^  traversal ' '^  tests ' '^  merge ' && [ ! -s err ]
+report "demo streams, prints its table and writes a picture"
+
+first=$(grep '^hash' out)
+ctl demo --steps 40 --output other.png && is_png other.png &&
+    [ "$(grep '^hash' out)" = "$first" ] && cmp -s pccd-demo.png other.png
+report "demo gives the same hash and picture again"
+
+fails '/nowhere/demo.png: cannot write' demo --output /nowhere/demo.png
+report "demo tells at once that the picture cannot be written"
+
+ctl --help && says '^  ping ' '^  stats ' '^  check ' '^  demo ' '^  version ' &&
+    ctl check --help && says '--contacts=FILE' '--repeat=N' && ctl --version &&
+    says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 'no command "chekc"' chekc
+report "help lists every command"
+
+echo "1..$number"

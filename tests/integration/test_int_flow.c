@@ -1,0 +1,510 @@
+/* test_int_flow.c - how steps flow: slots, pages, time limits, residence.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support, libxxhash.
+ * Does:     many steps in flight, answers in any order, pages, a ring that grows, deadlines,
+ *           timeouts, and that a warm step builds and allocates nothing.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "grid.h"
+#include "pccd.h"
+
+static struct test_daemon shared;
+
+static int start_shared(void **state)
+{
+    (void)state;
+    return test_daemon_start(&shared, NULL) ? 0 : -1;
+}
+
+static int stop_shared(void **state)
+{
+    (void)state;
+    return test_daemon_finish(&shared) ? 0 : -1;
+}
+
+/* Every test has a client and the smallest scene of its own. */
+static int make_crossing(void **state)
+{
+    struct test_crossing *crossing = calloc(1, sizeof(*crossing));
+    struct pccd_client *client = test_connect(shared.url);
+
+    *state = crossing;
+    return crossing != NULL && client != NULL && test_crossing_make(client, crossing) == 0
+               ? 0
+               : -1;
+}
+
+static int close_crossing(void **state)
+{
+    struct test_crossing *crossing = *state;
+
+    pccd_close(crossing->client);
+    free(crossing);
+    return 0;
+}
+
+/* Submit a turn of the smallest scene without waiting. */
+static uint64_t submit_turn(struct test_crossing *crossing)
+{
+    struct pccd_frame frame;
+    uint64_t step = 0;
+    void *x1 = NULL;
+
+    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 36, &frame), 0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    crossing->z = -crossing->z;
+    test_crossing_positions(x1, crossing->z);
+    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
+    return step;
+}
+
+/* If it failed, answers would be mixed up, or the result region run full although
+ * everything is released. */
+static void flow__answers_can_be_taken_and_released_in_any_order(void **state)
+{
+    static const int order[4] = {3, 0, 2, 1};
+    static const int release[4] = {1, 3, 0, 2};
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct test_crossing crossing;
+
+    (void)state;
+    pccd_options_init(&options);
+    options.url = shared.url;
+    options.result_bytes = 65536; /* 4 * 192 bytes a round: goes round every 85 rounds */
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    for (int round = 0; round < 400; round++) {
+        struct pccd_answer answers[4];
+        uint64_t steps[4];
+
+        for (int i = 0; i < 4; i++)
+            steps[i] = submit_turn(&crossing);
+        for (int i = 0; i < 4; i++) {
+            assert_int_equal(pccd_wait(client, steps[order[i]], -1, &answers[order[i]]), 0);
+            assert_int_equal(answers[order[i]].step, steps[order[i]]);
+            assert_int_equal(answers[order[i]].count, 3);
+        }
+        for (int i = 0; i < 4; i++)
+            assert_true(test_crossing_is_right(&crossing, &answers[release[i]]));
+    }
+    pccd_close(client);
+}
+
+/* If it failed, a loop that polls would miss answers or see them twice. */
+static void flow__poll_gives_each_answer_once_oldest_first(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer answer;
+    uint64_t steps[12];
+    uint64_t until_ms = test_now_ms() + 10000;
+    int taken = 0;
+
+    for (int i = 0; i < 12; i++) /* more than slots: begin waits for one to come back */
+        steps[i] = submit_turn(crossing);
+    while (taken < 12 && test_now_ms() < until_ms) {
+        int rc = pccd_poll(client, &answer);
+
+        if (rc == PCCD_E_AGAIN)
+            continue;
+        assert_int_equal(rc, 0);
+        assert_int_equal(answer.step, steps[taken]);
+        assert_true(test_crossing_is_right(crossing, &answer));
+        taken++;
+    }
+    assert_int_equal(taken, 12);
+    assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
+    assert_int_equal(pccd_wait(client, steps[0], -1, &answer), PCCD_E_INVAL);
+}
+
+/* If it failed, a client that never takes its answers would hang or grow without bound. */
+static void flow__answers_that_nobody_takes_are_bounded(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer answer;
+    struct pccd_frame frame;
+    int taken = 0;
+
+    for (int i = 0; i < 32; i++)
+        (void)submit_turn(crossing);
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frame), PCCD_E_BUSY);
+    assert_non_null(strstr(pccd_error_text(client), "poll or wait"));
+    for (uint64_t until_ms = test_now_ms() + 10000;
+         taken < 32 && test_now_ms() < until_ms;) {
+        if (pccd_poll(client, &answer) == 0) {
+            assert_true(test_crossing_is_right(crossing, &answer));
+            taken++;
+        }
+    }
+    assert_int_equal(taken, 32);
+    assert_true(test_crossing_turn(crossing));
+}
+
+/* If it failed, a frame could be written beyond its slot, or a slot be lost. */
+static void flow__frames_keep_to_what_they_announced(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_frame frames[5];
+    struct pccd_frame copy;
+    uint64_t step = 0;
+    void *x1 = NULL;
+
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 65537, 36, &frames[0]),
+                     PCCD_E_LIMIT);
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, UINT64_MAX, &frames[0]),
+                     PCCD_E_LIMIT);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frames[i]), 0);
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frames[4]),
+                     PCCD_E_BUSY);
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 1u << 22, &frames[4]),
+                     PCCD_E_BUSY); /* would need a larger ring */
+    assert_int_equal(
+        pccd_frame_x1(&frames[0], crossing->object, (enum pccd_format)5, 0, 3, &x1),
+        PCCD_E_INVAL);
+    assert_int_equal(pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F64, 0, 3, &x1),
+                     PCCD_E_LIMIT);
+    assert_int_equal(
+        pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, UINT32_MAX, &x1),
+        PCCD_E_LIMIT);
+    assert_int_equal(pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
+    assert_int_equal(pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 1, &x1),
+                     PCCD_E_LIMIT);
+    copy = frames[0];
+    pccd_frame_abort(&frames[0]);
+    pccd_frame_abort(&frames[0]);
+    assert_int_equal(pccd_frame_commit(&copy, NULL, &step), PCCD_E_INVAL);
+    for (int i = 1; i < 4; i++)
+        pccd_frame_abort(&frames[i]);
+    assert_int_equal(pccd_frame_bytes(0, 0), 0);
+    assert_true(pccd_frame_bytes(3, 100) >= 3 * 32 + 100);
+    assert_true(test_crossing_turn(crossing));
+}
+
+/* If it failed, a scene that outgrows the ring would be stuck, or records that are still
+ * read be taken away. */
+static void flow__ring_grows_when_nothing_is_held(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer held;
+    struct pccd_answer answer;
+    struct pccd_frame frame;
+    struct test_grid grid;
+    uint64_t step = submit_turn(crossing);
+
+    assert_int_equal(pccd_wait(client, step, -1, &held), 0);
+    assert_int_equal(test_grid_make(client, 160, &grid), 0); /* 307 200 bytes of positions */
+    assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 307200, &frame), PCCD_E_BUSY);
+    assert_non_null(strstr(pccd_error_text(client), "release"));
+    assert_true(test_crossing_is_right(crossing, &held)); /* still readable; releases */
+    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_int_equal(answer.total, 160 * 160);
+    pccd_answer_release(client, &answer);
+    assert_true(test_crossing_turn(crossing));
+    test_grid_free(&grid);
+}
+
+/* ---- pages -------------------------------------------------------------------------------- */
+
+/* All pages of the grid's answer into records[total]. */
+static void collect_pages(struct test_grid *grid, struct pccd_answer *answer,
+                          struct pccd_contact *records)
+{
+    uint64_t got = 0;
+    uint32_t pages = 1;
+
+    assert_int_equal(answer->incomplete, PCCD_INCOMPLETE_RESULT_FULL);
+    for (;;) {
+        assert_int_equal(answer->first, got);
+        assert_int_equal(answer->cursor, got + answer->count);
+        assert_true(answer->count > 0);
+        memcpy(records + got, answer->contacts, answer->count * sizeof(*records));
+        got += answer->count;
+        pccd_answer_release(grid->client, answer);
+        if (got == answer->total)
+            break;
+        assert_int_equal(pccd_fetch(grid->client, grid->scene, got, answer), 0);
+        pages++;
+    }
+    assert_true(pages >= 3);
+    assert_int_equal(answer->incomplete, PCCD_COMPLETE);
+}
+
+/* If it failed, a small result region would lose, repeat or change contacts. */
+static void flow__pages_add_up_to_the_whole_answer(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_options options;
+    struct pccd_client *small = NULL;
+    struct pccd_answer whole;
+    struct pccd_answer page;
+    struct pccd_contact *records;
+    struct test_grid grids[2];
+    XXH128_hash_t hash;
+    uint64_t step = 0;
+
+    pccd_options_init(&options);
+    options.url = shared.url;
+    options.result_bytes = 65536;
+    assert_int_equal(pccd_connect(&options, &small), 0);
+    assert_int_equal(test_grid_make(small, 60, &grids[0]), 0);
+    assert_int_equal(test_grid_make(crossing->client, 60, &grids[1]), 0);
+    records = calloc(3600, sizeof(*records));
+    assert_non_null(records);
+    for (int round = 0; round < 4; round++) {
+        assert_int_equal(test_grid_submit(&grids[0], NULL, &step), 0);
+        assert_int_equal(pccd_wait(small, step, -1, &page), 0);
+        assert_int_equal(page.total, 3600);
+        collect_pages(&grids[0], &page, records);
+        assert_int_equal(test_grid_submit(&grids[1], NULL, &step), 0);
+        assert_int_equal(pccd_wait(crossing->client, step, -1, &whole), 0);
+        assert_true(test_grid_is_right(&grids[1], &whole));
+        /* The objects' handles differ between the sessions; all else is the same. */
+        for (uint32_t i = 0; i < 3600; i++) {
+            struct pccd_contact same = whole.contacts[i];
+
+            same.object_a = grids[0].object;
+            same.object_b = grids[0].floor;
+            assert_memory_equal(&records[i], &same, sizeof(same));
+        }
+        hash = XXH3_128bits(records, 3600 * sizeof(*records));
+        assert_int_equal(hash.high64, page.hash[0]);
+        assert_int_equal(hash.low64, page.hash[1]);
+        hash = XXH3_128bits(whole.contacts, 3600 * sizeof(*records));
+        assert_int_equal(hash.high64, whole.hash[0]);
+        assert_int_equal(hash.low64, whole.hash[1]);
+        pccd_answer_release(crossing->client, &whole);
+    }
+    assert_int_equal(pccd_fetch(small, grids[0].scene, 3601, &page), PCCD_E_INVAL);
+    assert_int_equal(pccd_fetch(small, grids[0].scene, 3600, &page), 0);
+    assert_int_equal(page.count, 0);
+    free(records);
+    test_grid_free(&grids[0]);
+    test_grid_free(&grids[1]);
+    pccd_close(small);
+}
+
+/* If it failed, a client that keeps its pages would stop the daemon, or overwrite them. */
+static void flow__full_region_is_said_and_held_pages_stay(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_options options;
+    struct pccd_client *small = NULL;
+    struct pccd_answer held;
+    struct pccd_answer answer;
+    struct pccd_contact copy[1000];
+    struct test_grid grid;
+    uint64_t step = 0;
+
+    pccd_options_init(&options);
+    options.url = shared.url;
+    options.result_bytes = 65536;
+    assert_int_equal(pccd_connect(&options, &small), 0);
+    assert_int_equal(test_grid_make(small, 60, &grid), 0);
+    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+    assert_int_equal(pccd_wait(small, step, -1, &held), 0);
+    assert_true(held.count >= 1000);
+    memcpy(copy, held.contacts, sizeof(copy));
+    for (int i = 0; i < 3; i++) { /* no room: the count is true, the page is empty */
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_int_equal(pccd_wait(small, step, -1, &answer), 0);
+        assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_RESULT_FULL);
+        assert_int_equal(answer.total, 3600);
+        assert_true(answer.count < 100);
+        pccd_answer_release(small, &answer);
+    }
+    assert_memory_equal(copy, held.contacts, sizeof(copy));
+    assert_true(test_crossing_turn(crossing)); /* another client does not notice */
+    pccd_answer_release(small, &held);
+    pccd_answer_release(small, &held);
+    assert_int_equal(pccd_fetch(small, grid.scene, 0, &answer), 0);
+    assert_true(answer.count >= 1000);
+    pccd_answer_release(small, &answer);
+    test_grid_free(&grid);
+    pccd_close(small);
+}
+
+/* ---- time --------------------------------------------------------------------------------- */
+
+/* If it failed, a step could take longer than its client can use it. */
+static void flow__deadline_gives_an_incomplete_answer(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_step_settings settings = {.deadline_ns = 1};
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t step = 0;
+
+    assert_int_equal(test_grid_make(crossing->client, 100, &grid), 0);
+    assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
+    assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_true(answer.total < 10000);
+    pccd_answer_release(grid.client, &answer);
+    settings.deadline_ns = 60000000000u;
+    assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
+    assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+    assert_true(test_grid_is_right(&grid, &answer)); /* it had moved on all the same */
+    pccd_answer_release(grid.client, &answer);
+    test_grid_free(&grid);
+}
+
+/* If it failed, a step that nobody wants any more would still be computed. */
+static void flow__cancel_stops_a_step_and_only_that(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t steps[4];
+
+    assert_int_equal(test_grid_make(client, 100, &grid), 0);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+    assert_int_equal(pccd_cancel(client, steps[3]), 0);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(pccd_wait(client, steps[i], -1, &answer), 0);
+        assert_true(test_grid_is_right(&grid, &answer));
+        pccd_answer_release(client, &answer);
+    }
+    assert_int_equal(pccd_wait(client, steps[3], -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+    pccd_answer_release(client, &answer);
+    assert_int_equal(pccd_cancel(client, steps[3]), PCCD_E_INVAL);
+    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
+    assert_int_equal(pccd_wait(client, steps[0], -1, &answer), 0);
+    assert_true(test_grid_is_right(&grid, &answer));
+    pccd_answer_release(client, &answer);
+    test_grid_free(&grid);
+}
+
+/* If it failed, a daemon that hangs would hang its clients, or a late answer be taken for
+ * another one. */
+static void flow__timeouts_leave_the_client_usable(void **state)
+{
+    struct test_daemon daemon;
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct test_crossing crossing;
+    struct pccd_answer answer;
+    float up[3][3];
+    float down[3][3];
+    uint64_t begin_ms;
+    uint64_t step;
+
+    (void)state;
+    test_crossing_positions(up, 1);
+    test_crossing_positions(down, -1);
+    assert_true(test_daemon_start(&daemon, NULL));
+    pccd_options_init(&options);
+    options.url = daemon.url;
+    options.timeout_ms = 250;
+    options.result_bytes = 65536;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_true(test_crossing_turn(&crossing));
+    assert_int_equal(kill(daemon.pid, SIGSTOP), 0);
+    step = submit_turn(&crossing);
+    begin_ms = test_now_ms();
+    assert_int_equal(pccd_wait(client, step, 0, &answer), PCCD_E_AGAIN);
+    assert_int_equal(pccd_wait(client, step, 30, &answer), PCCD_E_TIMEOUT);
+    assert_int_equal(pccd_step_x0x1(client, crossing.scene, crossing.object, up, down,
+                                    PCCD_FORMAT_F32, 3, NULL, &answer),
+                     PCCD_E_TIMEOUT);
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
+    assert_true(pccd_error_text(client)[0] != '\0');
+    assert_true(test_now_ms() - begin_ms >= 500);
+    assert_true(test_now_ms() - begin_ms < 3000);
+    assert_int_equal(kill(daemon.pid, SIGCONT), 0);
+    assert_int_equal(pccd_wait(client, step, 10000, &answer), 0); /* not lost */
+    assert_true(test_crossing_is_right(&crossing, &answer));
+    /* The page of the abandoned step was released: the region goes round many times. */
+    for (int i = 0; i < 1000; i++) {
+        assert_int_equal(pccd_step_x0x1(client, crossing.scene, crossing.object, up, down,
+                                        PCCD_FORMAT_F32, 3, NULL, &answer),
+                         0);
+        assert_true(test_crossing_is_right(&crossing, &answer));
+    }
+    assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* ---- residence ---------------------------------------------------------------------------- */
+
+/* If it failed, steady simulation would pay again for what it has paid. */
+static void flow__warm_steps_build_and_allocate_nothing(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t step = 0;
+    uint64_t upload;
+    uint64_t builds;
+    uint64_t bytes = 0;
+
+    assert_int_equal(test_grid_make(client, 50, &grid), 0);
+    builds = test_stat(client, "builds");
+    for (int i = 0; i < 8; i++) {
+        upload = test_stat(client, "upload_bytes");
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_true(test_grid_is_right(&grid, &answer));
+        assert_int_equal(answer.counters.builds, 0);
+        assert_int_equal(test_stat(client, "step_builds_last"), 0);
+        /* One copy: the positions and one segment, nothing else. */
+        assert_int_equal(test_stat(client, "upload_bytes") - upload, 2500 * 12 + 32);
+        if (i >= 1) {
+            assert_int_equal(answer.counters.allocs, 0);
+            assert_int_equal(test_stat(client, "step_allocs_last"), 0);
+        }
+        if (i == 1)
+            bytes = test_stat(client, "engine_bytes_now");
+        if (i > 1)
+            assert_int_equal(test_stat(client, "engine_bytes_now"), bytes);
+        pccd_answer_release(client, &answer);
+    }
+    assert_int_equal(test_stat(client, "builds"), builds);
+    test_grid_free(&grid);
+}
+
+#define FLOW_TEST(name) cmocka_unit_test_setup_teardown(name, make_crossing, close_crossing)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        FLOW_TEST(flow__answers_can_be_taken_and_released_in_any_order),
+        FLOW_TEST(flow__poll_gives_each_answer_once_oldest_first),
+        FLOW_TEST(flow__answers_that_nobody_takes_are_bounded),
+        FLOW_TEST(flow__frames_keep_to_what_they_announced),
+        FLOW_TEST(flow__ring_grows_when_nothing_is_held),
+        FLOW_TEST(flow__pages_add_up_to_the_whole_answer),
+        FLOW_TEST(flow__full_region_is_said_and_held_pages_stay),
+        FLOW_TEST(flow__deadline_gives_an_incomplete_answer),
+        FLOW_TEST(flow__cancel_stops_a_step_and_only_that),
+        FLOW_TEST(flow__timeouts_leave_the_client_usable),
+        FLOW_TEST(flow__warm_steps_build_and_allocate_nothing),
+    };
+
+    return cmocka_run_group_tests_name("flow", tests, start_shared, stop_shared);
+}
