@@ -35,3 +35,13 @@ libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLA
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 pccdctl_LDADD = libctl.la libpccd.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
+
+# The manual page, where scdoc is installed.
+EXTRA_DIST += client/ctl/pccdctl.1.scd
+if HAVE_SCDOC
+man1_MANS = client/ctl/pccdctl.1
+CLEANFILES += client/ctl/pccdctl.1
+client/ctl/pccdctl.1: client/ctl/pccdctl.1.scd
+	$(AM_V_GEN)$(MKDIR_P) client/ctl && $(SCDOC) <$(top_srcdir)/client/ctl/pccdctl.1.scd >$@.tmp && \
+	    mv $@.tmp $@
+endif

@@ -17,8 +17,7 @@
 #define STRING_OF(number) #number
 #define STRING(number)    STRING_OF(number)
 
-/* glibc's argp prints this for --version of any command. */
-const char *argp_program_version = "pccdctl " STRING(PCCD_VERSION_MAJOR) "." STRING(
+static const char program_version[] = "pccdctl " STRING(PCCD_VERSION_MAJOR) "." STRING(
     PCCD_VERSION_MINOR) "." STRING(PCCD_VERSION_PATCH);
 
 struct command {
@@ -79,12 +78,14 @@ int main(int argc, char **argv)
     char *help_arguments[] = {NULL, help_option, NULL};
     const struct command *command;
     argp_err_exit_status = CTL_FAILED;
+    /* Set, not defined: a definition of our own would be hidden from the C library. */
+    argp_program_version = program_version;
     if (argc < 2) {
         print_help(stderr);
         return CTL_FAILED;
     }
     if (is_any(argv[1], "-V", "--version", "--version")) {
-        puts(argp_program_version);
+        puts(program_version);
         return CTL_DONE;
     }
     if (is_any(argv[1], "help", "--help", "-?")) {

@@ -22,3 +22,5 @@ tests_integration_test_int_session_LDADD = $(integration_libs)
 tests_integration_test_int_step_SOURCES = tests/integration/test_int_step.c
 tests_integration_test_int_step_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_step_LDADD = $(integration_libs)
+
+include $(top_srcdir)/tests/integration/ctl.mk
