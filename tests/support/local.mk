@@ -10,7 +10,11 @@ libtestdaemon_la_SOURCES = \
     tests/support/grid.c \
     tests/support/grid.h \
     tests/support/raw.c \
-    tests/support/raw.h
+    tests/support/raw.h \
+    tests/support/witness.c \
+    tests/support/witness.h
 libtestdaemon_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
-    -I$(top_srcdir)/tests/support
+    -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 libtestdaemon_la_LIBADD = libpccd.la libproto.la -lm
+
+EXTRA_DIST += tests/support/cmocka.sh
