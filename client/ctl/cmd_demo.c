@@ -312,7 +312,7 @@ static int run_demo(const struct demo_options *options)
     if (status == PCCD_OK)
         printf("picture     %s\n", options->output);
     if (file != NULL)
-        fclose(file);
+        picture_discard(file, options->output);
     if (status != PCCD_OK && error.text[0] != '\0')
         ctl_complain("%s", error.text);
     tear_down(demo);

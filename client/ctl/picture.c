@@ -240,6 +240,16 @@ int picture_open(const char *path, FILE **file, struct ctl_error *error)
     return PCCD_OK;
 }
 
+void picture_discard(FILE *file, const char *path)
+{
+    struct stat info;
+    bool is_empty =
+        fstat(fileno(file), &info) == 0 && S_ISREG(info.st_mode) && info.st_size == 0;
+    fclose(file);
+    if (is_empty)
+        unlink(path);
+}
+
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error)
 {

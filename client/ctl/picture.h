@@ -48,6 +48,8 @@ struct picture {
 /* Open for writing without emptying it, so that a fault is seen before the work is done.
  * Errors: E_SYSTEM. */
 int picture_open(const char *path, FILE **file, struct ctl_error *error);
+/* Close a file that will not be written; what picture_open made anew goes again. */
+void picture_discard(FILE *file, const char *path);
 /* Render to `file`, whose name `path` is for messages, and close it, also on failure.
  * Errors: E_SYSTEM, E_NOMEM. */
 int picture_write(const struct picture *picture, FILE *file, const char *path,

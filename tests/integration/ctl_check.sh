@@ -270,6 +270,9 @@ report "demo gives the same hash and picture again"
 fails '/nowhere/demo.png: cannot write' demo --output /nowhere/demo.png
 report "demo tells at once that the picture cannot be written"
 
+fails 'no connection' demo --daemon /nowhere/pccdd --output none.png && [ ! -e none.png ]
+report "demo leaves no empty picture behind"
+
 ctl --help && says '^  ping ' '^  stats ' '^  check ' '^  demo ' '^  version ' &&
     ctl check --help && says '--contacts=FILE' '--repeat=N' && ctl --version &&
     says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 'no command "chekc"' chekc

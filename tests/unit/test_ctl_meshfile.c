@@ -364,6 +364,15 @@ static void meshfile__names_what_is_wrong_in_a_ply_header(void **state)
          0, PCCD_E_FORMAT,
          ":9: 3000000000 rows of element \"face\" are announced, but the file ends "
          "before"},
+    };
+    (void)state;
+    check_malformed(cases, COUNT(cases), "bad.ply");
+}
+
+/* If it failed: an empty mesh would be registered. */
+static void meshfile__refuses_a_ply_without_vertices_or_faces(void **state)
+{
+    static const struct malformed cases[] = {
         {"ply\nformat ascii 1.0\nelement vertex 0\n" XYZ "element face 0\n" LIST
          "end_header\n",
          0, PCCD_E_FORMAT, ": no vertices"},
@@ -609,6 +618,7 @@ int main(void)
         cmocka_unit_test(meshfile__reads_every_obj_form_the_same),
         cmocka_unit_test(meshfile__rounds_ascii_floats_once),
         cmocka_unit_test(meshfile__names_what_is_wrong_in_a_ply_header),
+        cmocka_unit_test(meshfile__refuses_a_ply_without_vertices_or_faces),
         cmocka_unit_test(meshfile__names_what_is_wrong_in_an_ascii_ply),
         cmocka_unit_test(meshfile__names_what_is_wrong_in_a_binary_ply),
         cmocka_unit_test(meshfile__names_what_is_wrong_in_an_obj),
