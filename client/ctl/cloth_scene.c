@@ -26,7 +26,7 @@
 #define FRICTION            0.3 /* tangential over normal displacement on the ball */
 #define SHEAR_COMPLIANCE    2e-4
 #define BEND_COMPLIANCE     4e-2
-#define ROUGHNESS           1e-3 /* largest unevenness of the start, so that it can fold */
+#define ROUGHNESS           1e-3 /* unevenness of the start, so that it folds */
 #define SPIN_DELAY_FRAMES   60   /* the ball stands still until the cloth lies on it */
 #define SPIN_QUARTER_FRAMES 16   /* then it swings to and fro: a quarter of the period */
 #define SPIN_MAX            4.0  /* radians per second */
