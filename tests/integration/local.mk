@@ -2,7 +2,9 @@
 
 integration_names = \
     tests/integration/test_int_flow \
+    tests/integration/test_int_hostile \
     tests/integration/test_int_session \
+    tests/integration/test_int_slot \
     tests/integration/test_int_step
 check_PROGRAMS += $(integration_names)
 TESTS += $(integration_names)
@@ -15,6 +17,10 @@ tests_integration_test_int_flow_SOURCES = tests/integration/test_int_flow.c
 tests_integration_test_int_flow_CPPFLAGS = $(integration_cppflags) $(XXHASH_CFLAGS)
 tests_integration_test_int_flow_LDADD = $(integration_libs) $(XXHASH_LIBS)
 
+tests_integration_test_int_hostile_SOURCES = tests/integration/test_int_hostile.c
+tests_integration_test_int_hostile_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_hostile_LDADD = $(integration_libs)
+
 tests_integration_test_int_session_SOURCES = tests/integration/test_int_session.c
 tests_integration_test_int_session_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_session_LDADD = $(integration_libs)
@@ -24,3 +30,7 @@ tests_integration_test_int_step_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_step_LDADD = $(integration_libs)
 
 include $(top_srcdir)/tests/integration/ctl.mk
+
+tests_integration_test_int_slot_SOURCES = tests/integration/test_int_slot.c
+tests_integration_test_int_slot_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_slot_LDADD = $(integration_libs) -lpthread

@@ -1,0 +1,376 @@
+/* test_int_hostile.c - peers that send nonsense to a real daemon.
+ *
+ * Room:     tests/integration. May include: proto, pccd.h, tests/support.
+ * Does:     malformed and truncated messages, foreign descriptors, floods. Each is answered
+ *           with its named error, and an honest client gets right answers all the while.
+ *           Nonsense in shared memory is test_int_slot.c.
+ * Threads:  one.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+
+#include <cmocka.h>
+
+#include "witness.h"
+
+static struct test_raw raw;
+
+/* ---- messages ----------------------------------------------------------------------------- */
+
+/* MessagePack by hand: \x94 an array of 4, \x80 an empty map, \xa4 a string of 4, \xc0 nil. */
+struct malformed {
+    const char *what;
+    const char *bytes;
+    size_t count;
+};
+
+#define BYTES(text) text, sizeof(text) - 1
+#define TEN(text)   text text text text text text text text text text
+
+static const struct malformed malformed[] = {
+    {"an empty array", BYTES("\x90")},
+    {"no array", BYTES("\xc0")},
+    {"a map", BYTES("\x80")},
+    {"the unused type", BYTES("\xc1")},
+    {"a header without items", BYTES("\x94")},
+    {"half a request", BYTES("\x94\x00\x01\xa4ping")},
+    {"too few items", BYTES("\x93\x00\x01\xa4ping")},
+    {"too many items", BYTES("\x95\x00\x01\xa4ping\x80\xc0")},
+    {"an unknown kind", BYTES("\x94\x03\x01\xa4ping\x80")},
+    {"a negative kind", BYTES("\x94\xff\x01\xa4ping\x80")},
+    {"a negative id", BYTES("\x94\x00\xff\xa4ping\x80")},
+    {"an id as text", BYTES("\x94\x00\xa1x\xa4ping\x80")},
+    {"an id beyond 32 bits", BYTES("\x94\x00\xcf\x00\x00\x00\x01\x00\x00\x00\x00\xa4ping\x80")},
+    {"a method that is a number", BYTES("\x94\x00\x01\x05\x80")},
+    {"params that are an array", BYTES("\x94\x00\x01\xa4ping\x90")},
+    {"params that are nil", BYTES("\x94\x00\x01\xa4ping\xc0")},
+    {"bytes behind the message", BYTES("\x94\x00\x01\xa4ping\x80\xc0")},
+    {"two messages in one", BYTES("\x94\x00\x01\xa4ping\x80\x94\x00\x02\xa4ping\x80")},
+    {"a response to nothing", BYTES("\x94\x01\x01\xc0\x80")},
+    {"an array of 2^32-1", BYTES("\xdd\xff\xff\xff\xff")},
+    {"a map of 2^32-1", BYTES("\xdf\xff\xff\xff\xff")},
+    {"a string of 2^32-1", BYTES("\xdb\xff\xff\xff\xff")},
+    {"bytes of 2^32-1", BYTES("\xc6\xff\xff\xff\xff")},
+    {"params of 2^31 fields", BYTES("\x94\x00\x01\xa4ping\xdf\x80\x00\x00\x00")},
+    {"an array of 65535", BYTES("\xdc\xff\xff\x00")},
+    {"a fixed ext", BYTES("\x94\x00\x01\xa4ping\x81\xa5token\xd4\x01\x00")},
+    {"an ext", BYTES("\x94\x00\x01\xa4ping\x81\xa5token\xc7\x01\x05\x00")},
+    {"a deep nest", BYTES(TEN("\x91") TEN("\x91") TEN("\x91") "\xc0")},
+    {"a deep nest in a field",
+     BYTES("\x94\x00\x01\xa4ping\x81\xa1x" TEN("\x91") TEN("\x91") "\xc0")},
+    {"a half number", BYTES("\x94\x00\x01\xa4ping\x81\xa5token\xcf\x00\x00")},
+    {"text", BYTES("GET / HTTP/1.1\r\n\r\n")},
+};
+
+/* The daemon answers with a fatal E_BADMSG and closes. */
+static void expect_refusal(const char *what, int code)
+{
+    int rc = test_raw_receive(&raw);
+
+    if (rc != 0 || raw.envelope.kind != PROTO_RESPONSE || !raw.envelope.failed ||
+        raw.envelope.error.code != code || !raw.envelope.error.fatal ||
+        raw.envelope.error.text[0] == '\0')
+        fail_msg("%s: status %d, error %d \"%s\"", what, rc, raw.envelope.error.code,
+                 raw.envelope.error.text);
+    rc = test_raw_receive(&raw);
+    if (rc != PCCD_E_DISCONNECTED)
+        fail_msg("%s: not closed but %d", what, rc);
+}
+
+/* If it failed, a malformed message would be misread, crash the daemon or go unanswered. */
+static void message__malformed_is_refused_one_by_one(void **state)
+{
+    uint64_t dropped = test_stat(test_witness.crossing.client, "sessions_dropped");
+    size_t count = sizeof(malformed) / sizeof(malformed[0]);
+
+    (void)state;
+    for (size_t i = 0; i < 2 * count; i++) {
+        const struct malformed *message = &malformed[i / 2];
+
+        assert_true(test_raw_open(&raw, test_witness.daemon.socket));
+        if (i % 2 == 1) /* before and after hello */
+            assert_int_equal(test_raw_hello(&raw), 0);
+        assert_true(test_raw_send(&raw, message->bytes, message->count, 0));
+        expect_refusal(message->what, PCCD_E_BADMSG);
+        test_raw_close(&raw);
+        test_witness_turn();
+    }
+    assert_int_equal(test_stat(test_witness.crossing.client, "sessions_dropped"),
+                     dropped + 2 * count);
+}
+
+/* If it failed, a message cut short would be taken for a whole one. */
+static void message__cut_at_every_byte_is_refused(void **state)
+{
+    struct proto_FRAME_SUBMIT_request request = {
+        .scene = 1, .slot = 1, .seq = 2, .segments = 1, .tolerance = 0.5, .step = 77};
+    static struct proto_encoder encoder;
+
+    (void)state;
+    assert_int_equal(
+        proto_encode_request(&encoder, 9, PROTO_METHOD_FRAME_SUBMIT, &request), 0);
+    assert_true(encoder.bytes > 40);
+    for (size_t count = 1; count < encoder.bytes; count++) {
+        test_witness_open_raw(&raw, 0);
+        assert_true(test_raw_send(&raw, encoder.data, count, 0));
+        expect_refusal("a cut message", PCCD_E_BADMSG);
+        test_raw_close(&raw);
+        if (count % 16 == 0)
+            test_witness_turn();
+    }
+    test_witness_turn();
+}
+
+/* If it failed, an oversized message would be read in part. */
+static void message__longer_than_the_limit_is_refused(void **state)
+{
+    static uint8_t bytes[PROTO_MESSAGE_BYTES_MAX + 1];
+    static const size_t counts[] = {PROTO_MESSAGE_BYTES_MAX, PROTO_MESSAGE_BYTES_MAX + 1};
+
+    (void)state;
+    memset(bytes, 0xc0, sizeof(bytes)); /* nil, many times */
+    for (size_t i = 0; i < 2; i++) {
+        test_witness_open_raw(&raw, 0);
+        assert_true(test_raw_send(&raw, bytes, counts[i], 0));
+        expect_refusal("a long message", PCCD_E_BADMSG);
+        test_raw_close(&raw);
+        test_witness_turn();
+    }
+    /* More elements than are allowed, but well-formed otherwise. */
+    memcpy(bytes, "\x94\x00\x01\xa4ping\x81\xa1x\xdc\x13\x88", 14); /* 5000 nils */
+    test_witness_open_raw(&raw, 0);
+    assert_true(test_raw_send(&raw, bytes, 14 + 5000, 0));
+    expect_refusal("too many elements", PCCD_E_BADMSG);
+    test_raw_close(&raw);
+    test_witness_turn();
+}
+
+/* If it failed, an empty datagram would be taken for a message, or stop the daemon. */
+static void message__empty_ends_the_session(void **state)
+{
+    (void)state;
+    test_witness_open_raw(&raw, 0);
+    assert_true(test_raw_send(&raw, "", 0, 0));
+    assert_int_equal(test_raw_receive(&raw), PCCD_E_DISCONNECTED);
+    test_raw_close(&raw);
+    test_witness_turn();
+}
+
+/* A request that is a message but not one that can be served. */
+static const struct {
+    const char *what;
+    const char *bytes;
+    size_t count;
+    int code;
+} unserved[] = {
+    {"an unknown method", BYTES("\x94\x00\x05\xa4pong\x80"), PCCD_E_NOMETHOD},
+    {"an empty method", BYTES("\x94\x00\x05\xa0\x80"), PCCD_E_NOMETHOD},
+    {"the daemon's notification", BYTES("\x94\x00\x05\xa6goaway\x80"), PCCD_E_NOMETHOD},
+    {"a missing field", BYTES("\x94\x00\x05\xadscene.destroy\x80"), PCCD_E_BADMSG},
+    {"text for a number", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xa1x"),
+     PCCD_E_BADMSG},
+    {"a negative number", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xff"),
+     PCCD_E_BADMSG},
+    {"a fraction", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xcb\x3f\xe0\0\0\0\0\0\0"),
+     PCCD_E_BADMSG},
+    {"a number beyond 32 bits",
+     BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xcf\0\0\0\x01\0\0\0\0"),
+     PCCD_E_BADMSG},
+    {"a field twice", BYTES("\x94\x00\x05\xadscene.destroy\x82\xa5scene\x01\xa5scene\x01"),
+     PCCD_E_BADMSG},
+    {"nil for a number", BYTES("\x94\x00\x05\xa4ping\x81\xa5token\xc0"), PCCD_E_BADMSG},
+    {"no such handle", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\x07"),
+     PCCD_E_HANDLE},
+    {"a name that is too long",
+     BYTES("\x94\x00\x05\xa5hello\x83\xabversion_min\x01\xabversion_max\x01\xa6"
+           "client\xda\x01\x04" TEN(TEN("ab")) TEN("abcdef")),
+     PCCD_E_BADMSG},
+};
+
+/* If it failed, one wrong request would cost the client its session, or be served. */
+static void message__wrong_requests_are_answered_and_survived(void **state)
+{
+    struct proto_PING_request ping = {.token = 1};
+
+    (void)state;
+    test_witness_open_raw(&raw, 0);
+    for (size_t i = 0; i < sizeof(unserved) / sizeof(unserved[0]); i++) {
+        assert_true(test_raw_send(&raw, unserved[i].bytes, unserved[i].count, 0));
+        assert_int_equal(test_raw_receive(&raw), 0);
+        if (!raw.envelope.failed || raw.envelope.id != 5 ||
+            raw.envelope.error.code != unserved[i].code || raw.envelope.error.fatal)
+            fail_msg("%s: id %u, error %d \"%s\"", unserved[i].what, raw.envelope.id,
+                     raw.envelope.error.code, raw.envelope.error.text);
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL), 0);
+        test_witness_turn();
+    }
+    /* Unknown fields and notifications are for newer peers: no error. */
+    assert_true(test_raw_send(&raw, BYTES("\x93\x02\xa5other\x80"), 0));
+    assert_true(test_raw_send(&raw, BYTES("\x94\x00\x06\xa4ping\x81\xa3new\x92\x01\x02"), 0));
+    assert_int_equal(test_raw_receive(&raw), 0);
+    assert_int_equal(raw.envelope.id, 6);
+    assert_false(raw.envelope.failed);
+    test_raw_close(&raw);
+}
+
+/* ---- descriptors -------------------------------------------------------------------------- */
+
+/* If it failed, a client could fill the daemon's table of descriptors. */
+static void descriptors__from_clients_are_closed_and_refused(void **state)
+{
+    static const int counts[] = {1, 2, 3, 30, 1, 64};
+    int before = test_witness_fd_count();
+
+    (void)state;
+    for (int i = 0; i < 36; i++) {
+        test_witness_open_raw(&raw, 0);
+        assert_true(test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), counts[i % 6]));
+        expect_refusal("descriptors", PCCD_E_BADMSG);
+        test_raw_close(&raw);
+    }
+    test_witness_turn();
+    for (int i = 0; i < 500 && test_witness_fd_count() > before; i++)
+        test_sleep_ms(2);
+    assert_int_equal(test_witness_fd_count(), before);
+}
+
+/* ---- floods ------------------------------------------------------------------------------- */
+
+/* Send until the socket takes no more; returns how many messages went. */
+static uint32_t flood(const char *bytes, size_t count, uint32_t max)
+{
+    uint32_t sent = 0;
+
+    while (sent < max && send(raw.socket, bytes, count, MSG_NOSIGNAL | MSG_DONTWAIT) > 0)
+        sent++;
+    return sent;
+}
+
+/* If it failed, a client that does not read its answers would fill the daemon's memory or
+ * keep it from the others. */
+static void flood__of_requests_without_reading_is_bounded(void **state)
+{
+    uint32_t sent = 0;
+
+    (void)state;
+    test_witness_open_raw(&raw, 0);
+    for (int round = 0; round < 200; round++) {
+        sent += flood(BYTES("\x94\x00\x01\xa4ping\x80"), 10000);
+        test_witness_turn();
+    }
+    assert_true(sent > 100);
+    assert_true(sent < 200000); /* the daemon stopped reading */
+    /* Every request that it took is answered once the client reads. */
+    for (uint32_t i = 0; i < sent; i++) {
+        assert_int_equal(test_raw_receive(&raw), 0);
+        assert_false(raw.envelope.failed);
+    }
+    test_raw_close(&raw);
+    test_witness_turn();
+}
+
+/* If it failed, errors would cost more than answers, or be logged without bound. */
+static void flood__of_errors_does_not_delay_others(void **state)
+{
+    (void)state;
+    test_witness_open_raw(&raw, 0);
+    for (int round = 0; round < 50; round++) {
+        uint32_t sent = flood(BYTES("\x94\x00\x01\xa4pong\x80"), 100);
+
+        test_witness_turn();
+        for (uint32_t i = 0; i < sent; i++) {
+            assert_int_equal(test_raw_receive(&raw), 0);
+            assert_int_equal(raw.envelope.error.code, PCCD_E_NOMETHOD);
+        }
+    }
+    test_raw_close(&raw);
+}
+
+/* If it failed, coming and going would leave something behind. */
+static void flood__of_connections_leaves_nothing(void **state)
+{
+    struct pccd_client *client = test_witness.crossing.client;
+    uint64_t sessions = test_stat(client, "sessions_now");
+    int before = test_witness_fd_count();
+
+    (void)state;
+    for (int i = 0; i < 400; i++) {
+        assert_true(test_raw_open(&raw, test_witness.daemon.socket));
+        if (i % 4 == 1)
+            assert_int_equal(test_raw_hello(&raw), 0);
+        if (i % 4 == 2)
+            assert_true(test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), 0));
+        if (i % 4 == 3) {
+            assert_int_equal(test_raw_hello(&raw), 0);
+            assert_int_equal(test_raw_attach(&raw, 2, 65536), 0);
+        }
+        test_raw_close(&raw);
+        if (i % 20 == 0)
+            test_witness_turn();
+    }
+    assert_int_equal(test_stat_await(client, "sessions_now", sessions), sessions);
+    for (int i = 0; i < 500 && test_witness_fd_count() > before; i++)
+        test_sleep_ms(2);
+    assert_int_equal(test_witness_fd_count(), before);
+}
+
+/* If it failed, a client could queue more work than the daemon promised to hold for it. */
+static void flood__of_steps_is_answered_busy(void **state)
+{
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_FRAME_SUBMIT_request submit = {.segments = 0};
+    uint32_t busy = 0;
+    uint32_t done = 0;
+
+    (void)state;
+    test_witness_open_raw(&raw, 65536);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
+    submit.scene = created.scene;
+    for (int round = 0; round < 20; round++) {
+        for (int i = 0; i < 60; i++)
+            assert_int_not_equal(
+                test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit), 0);
+        for (int i = 0; i < 60; i++) {
+            assert_int_equal(test_raw_receive(&raw), 0);
+            if (!raw.envelope.failed)
+                done++;
+            else if (raw.envelope.error.code == PCCD_E_BUSY)
+                busy++;
+            else
+                fail_msg("error %d \"%s\"", raw.envelope.error.code,
+                         raw.envelope.error.text);
+        }
+        test_witness_turn();
+    }
+    assert_int_equal(done + busy, 1200);
+    assert_true(done >= 40); /* two slots: at least two steps a round */
+    assert_true(busy > 0);
+    test_raw_close(&raw);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(message__malformed_is_refused_one_by_one),
+        cmocka_unit_test(message__cut_at_every_byte_is_refused),
+        cmocka_unit_test(message__longer_than_the_limit_is_refused),
+        cmocka_unit_test(message__empty_ends_the_session),
+        cmocka_unit_test(message__wrong_requests_are_answered_and_survived),
+        cmocka_unit_test(descriptors__from_clients_are_closed_and_refused),
+        cmocka_unit_test(flood__of_requests_without_reading_is_bounded),
+        cmocka_unit_test(flood__of_errors_does_not_delay_others),
+        cmocka_unit_test(flood__of_connections_leaves_nothing),
+        cmocka_unit_test(flood__of_steps_is_answered_busy),
+    };
+
+    return cmocka_run_group_tests_name("hostile", tests, test_witness_start,
+                                       test_witness_stop);
+}

@@ -1,0 +1,48 @@
+/* tests/support/data.h - where the public scenes are, and their lists.
+ *
+ * Room:     tests/support. May include: the C library, GMP.
+ * Does:     find a file of the data folder; read pair lists with their truth, and queries
+ *           as exact rationals.
+ * Threads:  [any].
+ */
+#ifndef TESTS_DATA_H
+#define TESTS_DATA_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define DATA_PATH_MAX 1024
+
+/* The path of `name` in the folder PCCD_DATA (without it: shared/data beside the source
+ * tree). False if there is no such file: the caller skips. */
+bool data_find(const char *name, char path[DATA_PATH_MAX]);
+
+/* [[a, b], ...] and [true, false, ...] of the same length. */
+struct data_pairs {
+    size_t count;
+    uint32_t (*ids)[2];
+    bool *truth;
+};
+bool data_pairs_read(const char *ids_path, const char *truth_path,
+                     struct data_pairs *pairs);
+void data_pairs_deinit(struct data_pairs *pairs);
+
+/* Eight points a query: four at t = 0, then the same at t = 1. */
+struct data_queries {
+    size_t count;
+    double (*p)[8][3];
+    bool *truth; /* only meaningful if has_truth */
+    bool has_truth;
+};
+/* False, with a line on stderr, if a number is not exactly a double. */
+bool data_queries_read(const char *path, struct data_queries *queries);
+void data_queries_deinit(struct data_queries *queries);
+
+/* All hand-made queries, in the order of their paths. `use` is called once a file. Returns
+ * the number of files; 0 if the folder is absent. */
+typedef void data_use_t(void *context, bool is_vf, const char *path,
+                        const struct data_queries *queries);
+size_t data_handmade(data_use_t *use, void *context);
+
+#endif

@@ -1,0 +1,28 @@
+/* tests/support/ply.h - the binary PLY frames of the public scenes.
+ *
+ * Room:     tests/support. May include: the C library.
+ * Does:     read vertices (float or double, other properties passed over) and triangles of
+ *           little- and big-endian files.
+ * Does not: read ascii files or polygons; the product's own reader is not used here, so
+ *           that a mistake in it cannot hide.
+ * Threads:  [any].
+ */
+#ifndef TESTS_PLY_H
+#define TESTS_PLY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct ply {
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    bool is_f32;
+    double (*x)[3];
+    uint32_t (*triangles)[3];
+};
+
+/* False, with a line on stderr, for a file that is not as above. */
+bool ply_read(const char *path, struct ply *ply);
+void ply_deinit(struct ply *ply);
+
+#endif

@@ -1,0 +1,70 @@
+/* witness.c - an honest client that watches while another one misbehaves.
+ *
+ * Room:     tests/support. May include: witness.h, cmocka.
+ * Does:     see witness.h.
+ * Threads:  one.
+ */
+#include <dirent.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "witness.h"
+
+#define PROMPT_MS 5000
+#define FDS_MAX   4096
+
+struct test_witness test_witness;
+
+int test_witness_start(void **state)
+{
+    struct pccd_client *client;
+
+    (void)state;
+    if (!test_daemon_start(&test_witness.daemon, NULL))
+        return -1;
+    client = test_connect(test_witness.daemon.url);
+    return client != NULL && test_crossing_make(client, &test_witness.crossing) == 0 ? 0 : -1;
+}
+
+int test_witness_stop(void **state)
+{
+    (void)state;
+    pccd_close(test_witness.crossing.client);
+    return test_daemon_finish(&test_witness.daemon) ? 0 : -1;
+}
+
+void test_witness_turn(void)
+{
+    uint64_t begin_ms = test_now_ms();
+
+    assert_true(test_crossing_turn(&test_witness.crossing));
+    assert_true(test_now_ms() - begin_ms < PROMPT_MS);
+}
+
+void test_witness_open_raw(struct test_raw *raw, uint64_t slot_bytes)
+{
+    assert_true(test_raw_open(raw, test_witness.daemon.socket));
+    assert_int_equal(test_raw_hello(raw), 0);
+    if (slot_bytes > 0)
+        assert_int_equal(test_raw_attach(raw, 2, slot_bytes), 0);
+}
+
+int test_witness_fd_count(void)
+{
+    char path[64];
+    DIR *entries;
+    int count = 0;
+
+    (void)snprintf(path, sizeof(path), "/proc/%ld/fd", (long)test_witness.daemon.pid);
+    entries = opendir(path);
+    assert_non_null(entries);
+    while (count < FDS_MAX && readdir(entries) != NULL)
+        count++;
+    (void)closedir(entries);
+    return count;
+}
