@@ -23,3 +23,15 @@ libproto_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto $(MSGPACK_CFLA
 libproto_la_LIBADD = $(MSGPACK_LIBS)
 
 include_HEADERS += proto/pccd_types.h
+dist_doc_DATA += proto/PROTOCOL.md
+
+# The tables of PROTOCOL.md, from the manifest: make protocol-doc writes them anew.
+noinst_PROGRAMS += proto/gendoc
+proto_gendoc_SOURCES = proto/gendoc.c
+proto_gendoc_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto
+proto_gendoc_LDADD = libproto.la
+
+protocol-doc: proto/gendoc$(EXEEXT)
+	$(AM_V_GEN)proto/gendoc$(EXEEXT) <$(srcdir)/proto/PROTOCOL.md >PROTOCOL.new && \
+	    cat PROTOCOL.new >$(srcdir)/proto/PROTOCOL.md && rm PROTOCOL.new
+.PHONY: protocol-doc

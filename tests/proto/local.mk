@@ -32,3 +32,8 @@ test_proto_memfd_LDADD = $(proto_test_libs)
 test_proto_seqpacket_SOURCES = tests/proto/test_proto_seqpacket.c
 test_proto_seqpacket_CPPFLAGS = $(proto_test_cppflags)
 test_proto_seqpacket_LDADD = $(proto_test_libs)
+
+# Generated tables, and the messages as they were frozen.
+dist_check_SCRIPTS += tests/proto/test_proto_document.sh
+TESTS += tests/proto/test_proto_document.sh
+EXTRA_DIST += tests/abi/manifest.txt

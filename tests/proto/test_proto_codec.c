@@ -344,6 +344,26 @@ static void error_set__cuts_the_text(void **state)
     free(copy);
 }
 
+/* If this failed, the example of PROTOCOL.md would mislead who writes a client. */
+static void example__of_the_document_is_what_is_sent(void **state)
+{
+    static const uint8_t request[] = {0x94, 0x00, 0x07, 0xa4, 0x70, 0x69, 0x6e, 0x67,
+                                      0x81, 0xa5, 0x74, 0x6f, 0x6b, 0x65, 0x6e, 0x2a};
+    static const uint8_t result[] = {0x94, 0x01, 0x07, 0xc0, 0x82, 0xa5, 0x74, 0x6f, 0x6b,
+                                     0x65, 0x6e, 0x2a, 0xa9, 0x75, 0x70, 0x74, 0x69, 0x6d,
+                                     0x65, 0x5f, 0x6e, 0x73, 0xcd, 0x30, 0x39};
+    struct fixture *fixture = *state;
+    struct proto_encoder *encoder = &fixture->encoder;
+    struct proto_PING_request ping = {.token = 42};
+    struct proto_PING_result pong = {.token = 42, .uptime_ns = 12345};
+    assert_int_equal(proto_encode_request(encoder, 7, PROTO_METHOD_PING, &ping), 0);
+    assert_int_equal(encoder->bytes, sizeof(request));
+    assert_memory_equal(encoder->data, request, sizeof(request));
+    assert_int_equal(proto_encode_result(encoder, 7, PROTO_METHOD_PING, &pong), 0);
+    assert_int_equal(encoder->bytes, sizeof(result));
+    assert_memory_equal(encoder->data, result, sizeof(result));
+}
+
 /* If this failed, a method could not be called by its name. */
 static void method__is_found_by_its_whole_name(void **state)
 {
@@ -399,6 +419,7 @@ int main(void)
         cmocka_unit_test(optional__is_left_out_only_when_zero),
         cmocka_unit_test(text__that_is_not_utf8_is_cleaned),
         cmocka_unit_test(error_set__cuts_the_text),
+        cmocka_unit_test(example__of_the_document_is_what_is_sent),
         cmocka_unit_test(method__is_found_by_its_whole_name),
         cmocka_unit_test(status__has_a_name_and_a_text),
         cmocka_unit_test(manifest__fits_the_decoder),

@@ -18,3 +18,6 @@ libtestdaemon_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)
 libtestdaemon_la_LIBADD = libpccd.la libproto.la -lm
 
 EXTRA_DIST += tests/support/cmocka.sh
+
+# Sourced by the test scripts.
+EXTRA_DIST += tests/support/tap.sh

@@ -1,0 +1,235 @@
+/* gendoc.c - the tables of PROTOCOL.md, from the manifest.
+ *
+ * Room:     proto; a program of the build, not installed. May include: codec.h.
+ * Does:     copies standard input to standard output and writes anew what stands between
+ *           "<!-- begin: NAME -->" and "<!-- end: NAME -->"; with the argument `manifest`
+ *           prints one line a field, which tests/abi compares with what was frozen.
+ * Does not: write any prose.
+ * Threads:  one.
+ */
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "codec.h"
+
+#define LINE_BYTES 4096
+
+static const char *type_name(enum proto_type type)
+{
+    static const char *const names[] = {"u32", "u64", "f64", "bool", "str"};
+    return names[type];
+}
+
+/* ---- tables ----------------------------------------------------------------------- */
+
+static void print_message_rows(int first, int end)
+{
+    for (int i = first; i < end; i++) {
+        const struct proto_message_info *message = &proto_messages[i];
+        printf("| `%s` | %u | %s | %s | %s |\n", message->name, message->since,
+               message->flags & PROTO_F_BEFORE_HELLO ? "yes" : "",
+               message->flags & PROTO_F_COMPUTE ? "yes" : "", message->text);
+    }
+}
+
+static void print_methods(void)
+{
+    puts("| Method | Since | Before hello | Computed | Does |\n|---|---|---|---|---|");
+    print_message_rows(0, PROTO_METHOD_COUNT);
+}
+
+static void print_notifications(void)
+{
+    puts("| Notification | Since | Before hello | Computed | Says "
+         "|\n|---|---|---|---|---|");
+    print_message_rows(PROTO_METHOD_COUNT, PROTO_MESSAGE_COUNT);
+}
+
+static void print_fields(const char *title, const struct proto_fields *fields)
+{
+    printf("\n| %s | Type | Needed | Meaning |\n|---|---|---|---|\n", title);
+    for (uint32_t i = 0; i < fields->count; i++) {
+        const struct proto_field *field = &fields->items[i];
+        printf("| `%s` | %s | %s | %s |\n", field->name, type_name(field->type),
+               field->need == PROTO_NEED_REQ ? "yes" : "", field->text);
+    }
+}
+
+/* The first message before `method` with the same result, or `method`. */
+static int same_result(int method)
+{
+    const struct proto_fields *own = &proto_messages[method].result;
+    for (int other = 0; other < method; other++) {
+        const struct proto_fields *fields = &proto_messages[other].result;
+        uint32_t same = 0;
+        if (fields->count != own->count || own->count < 2)
+            continue;
+        while (same < own->count &&
+               strcmp(own->items[same].name, fields->items[same].name) == 0)
+            same++;
+        if (same == own->count)
+            return other;
+    }
+    return method;
+}
+
+static void print_messages(void)
+{
+    for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
+        const struct proto_message_info *message = &proto_messages[i];
+        printf("%s### `%s`\n\n%c%s.\n", i > 0 ? "\n" : "", message->name,
+               toupper((unsigned char)message->text[0]), message->text + 1);
+        print_fields(i < PROTO_METHOD_COUNT ? "Param" : "Field", &message->request);
+        if (i == PROTO_METHOD_STATS)
+            puts("\nThe result is the table of [counters](#counters).");
+        else if (i < PROTO_METHOD_COUNT && same_result(i) != i)
+            printf("\nThe result has the fields of `%s`.\n",
+                   proto_messages[same_result(i)].name);
+        else if (i < PROTO_METHOD_COUNT)
+            print_fields("Result", &message->result);
+    }
+}
+
+static void print_stats(void)
+{
+    const struct proto_fields *fields = &proto_messages[PROTO_METHOD_STATS].result;
+    puts("| Counter | Meaning |\n|---|---|");
+    for (uint32_t i = 0; i < fields->count; i++)
+        printf("| `%s` | %s |\n", fields->items[i].name, fields->items[i].text);
+}
+
+static void print_statuses(void)
+{
+    puts("| Code | Name | Text |\n|---|---|---|");
+#define ROW(name, value, text) printf("| %d | `%s` | %s |\n", value, #name, text);
+    PCCD_STATUS_LIST(ROW)
+#undef ROW
+}
+
+static void print_limit(const char *name, double value, const char *text)
+{
+    printf("| `%s` | %.17g | %s |\n", name, value, text);
+}
+
+static void print_limits(void)
+{
+    puts("| Limit | Value | Of |\n|---|---|---|");
+#define LIMIT(name, text) print_limit(#name, (double)(name), text)
+    LIMIT(PROTO_VERSION_MIN, "oldest protocol version");
+    LIMIT(PROTO_VERSION_MAX, "newest protocol version");
+    LIMIT(PROTO_MESSAGE_BYTES_MAX, "bytes of a message; it has at least 1");
+    LIMIT(PROTO_DEPTH_MAX, "containers inside one another; an empty one does not count");
+    LIMIT(PROTO_ELEMENTS_MAX, "MessagePack objects of a message, containers included");
+    LIMIT(PROTO_STR_MAX, "bytes of a string");
+    LIMIT(PROTO_MESSAGES_PER_TURN, "messages read from a client before the others' turn");
+    LIMIT(PROTO_REPLIES_QUEUED_MAX,
+          "replies that wait for a client; then it is not read");
+    LIMIT(PROTO_SLOTS_MAX, "slots of an upload ring");
+    LIMIT(PROTO_INFLIGHT_MAX, "steps in flight of a client; `shm.attach` may say less");
+    LIMIT(PROTO_SEGMENTS_MAX, "segments of a step");
+    LIMIT(PROTO_SLOT_BYTES_MIN, "bytes of a slot, at least");
+    LIMIT(PROTO_RESULT_BYTES_MIN, "bytes of a result region, at least");
+    LIMIT(PROTO_COUNT_MAX, "vertices, triangles or edges of a scene");
+    LIMIT(PROTO_COORDINATE_MAX, "absolute value of a coordinate");
+    LIMIT(PROTO_SCENES_PER_CLIENT, "scenes of a client");
+    LIMIT(PROTO_OBJECTS_PER_SCENE, "objects of a scene");
+    LIMIT(PROTO_CLIENTS_PER_UID, "clients of a user (default)");
+    LIMIT(PROTO_SHM_BYTES_PER_UID, "bytes of shared memory of a user (default)");
+    LIMIT(PROTO_MESHES_PER_UID, "meshes of a user (default)");
+    LIMIT(PROTO_TRIANGLES_PER_UID, "triangles of a user, meshes and objects (default)");
+    LIMIT(PROTO_CONTACTS_PER_STEP, "records that are kept of a step (default)");
+#undef LIMIT
+}
+
+/* ---- the document ----------------------------------------------------------------- */
+
+struct region {
+    const char *name;
+    void (*print)(void);
+};
+
+static const struct region regions[] = {
+    {"methods", print_methods},   {"notifications", print_notifications},
+    {"messages", print_messages}, {"counters", print_stats},
+    {"statuses", print_statuses}, {"limits", print_limits},
+};
+
+#define REGION_COUNT (sizeof(regions) / sizeof(regions[0]))
+
+/* Number of the region whose marker `line` is ("begin" or "end"), or -1. */
+static int find_region(const char *line, const char *edge)
+{
+    char marker[64];
+    for (size_t i = 0; i < REGION_COUNT; i++) {
+        snprintf(marker, sizeof(marker), "<!-- %s: %s -->\n", edge, regions[i].name);
+        if (strcmp(line, marker) == 0)
+            return (int)i;
+    }
+    return -1;
+}
+
+/* Returns 0, or 1 when a region is missing, open at the end or closed by another's
+ * end. */
+static int rewrite(void)
+{
+    static char line[LINE_BYTES];
+    size_t found = 0;
+    int open = -1;
+    while (fgets(line, sizeof(line), stdin) != NULL) {
+        if (open < 0) {
+            fputs(line, stdout);
+            open = find_region(line, "begin");
+            if (open >= 0) {
+                puts("");
+                regions[open].print();
+                puts("");
+                found++;
+            }
+        } else if (find_region(line, "end") == open) {
+            fputs(line, stdout);
+            open = -1;
+        }
+    }
+    if (open >= 0 || found != REGION_COUNT) {
+        fprintf(stderr, "gendoc: %zu of %zu regions, %s open at the end\n", found,
+                REGION_COUNT, open >= 0 ? regions[open].name : "none");
+        return 1;
+    }
+    return 0;
+}
+
+/* ---- the frozen manifest ---------------------------------------------------------- */
+
+static void print_frozen(const char *message, const char *part,
+                         const struct proto_fields *fields)
+{
+    for (uint32_t i = 0; i < fields->count; i++)
+        printf("%s %s %s %s %s\n", message, part, fields->items[i].name,
+               type_name(fields->items[i].type),
+               fields->items[i].need == PROTO_NEED_REQ ? "REQ" : "OPT");
+}
+
+static void print_manifest(void)
+{
+    for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
+        const struct proto_message_info *message = &proto_messages[i];
+        printf("%s since %u\n", message->name, message->since);
+        print_frozen(message->name, "request", &message->request);
+        print_frozen(message->name, "result", &message->result);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    int rc = 0;
+    if (argc == 2 && strcmp(argv[1], "manifest") == 0)
+        print_manifest();
+    else if (argc == 1)
+        rc = rewrite();
+    else
+        rc = 2;
+    if (rc == 2)
+        fputs("usage: gendoc < PROTOCOL.md > NEW, or gendoc manifest\n", stderr);
+    return fflush(stdout) == 0 ? rc : 1;
+}

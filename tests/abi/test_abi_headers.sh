@@ -1,0 +1,72 @@
+#!/bin/bash
+# test_abi_headers.sh - the installed headers and the library's symbols, as a user meets them.
+#
+# Compiles each installed header alone, as C11 and as C++, and compares what libpccd.so
+# exports with libpccd.map and with the declarations of pccd.h.
+
+set -u
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/include"
+cp "$top_srcdir/client/lib/pccd.h" "$top_srcdir/proto/pccd_types.h" "$work/include"
+strict="-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -fsyntax-only -I$work/include"
+
+# The first of its arguments that is a command.
+first_of() {
+    for command in "$@"; do
+        command -v "$command" >/dev/null 2>&1 && printf '%s' "$command" && return
+    done
+}
+
+# If this failed, a program could not include the header first, or at all.
+compiles_alone() {
+    local header=$1 name=$2 suffix=$3
+    shift 3
+    printf '#include <%s>\n#include <%s>\nint pccd_test_unit;\n' "$header" "$header" \
+        >"$work/unit.$suffix"
+    # shellcheck disable=SC2086 # the flags are words
+    "$@" $strict "$work/unit.$suffix" >"$work/log" 2>&1
+    tap_result $? "headers__${header%.h}_compiles_alone_as_$name" "$work/log"
+}
+
+cxx=$(first_of "${CXX-}" g++ clang++ c++)
+for header in pccd.h pccd_types.h; do
+    # shellcheck disable=SC2086 # CC may hold flags
+    compiles_alone $header c11 c ${CC-cc} -std=c11
+    for standard in c++11 c++17; do
+        if [ -n "$cxx" ]; then
+            compiles_alone $header "${standard/c++/cxx}" cc "$cxx" "-std=$standard"
+        else
+            tap_skip "headers__${header%.h}_compiles_alone_as_${standard/c++/cxx}" \
+                "no C++ compiler"
+        fi
+    done
+done
+
+library=$top_builddir/.libs/libpccd.so
+map=$top_srcdir/client/lib/libpccd.map
+sed -n 's/^ *\(pccd_[a-z0-9_]*\);$/\1/p' "$map" | LC_ALL=C sort >"$work/map"
+if [ -e "$library" ]; then
+    nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' |
+        LC_ALL=C sort >"$work/exported"
+    diff "$work/map" "$work/exported" >"$work/log" 2>&1
+    # If this failed, a symbol came or went unnoticed, or a private one leaked.
+    tap_result $? symbols__are_those_of_the_map "$work/log"
+else
+    tap_skip symbols__are_those_of_the_map "no shared library was built"
+fi
+
+# Functions that pccd.h declares: a name before "(", not a type, comments taken away.
+# shellcheck disable=SC2086
+${CC-cc} -std=c11 -E -P -I"$work/include" "$work/include/pccd.h" |
+    tr '\n' ' ' | tr ';' '\n' | grep -v typedef |
+    grep -o '\<pccd_[a-z0-9_]* *(' | tr -d ' (' | LC_ALL=C sort -u >"$work/declared"
+diff "$work/declared" "$work/map" >"$work/log" 2>&1
+# If this failed, a documented function could not be linked, or a linkable one is documented
+# nowhere.
+tap_result $? symbols__are_those_of_the_header "$work/log"
+
+tap_end

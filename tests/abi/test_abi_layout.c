@@ -1,0 +1,271 @@
+/* test_abi_layout.c - what a compiled client relies on does not move.
+ *
+ * Room:     tests/abi. May include: pccd.h, proto, cmocka.
+ * Does:     freezes sizes, offsets and values of the public types, of the shared memory
+ *           and of the wire. A failure here is either a mistake or a new version of the
+ *           library or of the layout.
+ * Does not: freeze the messages (manifest.txt does).
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "codec.h"
+#include "messages.h"
+#include "pccd.h"
+#include "records.h"
+#include "seqpacket.h"
+#include "shm.h"
+
+#define SIZE(type, bytes)         assert_int_equal(sizeof(struct type), bytes)
+#define AT(type, member, bytes)   assert_int_equal(offsetof(struct type, member), bytes)
+#define VALUE(constant, expected) assert_int_equal(constant, expected)
+
+/* If this failed, a client would read the records of an answer wrongly. */
+static void records__keep_their_layout(void **state)
+{
+    (void)state;
+    SIZE(pccd_contact, 64);
+    AT(pccd_contact, kind, 0);
+    AT(pccd_contact, flags, 4);
+    AT(pccd_contact, object_a, 8);
+    AT(pccd_contact, feature_a, 12);
+    AT(pccd_contact, object_b, 16);
+    AT(pccd_contact, feature_b, 20);
+    AT(pccd_contact, toi, 24);
+    AT(pccd_contact, toi_hi, 32);
+    AT(pccd_contact, param, 40);
+    AT(pccd_contact, normal, 48);
+    AT(pccd_contact, reserved, 60);
+    SIZE(pccd_pair, 20);
+    AT(pccd_pair, kind, 0);
+    AT(pccd_pair, object_a, 4);
+    AT(pccd_pair, feature_a, 8);
+    AT(pccd_pair, object_b, 12);
+    AT(pccd_pair, feature_b, 16);
+    SIZE(pccd_edge, 8);
+    AT(pccd_edge, a, 0);
+    AT(pccd_edge, b, 4);
+}
+
+/* If this failed, a program linked against an older library would corrupt its memory. */
+static void library__structs_keep_their_layout(void **state)
+{
+    (void)state;
+    SIZE(pccd_options, 72);
+    AT(pccd_options, struct_bytes, 0);
+    AT(pccd_options, url, 8);
+    AT(pccd_options, daemon, 16);
+    AT(pccd_options, name, 24);
+    AT(pccd_options, timeout_ms, 32);
+    AT(pccd_options, no_autostart, 36);
+    AT(pccd_options, private_daemon, 37);
+    AT(pccd_options, slot_count, 40);
+    AT(pccd_options, slot_bytes, 48);
+    AT(pccd_options, result_bytes, 56);
+    AT(pccd_options, spin_us, 64);
+    SIZE(pccd_mesh_info, 32);
+    AT(pccd_mesh_info, vertex_count, 0);
+    AT(pccd_mesh_info, triangle_count, 4);
+    AT(pccd_mesh_info, edge_count, 8);
+    AT(pccd_mesh_info, duplicate_count, 12);
+    AT(pccd_mesh_info, degenerate_count, 16);
+    AT(pccd_mesh_info, isolated_count, 20);
+    AT(pccd_mesh_info, build_ns, 24);
+    SIZE(pccd_step_settings, 32);
+    AT(pccd_step_settings, mode, 0);
+    AT(pccd_step_settings, method, 4);
+    AT(pccd_step_settings, threads, 8);
+    AT(pccd_step_settings, tolerance, 16);
+    AT(pccd_step_settings, deadline_ns, 24);
+    SIZE(pccd_step_times, 56);
+    AT(pccd_step_times, queue, 0);
+    AT(pccd_step_times, ingest, 8);
+    AT(pccd_step_times, refit, 16);
+    AT(pccd_step_times, traversal, 24);
+    AT(pccd_step_times, tests, 32);
+    AT(pccd_step_times, merge, 40);
+    AT(pccd_step_times, step, 48);
+    SIZE(pccd_step_counters, 72);
+    AT(pccd_step_counters, task_units, 0);
+    AT(pccd_step_counters, box_tests, 8);
+    AT(pccd_step_counters, leaf_pairs, 16);
+    AT(pccd_step_counters, candidates_vf, 24);
+    AT(pccd_step_counters, candidates_ee, 32);
+    AT(pccd_step_counters, survivors, 40);
+    AT(pccd_step_counters, exact, 48);
+    AT(pccd_step_counters, builds, 56);
+    AT(pccd_step_counters, allocs, 64);
+    SIZE(pccd_answer, 288);
+    AT(pccd_answer, step, 0);
+    AT(pccd_answer, status, 8);
+    AT(pccd_answer, mode, 12);
+    AT(pccd_answer, method, 16);
+    AT(pccd_answer, incomplete, 20);
+    AT(pccd_answer, verdict, 24);
+    AT(pccd_answer, contacts, 32);
+    AT(pccd_answer, pairs, 40);
+    AT(pccd_answer, count, 48);
+    AT(pccd_answer, first, 56);
+    AT(pccd_answer, cursor, 64);
+    AT(pccd_answer, total, 72);
+    AT(pccd_answer, vf, 80);
+    AT(pccd_answer, ee, 88);
+    AT(pccd_answer, possible, 96);
+    AT(pccd_answer, initial, 104);
+    AT(pccd_answer, toi_first, 112);
+    AT(pccd_answer, hash, 120);
+    AT(pccd_answer, threads, 136);
+    AT(pccd_answer, times, 144);
+    AT(pccd_answer, counters, 200);
+    AT(pccd_answer, reserved, 272);
+    SIZE(pccd_frame, 32);
+    AT(pccd_frame, client, 0);
+    AT(pccd_frame, scene, 8);
+    AT(pccd_frame, slot, 12);
+    AT(pccd_frame, segment_count, 16);
+    AT(pccd_frame, segment_max, 20);
+    AT(pccd_frame, used_bytes, 24);
+}
+
+/* If this failed, client and daemon would look for the same word at different places. */
+static void shared_memory__keeps_its_layout(void **state)
+{
+    (void)state;
+    SIZE(proto_shm_word, 128);
+    AT(proto_shm_word, value, 0);
+    SIZE(proto_shm_header, 128);
+    AT(proto_shm_header, magic, 0);
+    AT(proto_shm_header, version, 4);
+    AT(proto_shm_header, header_bytes, 6);
+    AT(proto_shm_header, size, 8);
+    AT(proto_shm_header, slot_count, 16);
+    AT(proto_shm_header, reserved, 20);
+    AT(proto_shm_header, slot_stride, 24);
+    AT(proto_shm_header, slot0_offset, 32);
+    AT(proto_shm_header, epoch, 40);
+    SIZE(proto_slot, 64);
+    AT(proto_slot, seq, 0);
+    AT(proto_slot, user, 8);
+    SIZE(proto_upload, 4096);
+    AT(proto_upload, header, 0);
+    AT(proto_upload, head, 128);
+    AT(proto_upload, tail, 256);
+    AT(proto_upload, done_seq, 384);
+    AT(proto_upload, client_wait, 512);
+    AT(proto_upload, result_head, 640);
+    AT(proto_upload, slots, 1024);
+    SIZE(proto_segment, 32);
+    AT(proto_segment, object, 0);
+    AT(proto_segment, kind, 4);
+    AT(proto_segment, format, 6);
+    AT(proto_segment, first, 8);
+    AT(proto_segment, count, 12);
+    AT(proto_segment, offset0, 16);
+    AT(proto_segment, offset1, 24);
+    VALUE(PROTO_UPLOAD_MAGIC, 0x75636370);
+    VALUE(PROTO_RESULT_MAGIC, 0x72636370);
+    VALUE(PROTO_LAYOUT_VERSION, 1);
+    VALUE(PROTO_RIGID_BYTES, 96);
+    VALUE(PROTO_SEGMENT_X1, 0);
+    VALUE(PROTO_SEGMENT_X0X1, 1);
+    VALUE(PROTO_SEGMENT_RIGID, 2);
+}
+
+/* If this failed, an old client would call an error by another's name. */
+static void status__keeps_its_number(void **state)
+{
+    (void)state;
+    VALUE(PCCD_OK, 0);
+    VALUE(PCCD_E_NOMEM, -1);
+    VALUE(PCCD_E_INVAL, -2);
+    VALUE(PCCD_E_QUOTA, -3);
+    VALUE(PCCD_E_LIMIT, -4);
+    VALUE(PCCD_E_BADMSG, -5);
+    VALUE(PCCD_E_VERSION, -6);
+    VALUE(PCCD_E_NOHELLO, -7);
+    VALUE(PCCD_E_NOMETHOD, -8);
+    VALUE(PCCD_E_HANDLE, -9);
+    VALUE(PCCD_E_STATE, -10);
+    VALUE(PCCD_E_BUSY, -11);
+    VALUE(PCCD_E_SLOT_STALE, -12);
+    VALUE(PCCD_E_SLOT_TORN, -13);
+    VALUE(PCCD_E_SEGMENT, -14);
+    VALUE(PCCD_E_NOTFINITE, -15);
+    VALUE(PCCD_E_INDEX, -16);
+    VALUE(PCCD_E_DISCONNECTED, -17);
+    VALUE(PCCD_E_TIMEOUT, -18);
+    VALUE(PCCD_E_NODAEMON, -19);
+    VALUE(PCCD_E_SHUTDOWN, -20);
+    VALUE(PCCD_E_CANCELLED, -21);
+    VALUE(PCCD_E_SYSTEM, -22);
+    VALUE(PCCD_E_AGAIN, -23);
+    VALUE(PCCD_E_FORMAT, -24);
+    VALUE(PCCD_E_INTERNAL, -25);
+}
+
+/* If this failed, a mode, format or flag would mean something else to the other side. */
+static void enums__keep_their_values(void **state)
+{
+    (void)state;
+    VALUE(PCCD_MODE_ALL, 0);
+    VALUE(PCCD_MODE_FIRST, 1);
+    VALUE(PCCD_MODE_ANY, 2);
+    VALUE(PCCD_MODE_PAIRS, 3);
+    VALUE(PCCD_METHOD_DEFAULT, 0);
+    VALUE(PCCD_METHOD_PAPER, 1);
+    VALUE(PCCD_FORMAT_F32, 0);
+    VALUE(PCCD_FORMAT_F64, 1);
+    VALUE(PCCD_VF, 0);
+    VALUE(PCCD_EE, 1);
+    VALUE(PCCD_PROVED, 1);
+    VALUE(PCCD_INITIAL, 2);
+    VALUE(PCCD_COMPLETE, 0);
+    VALUE(PCCD_INCOMPLETE_RESULT_FULL, 1);
+    VALUE(PCCD_INCOMPLETE_DEADLINE, 2);
+    VALUE(PCCD_INCOMPLETE_CANCELLED, 3);
+    VALUE(PCCD_INCOMPLETE_CONTACT_LIMIT, 4);
+    VALUE(PCCD_VERDICT_NO, 0);
+    VALUE(PCCD_VERDICT_POSSIBLE, 1);
+    VALUE(PCCD_VERDICT_YES, 2);
+    VALUE(PCCD_VERDICT_NONE, 3);
+    VALUE(PROTO_REQUEST, 0);
+    VALUE(PROTO_RESPONSE, 1);
+    VALUE(PROTO_NOTIFICATION, 2);
+}
+
+/* If this failed, peers of one protocol version would keep different limits. */
+static void limits__of_version_1_stay(void **state)
+{
+    (void)state;
+    VALUE(PROTO_VERSION_MIN, 1);
+    VALUE(PROTO_VERSION_MAX, 1);
+    VALUE(PROTO_MESSAGE_BYTES_MAX, 65536);
+    VALUE(PROTO_DEPTH_MAX, 16);
+    VALUE(PROTO_ELEMENTS_MAX, 4096);
+    VALUE(PROTO_STR_MAX, 255);
+    VALUE(PROTO_SLOTS_MAX, 16);
+    VALUE(PROTO_INFLIGHT_MAX, 16);
+    VALUE(PROTO_SEGMENTS_MAX, 65536);
+    VALUE(PROTO_SLOT_BYTES_MIN, 4096);
+    VALUE(PROTO_RESULT_BYTES_MIN, 65536);
+    VALUE(PROTO_COUNT_MAX, 2147483647);
+    VALUE(PROTO_FDS_MAX, 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(records__keep_their_layout),
+        cmocka_unit_test(library__structs_keep_their_layout),
+        cmocka_unit_test(shared_memory__keeps_its_layout),
+        cmocka_unit_test(status__keeps_its_number),
+        cmocka_unit_test(enums__keep_their_values),
+        cmocka_unit_test(limits__of_version_1_stay),
+    };
+    return cmocka_run_group_tests_name("abi_layout", tests, NULL, NULL);
+}

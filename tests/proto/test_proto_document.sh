@@ -1,0 +1,47 @@
+#!/bin/bash
+# test_proto_document.sh - PROTOCOL.md and the frozen messages agree with the manifest.
+
+set -u
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+gendoc=$top_builddir/proto/gendoc
+document=$top_srcdir/proto/PROTOCOL.md
+frozen=$top_srcdir/tests/abi/manifest.txt
+
+# If this failed, the document would describe other messages than the code speaks; run
+# `make protocol-doc`.
+"$gendoc" <"$document" >"$work/new" 2>"$work/log" &&
+    diff -u "$document" "$work/new" >"$work/log" 2>&1
+tap_result $? document__has_the_tables_of_the_manifest "$work/log"
+
+"$gendoc" manifest >"$work/manifest"
+for name in $(awk '$2 == "since" { print $1 }' "$work/manifest"); do
+    grep -Fqx "### \`$name\`" "$document" || echo "no section for $name"
+done >"$work/log"
+[ -s "$work/manifest" ] && [ ! -s "$work/log" ]
+# If this failed, a message would be documented nowhere.
+tap_result $? document__has_a_section_for_each_message "$work/log"
+
+LC_ALL=C sort "$frozen" >"$work/frozen"
+LC_ALL=C sort "$work/manifest" >"$work/now"
+LC_ALL=C comm -23 "$work/frozen" "$work/now" >"$work/log"
+[ ! -s "$work/log" ]
+# If this failed, an old peer would miss a message or a field, or read it as another type.
+tap_result $? manifest__keeps_what_was_published "$work/log"
+
+LC_ALL=C comm -13 "$work/frozen" "$work/now" >"$work/log"
+[ ! -s "$work/log" ]
+# If this failed, something new could be changed again unnoticed: add it to manifest.txt.
+tap_result $? manifest__is_frozen_as_a_whole "$work/log"
+
+awk 'NR == FNR { old[$1 " " $2] = 1; known[$0] = 1; next }
+    $2 == "request" && $5 == "REQ" && old[$1 " " $2] && !known[$0]' \
+    "$work/frozen" "$work/now" >"$work/log"
+[ ! -s "$work/log" ]
+# If this failed, an old client could not make a request that a new daemon understands.
+tap_result $? manifest__adds_only_optional_params "$work/log"
+
+tap_end
