@@ -1,7 +1,7 @@
 /* limits.h - every limit of the protocol, by name.
  *
- * Room:     proto. May include: nothing. Builds that use it say -iquote, not -I: with -I a
- *           system header that asks for <limits.h> would find it.
+ * Room:     proto. May include: nothing. Builds that use it say -iquote, not -I: with -I,
+ *           a system header that asks for <limits.h> would find it.
  * Does:     names the bounds that messages, rings and sessions keep.
  * Does not: decide what happens at the bound; PROTOCOL.md says so, the server does it.
  */

@@ -5,6 +5,7 @@
 # exports with libpccd.map and with the declarations of pccd.h.
 
 set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?is set by make check}"
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
 

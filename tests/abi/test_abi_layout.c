@@ -100,6 +100,12 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_step_counters, exact, 48);
     AT(pccd_step_counters, builds, 56);
     AT(pccd_step_counters, allocs, 64);
+}
+
+/* If this failed, a program would read an answer's members at the wrong places. */
+static void answer__keeps_its_layout(void **state)
+{
+    (void)state;
     SIZE(pccd_answer, 288);
     AT(pccd_answer, step, 0);
     AT(pccd_answer, status, 8);
@@ -262,6 +268,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records__keep_their_layout),
         cmocka_unit_test(library__structs_keep_their_layout),
+        cmocka_unit_test(answer__keeps_its_layout),
         cmocka_unit_test(shared_memory__keeps_its_layout),
         cmocka_unit_test(status__keeps_its_number),
         cmocka_unit_test(enums__keep_their_values),

@@ -2,6 +2,7 @@
 # test_proto_document.sh - PROTOCOL.md and the frozen messages agree with the manifest.
 
 set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?is set by make check}"
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
 

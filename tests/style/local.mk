@@ -1,1 +1,7 @@
-# tests/style/local.mk
+# tests/style/local.mk - the rules of CONTRIBUTING.md that a script can check.
+
+style_tests = \
+    tests/style/test_style_files.sh \
+    tests/style/test_style_rooms.sh
+dist_check_SCRIPTS += $(style_tests)
+TESTS += $(style_tests)

@@ -1,0 +1,106 @@
+#!/bin/bash
+# test_style_files.sh - every source file keeps the house rules of CONTRIBUTING.md.
+
+set -u
+: "${top_srcdir:?is set by make check}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+cd "$top_srcdir" || exit 99
+mapfile -t sources < <(find proto daemon client bench tests -name '*.[ch]' | LC_ALL=C sort)
+mapfile -t texts < <(find proto daemon client bench tests \
+    \( -name '*.[ch]' -o -name '*.def' -o -name '*.mk' -o -name '*.sh' -o -name '*.md' \
+    -o -name '*.map' \) | LC_ALL=C sort)
+[ ${#sources[@]} -gt 0 ] || exit 99
+
+# Headers that may be longer than 200 lines, each with its reason.
+long_headers='
+client/lib/pccd.h   one header is the whole library, to be read from top to bottom
+'
+
+# The log is what breaks the rule; an empty one passes. A tool that could not read the files
+# has said so in the errors.
+check() {
+    cat "$work/errors" >>"$work/log"
+    [ ! -s "$work/log" ]
+    tap_result $? "$1" "$work/log"
+}
+exec 2>"$work/errors"
+
+# If this failed, a file would hold two nouns.
+awk 'FNR > 600 && !told[FILENAME]++ { print FILENAME " has more than 600 lines" }' \
+    "${sources[@]}" >"$work/log"
+check files__have_at_most_600_lines
+
+# If this failed, a header would not be read as a whole any more.
+for header in "${sources[@]}"; do
+    case $header in *.c) continue ;; esac
+    lines=$(wc -l <"$header")
+    if [ "$lines" -gt 200 ] && ! printf '%s' "$long_headers" | grep -q "^$header "; then
+        echo "$header has $lines lines"
+    fi
+done >"$work/log"
+check headers__have_at_most_200_lines
+
+# If this failed, a function would not fit on a screen. One that needs more says why in the
+# comment before it, after the words "More than 70 lines:".
+awk 'FNR == 1 { start = 0; excused = 0 }
+    /More than 70 lines:/ { excused = 1 }
+    /^[{]/ { start = FNR }
+    /^[}]/ {
+        if (start && FNR - start + 1 > 70 && !excused)
+            print FILENAME ":" start ": " FNR - start + 1 " lines"
+        start = 0
+        excused = 0
+    }' "${sources[@]}" >"$work/log"
+check functions__have_at_most_70_lines
+
+# If this failed, two files side by side would not fit on a screen.
+LC_ALL=C.UTF-8 grep -nE '^.{91,}' "${sources[@]}" | cut -c1-100 >"$work/log"
+check lines__have_at_most_90_columns
+
+# If this failed, the same file would look different in another editor.
+grep -n "$(printf '\t')" "${sources[@]}" >"$work/log"
+check files__have_no_tabs
+
+# If this failed, a diff would show changes that nobody sees.
+{
+    grep -nE '[[:space:]]+$' "${texts[@]}"
+    for file in "${texts[@]}"; do
+        [ -z "$(tail -c 1 "$file")" ] || echo "$file: no newline at the end"
+    done
+} >"$work/log"
+check files__have_no_trailing_blanks
+
+# If this failed, work that is left to do would be known to nobody.
+grep -nEw 'TODO|FIXME|XXX|HACK' "${texts[@]}" |
+    grep -vE 'TODO\(#[0-9]+\)|^tests/style/' >"$work/log"
+check todos__name_an_issue
+
+# If this failed, a newcomer would not know what a file is for.
+for file in "${sources[@]}"; do
+    awk -v name="${file##*/}" '
+        NR == 1 && index($0, "/* " name " - ") != 1 && index($0, "/* " FILENAME " - ") != 1 {
+            print FILENAME ": does not begin with \"/* " name " - \""; exit }
+        NR <= 20 && /^ \* Room:     / { room = 1 }
+        NR <= 20 && /^ \* Does:     / { does = 1 }
+        /^ \*\/$/ { exit }
+        NR > 1 && NR <= 30 && /[^*] +(Does|Does not|Threads|Source): / {
+            print FILENAME ":" NR ": two entries of the header in one line"; bad = 1 }
+        END { if (NR > 1 && !bad && !(room && does))
+            print FILENAME ": the header has no \"Room:\" or no \"Does:\"" }' "$file"
+done >"$work/log"
+check files__begin_with_what_they_are
+
+# If this failed, a test would say nothing about why it is there.
+for file in "${sources[@]}"; do
+    case $file in tests/*/test_*.c) ;; *) continue ;; esac
+    awk '/^static void [a-z0-9_]+__[a-z0-9_]+\(void \*\*state\)/ && !commented {
+            print FILENAME ":" FNR ": no comment before the test" }
+        { commented = /\*\/$/ }' "$file"
+done >"$work/log"
+check tests__say_what_would_be_wrong
+
+tap_end

@@ -1,0 +1,183 @@
+#!/bin/bash
+# test_style_rooms.sh - a folder is a layer, and includes point only downwards.
+#
+# Reads every include of every source file. A quoted include must stand in the file's own
+# folder or in one that its room may see; an angled one must be of the C library or of a
+# library that the room may use. Then each header is compiled alone, with only these folders
+# on its path.
+
+set -u
+: "${top_srcdir:?is set by make check}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+cd "$top_srcdir" || exit 99
+
+# Folder, then the folders whose headers it may include. "client/lib+" is the public header
+# alone, with the types that it includes.
+rooms='
+proto
+daemon/engine
+daemon/server       proto daemon/engine
+client/lib          proto
+client/ctl          client/lib+
+client/load         client/lib+
+client/examples     client/lib+
+bench               proto daemon/engine client/lib+
+tests/proto         proto
+tests/abi           proto client/lib+
+tests/oracle
+tests/support       proto client/lib+ tests/oracle
+tests/integration   proto client/lib+ tests/support tests/oracle
+tests/unit          proto daemon/engine daemon/server client/lib client/ctl tests/support tests/oracle
+tests/property      proto daemon/engine client/lib+ tests/support tests/oracle tests/unit
+tests/truth         proto daemon/engine client/lib+ tests/support tests/oracle tests/unit
+'
+
+# Folder prefix, then the libraries beside the C library.
+libraries='
+proto               msgpack.h
+daemon/engine       gmp.h omp.h xxhash.h
+daemon/server       uv.h
+client/ctl          jansson.h png.h
+bench               omp.h
+tests               cmocka.h gmp.h jansson.h omp.h png.h xxhash.h
+'
+
+c_library='argp.h assert.h ctype.h dirent.h errno.h fcntl.h fenv.h float.h getopt.h glob.h
+    immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h poll.h pthread.h
+    sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
+    stdint.h stdio.h stdlib.h string.h strings.h sys/eventfd.h sys/file.h sys/mman.h
+    sys/random.h sys/resource.h sys/socket.h sys/stat.h sys/syscall.h sys/time.h
+    sys/types.h sys/uio.h sys/un.h sys/wait.h time.h unistd.h'
+
+# Not for the engine: it computes, and talks to nobody.
+engine_not='dirent.h fcntl.h poll.h sys/eventfd.h sys/mman.h sys/socket.h sys/un.h
+    sys/wait.h spawn.h glob.h'
+
+find proto daemon client bench tests -name '*.[ch]' | LC_ALL=C sort >"$work/files"
+while read -r file; do
+    sed -n 's/^ *# *include *\([<"][^>"]*[>"]\).*/\1/p' "$file" |
+        while read -r include; do
+            printf '%s %s %s\n' "${file%/*}" "$include" "$file"
+        done
+done <"$work/files" >"$work/includes"
+[ -s "$work/files" ] && [ -s "$work/includes" ] || exit 99
+
+awk '{ print $1 }' "$work/includes" | sort -u >"$work/folders"
+printf '%s' "$rooms" | awk 'NF { print $1 }' | sort >"$work/known"
+comm -23 "$work/folders" "$work/known" | sed 's/^/no rule for /' >"$work/log"
+[ ! -s "$work/log" ]
+# If this failed, a new folder could include anything.
+tap_result $? rooms__have_a_rule_each "$work/log"
+
+# If this failed, a layer would depend on one above it or beside it.
+awk -v rooms="$rooms" '
+    function public(name) { return name == "pccd.h" || name == "pccd_types.h" }
+    BEGIN {
+        count = split(rooms, lines, "\n")
+        for (i = 1; i <= count; i++) {
+            words = split(lines[i], word, " ")
+            for (w = 2; w <= words; w++)
+                sees[word[1]] = sees[word[1]] " " word[w]
+        }
+    }
+    NR == FNR { has[$1] = 1; next }
+    $2 ~ /^"/ {
+        name = substr($2, 2, length($2) - 2)
+        if (has[$1 "/" name] || name == "messages.def" && $1 == "proto")
+            next
+        count = split(sees[$1], folder, " ")
+        for (i = 1; i <= count; i++) {
+            if (folder[i] == "client/lib+") {
+                if (public(name))
+                    next
+            } else if (has[folder[i] "/" name] || public(name) && folder[i] == "client/lib")
+                next
+        }
+        print $3 " includes " $2
+    }' "$work/files" "$work/includes" >"$work/log" && [ ! -s "$work/log" ]
+tap_result $? rooms__include_only_what_stands_below "$work/log"
+
+# If this failed, a layer would need a library that it has no business with.
+awk -v libraries="$libraries" -v c_library="$c_library" -v engine_not="$engine_not" '
+    BEGIN {
+        count = split(c_library, word, " ")
+        for (i = 1; i <= count; i++)
+            plain["<" word[i] ">"] = 1
+        count = split(engine_not, word, " ")
+        for (i = 1; i <= count; i++)
+            barred["<" word[i] ">"] = 1
+        count = split(libraries, lines, "\n")
+        for (i = 1; i <= count; i++) {
+            words = split(lines[i], word, " ")
+            for (w = 2; w <= words; w++)
+                may[word[1] " <" word[w] ">"] = 1
+        }
+    }
+    $2 ~ /^</ {
+        room = $1
+        sub(/^tests\/.*/, "tests", room)
+        if (!(plain[$2] || may[room " " $2]) || room == "daemon/engine" && barred[$2])
+            print $3 " includes " $2
+    }' "$work/includes" >"$work/log" && [ ! -s "$work/log" ]
+tap_result $? rooms__use_only_their_libraries "$work/log"
+
+# If this failed, a test could pass because of what two rooms know of each other. (The server
+# may see the engine, so its tests may too.)
+awk '
+    NR == FNR {
+        name = place = $1
+        sub(/.*\//, "", name)
+        sub(/\/[^\/]*$/, "", place)
+        if (place ~ /^(daemon|client)\// && name !~ /^pccd/)
+            where[name] = where[name] " " place
+        next
+    }
+    $1 ~ /^tests\// && $2 ~ /^"/ {
+        name = substr($2, 2, length($2) - 2)
+        count = split(where[name], folder, " ")
+        if (count == 1)
+            seen[$3 " " folder[1]] = 1
+    }
+    END {
+        for (entry in seen) {
+            split(entry, part, " ")
+            if (part[2] == "daemon/engine" && (part[1] " daemon/server") in seen)
+                continue
+            rooms[part[1]]++
+            list[part[1]] = list[part[1]] " " part[2]
+        }
+        for (file in rooms)
+            if (rooms[file] > 1)
+                print file " sees" list[file]
+    }' "$work/files" "$work/includes" >"$work/log" && [ ! -s "$work/log" ]
+tap_result $? tests__see_one_room_at_a_time "$work/log"
+
+# If this failed, a header would work only after another one.
+flags_of() {
+    local sees=$1 flags='' folder
+    for folder in $sees; do
+        case $folder in
+        client/lib | client/lib+) flags="$flags -iquote client/lib -iquote proto" ;;
+        *) flags="$flags -iquote $folder" ;;
+        esac
+    done
+    printf '%s' "$flags"
+}
+printf '%s' "$rooms" | while read -r folder sees; do
+    [ -n "$folder" ] || continue
+    flags=$(flags_of "$sees")
+    for header in $(grep "^$folder/[^/]*\.h\$" "$work/files"); do
+        # shellcheck disable=SC2086 # flags are words
+        ${CC-cc} -std=c11 -D_GNU_SOURCE -fopenmp -fsyntax-only -x c $flags "$header" \
+            >"$work/error" 2>&1 ||
+            { echo "$header:"; sed -n 1,3p "$work/error"; }
+    done
+done >"$work/log"
+[ ! -s "$work/log" ]
+tap_result $? headers__compile_alone "$work/log"
+
+tap_end
