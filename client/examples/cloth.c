@@ -3,8 +3,8 @@
  * Room:     client/examples. May include: pccd.h.
  * Does:     a cloth with waves on it sinks through a floor. Every step's positions are
  *           written straight into a slot of the upload ring while earlier steps are still
- *           being computed. The vertices that pass the floor are known, so every answer is
- *           checked.
+ *           being computed. The vertices that pass the floor are known, so every
+ *           answer is checked.
  * Threads:  one.
  */
 #include <math.h>
@@ -25,7 +25,8 @@ static void check(int status, const char *what)
 {
     if (status == 0)
         return;
-    fprintf(stderr, "%s: %s: %s\n", what, pccd_status_name(status), pccd_error_text(client));
+    fprintf(stderr, "%s: %s: %s\n", what, pccd_status_name(status),
+            pccd_error_text(client));
     pccd_close(client);
     exit(1);
 }
@@ -70,7 +71,7 @@ static uint32_t add_cloth(uint32_t scene)
     write_positions(x, 0);
     for (uint32_t i = 0; i < CELLS; i++) {
         uint32_t corner = i / (SIDE - 1) * SIDE + i % (SIDE - 1);
-        const uint32_t quad[6] = {corner,     corner + 1, corner + SIDE,
+        const uint32_t quad[6] = {corner,     corner + 1,        corner + SIDE,
                                   corner + 1, corner + SIDE + 1, corner + SIDE};
 
         for (uint32_t k = 0; k < 6; k++)
@@ -90,7 +91,8 @@ static void add_floor(uint32_t scene)
     uint32_t mesh = 0;
     uint32_t object = 0;
 
-    check(pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL), "floor");
+    check(pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
+          "floor");
     check(pccd_scene_add(client, scene, mesh, &object), "floor");
 }
 
@@ -100,7 +102,8 @@ static uint64_t submit(uint32_t scene, uint32_t cloth, uint32_t step)
     void *x1 = NULL;
     uint64_t number = 0;
 
-    check(pccd_frame_begin(client, scene, 1, sizeof(float[VERTICES][3]), &frame), "begin");
+    check(pccd_frame_begin(client, scene, 1, sizeof(float[VERTICES][3]), &frame),
+          "begin");
     check(pccd_frame_x1(&frame, cloth, PCCD_FORMAT_F32, 0, VERTICES, &x1), "x1");
     write_positions(x1, step); /* into shared memory: the only copy is the daemon's */
     check(pccd_frame_commit(&frame, NULL, &number), "commit");
@@ -115,10 +118,11 @@ static int finish(uint64_t number, uint32_t step, uint64_t *contacts)
     int wrong;
 
     check(pccd_wait(client, number, -1, &answer), "wait");
-    wrong = answer.incomplete != PCCD_COMPLETE || answer.vf != expected || answer.ee != 0 ||
-            answer.count != expected;
+    wrong = answer.incomplete != PCCD_COMPLETE || answer.vf != expected ||
+            answer.ee != 0 || answer.count != expected;
     if (wrong)
-        fprintf(stderr, "step %u: %llu vertex-face contacts instead of %llu, %llu edge-edge\n",
+        fprintf(stderr,
+                "step %u: %llu vertex-face contacts instead of %llu, %llu edge-edge\n",
                 step, (unsigned long long)answer.vf, (unsigned long long)expected,
                 (unsigned long long)answer.ee);
     *contacts += answer.count;

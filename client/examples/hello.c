@@ -34,7 +34,8 @@ int main(void)
     options.private_daemon = true; /* of our own; without this line: the user's daemon */
     check(pccd_connect(&options, &client));
     check(pccd_scene_create(client, &scene));
-    check(pccd_mesh_create(client, floor_x, PCCD_FORMAT_F32, 3, triangle, 1, &floor_mesh, NULL));
+    check(pccd_mesh_create(client, floor_x, PCCD_FORMAT_F32, 3, triangle, 1, &floor_mesh,
+                           NULL));
     check(pccd_mesh_create(client, x0, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL));
     check(pccd_scene_add(client, scene, floor_mesh, &floor_object));
     check(pccd_scene_add(client, scene, mesh, &object));

@@ -14,9 +14,9 @@
 
 #define STEPS 50
 
-/* A triangle that falls by one unit a step, from height 0.5 above a row of floors at whole
- * heights: each of its vertices meets one floor in every step, half-way. With `floors` = 0
- * there is nothing to meet. Returns 0 when every answer was right. */
+/* A triangle that falls by one unit a step, from height 0.5 above a row of floors at
+ * whole heights: each of its vertices meets one floor in every step, half-way. With
+ * `floors` = 0 there is nothing to meet. Returns 0 when every answer was right. */
 static int fall(struct pccd_client *client, int floors, const char *who)
 {
     const float x0[3][3] = {{0, 0, 0.5f}, {1, 0, 0.5f}, {0, 1, 0.5f}};
@@ -31,7 +31,8 @@ static int fall(struct pccd_client *client, int floors, const char *who)
         const float z = (float)-i;
         const float floor_x[3][3] = {{-9, -9, z}, {9, -9, z}, {0, 9, z}};
 
-        rc = pccd_mesh_create(client, floor_x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL);
+        rc = pccd_mesh_create(client, floor_x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh,
+                              NULL);
         if (rc == 0)
             rc = pccd_scene_add(client, scene, mesh, &object);
     }
@@ -51,7 +52,8 @@ static int fall(struct pccd_client *client, int floors, const char *who)
             contacts += answer.count;
         pccd_answer_release(client, &answer);
     }
-    printf("%s: %llu contacts%s%s\n", who, (unsigned long long)contacts, rc == 0 ? "" : ", ",
+    printf("%s: %llu contacts%s%s\n", who, (unsigned long long)contacts,
+           rc == 0 ? "" : ", ",
            rc == 0   ? ""
            : rc == 1 ? "a wrong answer"
                      : pccd_error_text(client));

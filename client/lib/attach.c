@@ -143,8 +143,7 @@ int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
     }
 }
 
-/* ---- slots ----------------------------------------------------------------------------
- */
+/* ---- slots ------------------------------------------------------------------------- */
 
 static struct proto_slot *descriptor(const struct pccd_client *client, uint32_t slot)
 {

@@ -32,8 +32,7 @@
 #define CLI_STARTS_MAX     3     /* daemons started by one connect */
 #define CLI_RETRY_NS       1000000u
 #define CLI_RETRY_NS_MAX   50000000u
-#define CLI_START_PATIENCE 2000000000ull /* ns: from "it is listening" to a connection   \
-                                          */
+#define CLI_START_PATIENCE 2000000000ull /* ns: from "listening" to a connection */
 
 static _Thread_local char connect_error[CLI_TEXT_BYTES];
 

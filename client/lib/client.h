@@ -26,7 +26,7 @@
 #include "seqpacket.h"
 #include "shm.h"
 
-#define CLI_CALLS        64u /* requests that are in flight or whose answers are not taken */
+#define CLI_CALLS        64u /* requests in flight, or with answers that are not taken */
 #define CLI_STEPS        32u  /* of these, steps */
 #define CLI_PAGES        256u /* pages of records that are not released */
 #define CLI_TEXT_BYTES   512u
@@ -60,8 +60,7 @@ struct cli_slot {
     uint64_t limit_bytes;   /* announced */
 };
 
-/* One page of the result region. Pages are released to the daemon in the order they came.
- */
+/* One page of the result region. Pages go back to the daemon in the order they came. */
 struct cli_page {
     uint64_t release; /* result_head that gives it back */
     bool released;
@@ -111,8 +110,8 @@ struct pccd_client {
     uint8_t message[PROTO_MESSAGE_BYTES_MAX];
 };
 
-/* Set the text of pccd_error_text and return `status`. A NULL client sets the thread's.
- */
+/* Set the text of pccd_error_text and return `status`. A NULL client sets the
+ * thread's. */
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -15,8 +15,7 @@
 #define PAYLOAD_ALIGN 64u /* of the first range: a cache line */
 #define RANGE_ALIGN   8u  /* of every range: the protocol's */
 #define RANGES_SLACK  16u /* bytes that the alignment of a segment's ranges can take */
-#define PAYLOAD_MAX   (1ull << 48) /* more than any memory: keeps the sums from wrapping \
-                                    */
+#define PAYLOAD_MAX   (1ull << 48) /* more than any memory: sums do not wrap */
 
 static uint64_t round_up(uint64_t bytes, uint64_t unit)
 {

@@ -98,8 +98,7 @@ static uint32_t compute_inflight(const struct pccd_client *client)
     return count;
 }
 
-/* ---- replies -------------------------------------------------------------------------
- */
+/* ---- replies ----------------------------------------------------------------------- */
 
 static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
 {
@@ -260,8 +259,7 @@ int cli_receive(struct pccd_client *client)
     return 0;
 }
 
-/* ---- waiting --------------------------------------------------------------------------
- */
+/* ---- waiting ----------------------------------------------------------------------- */
 
 static void relax(void)
 {
@@ -339,8 +337,7 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     return rc;
 }
 
-/* ---- calls ----------------------------------------------------------------------------
- */
+/* ---- calls ------------------------------------------------------------------------- */
 
 static struct cli_call *free_call(struct pccd_client *client)
 {

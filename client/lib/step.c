@@ -86,8 +86,7 @@ int pccd_submit_still(struct pccd_client *client, uint32_t scene,
     return cli_step_send(client, scene, CLI_SLOT_NONE, 0, 0, settings, step);
 }
 
-/* ---- answers --------------------------------------------------------------------------
- */
+/* ---- answers ----------------------------------------------------------------------- */
 
 static uint64_t answer_tag(const struct pccd_client *client, uint64_t page)
 {
@@ -173,8 +172,8 @@ static struct cli_call *find_oldest_done(struct pccd_client *client)
     return oldest;
 }
 
-/* Take in what has arrived, without waiting; more than the table's calls cannot matter.
- */
+/* Take in what has arrived, without waiting; more than the table's calls cannot
+ * matter. */
 static void drain(struct pccd_client *client)
 {
     for (uint32_t i = 0; i < CLI_CALLS && !client->dead; i++) {
@@ -286,8 +285,7 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
                          cli_deadline(client, -1));
 }
 
-/* ---- begin, copy, commit and wait in one
- * ------------------------------------------------ */
+/* ---- begin, copy, commit and wait in one ------------------------------------------- */
 
 /* Nobody will ever ask for this step again: stop it if that is still possible, and drop
  * whatever it brings. */

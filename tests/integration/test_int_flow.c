@@ -1,8 +1,8 @@
 /* test_int_flow.c - how steps flow: slots, pages, time limits, residence.
  *
  * Room:     tests/integration. May include: pccd.h, tests/support, libxxhash.
- * Does:     many steps in flight, answers in any order, pages, a ring that grows, deadlines,
- *           timeouts, and that a warm step builds and allocates nothing.
+ * Does:     many steps in flight, answers in any order, pages, a ring that grows,
+ *           deadlines, timeouts, and that a warm step builds and allocates nothing.
  * Threads:  one.
  */
 #include <setjmp.h>
@@ -63,8 +63,10 @@ static uint64_t submit_turn(struct test_crossing *crossing)
     uint64_t step = 0;
     void *x1 = NULL;
 
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 36, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 36, &frame),
+                     0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
     crossing->z = -crossing->z;
     test_crossing_positions(x1, crossing->z);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
@@ -94,7 +96,8 @@ static void flow__answers_can_be_taken_and_released_in_any_order(void **state)
         for (int i = 0; i < 4; i++)
             steps[i] = submit_turn(&crossing);
         for (int i = 0; i < 4; i++) {
-            assert_int_equal(pccd_wait(client, steps[order[i]], -1, &answers[order[i]]), 0);
+            assert_int_equal(pccd_wait(client, steps[order[i]], -1, &answers[order[i]]),
+                             0);
             assert_int_equal(answers[order[i]].step, steps[order[i]]);
             assert_int_equal(answers[order[i]].count, 3);
         }
@@ -131,7 +134,8 @@ static void flow__poll_gives_each_answer_once_oldest_first(void **state)
     assert_int_equal(pccd_wait(client, steps[0], -1, &answer), PCCD_E_INVAL);
 }
 
-/* If it failed, a client that never takes its answers would hang or grow without bound. */
+/* If it failed, a client that never takes its answers would hang or grow without
+ * bound. */
 static void flow__answers_that_nobody_takes_are_bounded(void **state)
 {
     struct test_crossing *crossing = *state;
@@ -142,7 +146,8 @@ static void flow__answers_that_nobody_takes_are_bounded(void **state)
 
     for (int i = 0; i < 32; i++)
         (void)submit_turn(crossing);
-    assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frame), PCCD_E_BUSY);
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frame),
+                     PCCD_E_BUSY);
     assert_non_null(strstr(pccd_error_text(client), "poll or wait"));
     for (uint64_t until_ms = test_now_ms() + 10000;
          taken < 32 && test_now_ms() < until_ms;) {
@@ -178,15 +183,17 @@ static void flow__frames_keep_to_what_they_announced(void **state)
     assert_int_equal(
         pccd_frame_x1(&frames[0], crossing->object, (enum pccd_format)5, 0, 3, &x1),
         PCCD_E_INVAL);
-    assert_int_equal(pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F64, 0, 3, &x1),
-                     PCCD_E_LIMIT);
+    assert_int_equal(
+        pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F64, 0, 3, &x1),
+        PCCD_E_LIMIT);
     assert_int_equal(
         pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, UINT32_MAX, &x1),
         PCCD_E_LIMIT);
-    assert_int_equal(pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
-    assert_int_equal(pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 1, &x1),
-                     PCCD_E_LIMIT);
+    assert_int_equal(
+        pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    assert_int_equal(
+        pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 1, &x1),
+        PCCD_E_LIMIT);
     copy = frames[0];
     pccd_frame_abort(&frames[0]);
     pccd_frame_abort(&frames[0]);
@@ -211,8 +218,10 @@ static void flow__ring_grows_when_nothing_is_held(void **state)
     uint64_t step = submit_turn(crossing);
 
     assert_int_equal(pccd_wait(client, step, -1, &held), 0);
-    assert_int_equal(test_grid_make(client, 160, &grid), 0); /* 307 200 bytes of positions */
-    assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 307200, &frame), PCCD_E_BUSY);
+    assert_int_equal(test_grid_make(client, 160, &grid),
+                     0); /* 307 200 bytes of positions */
+    assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 307200, &frame),
+                     PCCD_E_BUSY);
     assert_non_null(strstr(pccd_error_text(client), "release"));
     assert_true(test_crossing_is_right(crossing, &held)); /* still readable; releases */
     assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
@@ -223,7 +232,7 @@ static void flow__ring_grows_when_nothing_is_held(void **state)
     test_grid_free(&grid);
 }
 
-/* ---- pages -------------------------------------------------------------------------------- */
+/* ---- pages ------------------------------------------------------------------------- */
 
 /* All pages of the grid's answer into records[total]. */
 static void collect_pages(struct test_grid *grid, struct pccd_answer *answer,
@@ -303,7 +312,8 @@ static void flow__pages_add_up_to_the_whole_answer(void **state)
     pccd_close(small);
 }
 
-/* If it failed, a client that keeps its pages would stop the daemon, or overwrite them. */
+/* If it failed, a client that keeps its pages would stop the daemon, or overwrite
+ * them. */
 static void flow__full_region_is_said_and_held_pages_stay(void **state)
 {
     struct test_crossing *crossing = *state;
@@ -343,7 +353,7 @@ static void flow__full_region_is_said_and_held_pages_stay(void **state)
     pccd_close(small);
 }
 
-/* ---- time --------------------------------------------------------------------------------- */
+/* ---- time -------------------------------------------------------------------------- */
 
 /* If it failed, a step could take longer than its client can use it. */
 static void flow__deadline_gives_an_incomplete_answer(void **state)
@@ -449,7 +459,7 @@ static void flow__timeouts_leave_the_client_usable(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* ---- residence ---------------------------------------------------------------------------- */
+/* ---- residence --------------------------------------------------------------------- */
 
 /* If it failed, steady simulation would pay again for what it has paid. */
 static void flow__warm_steps_build_and_allocate_nothing(void **state)
@@ -488,7 +498,8 @@ static void flow__warm_steps_build_and_allocate_nothing(void **state)
     test_grid_free(&grid);
 }
 
-#define FLOW_TEST(name) cmocka_unit_test_setup_teardown(name, make_crossing, close_crossing)
+#define FLOW_TEST(name)                                                                  \
+    cmocka_unit_test_setup_teardown(name, make_crossing, close_crossing)
 
 int main(void)
 {

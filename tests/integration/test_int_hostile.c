@@ -1,9 +1,9 @@
 /* test_int_hostile.c - peers that send nonsense to a real daemon.
  *
  * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     malformed and truncated messages, foreign descriptors, floods. Each is answered
- *           with its named error, and an honest client gets right answers all the while.
- *           Nonsense in shared memory is test_int_slot.c.
+ * Does:     malformed and truncated messages, foreign descriptors, floods. Each is
+ *           answered with its named error, and an honest client gets right answers all
+ *           the while. Nonsense in shared memory is test_int_slot.c.
  * Threads:  one.
  */
 #include <errno.h>
@@ -22,9 +22,10 @@
 
 static struct test_raw raw;
 
-/* ---- messages ----------------------------------------------------------------------------- */
+/* ---- messages ---------------------------------------------------------------------- */
 
-/* MessagePack by hand: \x94 an array of 4, \x80 an empty map, \xa4 a string of 4, \xc0 nil. */
+/* MessagePack by hand: \x94 an array of 4, \x80 an empty map, \xa4 a string of 4, \xc0
+ * nil. */
 struct malformed {
     const char *what;
     const char *bytes;
@@ -47,7 +48,8 @@ static const struct malformed malformed[] = {
     {"a negative kind", BYTES("\x94\xff\x01\xa4ping\x80")},
     {"a negative id", BYTES("\x94\x00\xff\xa4ping\x80")},
     {"an id as text", BYTES("\x94\x00\xa1x\xa4ping\x80")},
-    {"an id beyond 32 bits", BYTES("\x94\x00\xcf\x00\x00\x00\x01\x00\x00\x00\x00\xa4ping\x80")},
+    {"an id beyond 32 bits",
+     BYTES("\x94\x00\xcf\x00\x00\x00\x01\x00\x00\x00\x00\xa4ping\x80")},
     {"a method that is a number", BYTES("\x94\x00\x01\x05\x80")},
     {"params that are an array", BYTES("\x94\x00\x01\xa4ping\x90")},
     {"params that are nil", BYTES("\x94\x00\x01\xa4ping\xc0")},
@@ -84,7 +86,8 @@ static void expect_refusal(const char *what, int code)
         fail_msg("%s: not closed but %d", what, rc);
 }
 
-/* If it failed, a malformed message would be misread, crash the daemon or go unanswered. */
+/* If it failed, a malformed message would be misread, crash the daemon or go
+ * unanswered. */
 static void message__malformed_is_refused_one_by_one(void **state)
 {
     uint64_t dropped = test_stat(test_witness.crossing.client, "sessions_dropped");
@@ -178,13 +181,14 @@ static const struct {
      PCCD_E_BADMSG},
     {"a negative number", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xff"),
      PCCD_E_BADMSG},
-    {"a fraction", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xcb\x3f\xe0\0\0\0\0\0\0"),
+    {"a fraction",
+     BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xcb\x3f\xe0\0\0\0\0\0\0"),
      PCCD_E_BADMSG},
     {"a number beyond 32 bits",
      BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\xcf\0\0\0\x01\0\0\0\0"),
      PCCD_E_BADMSG},
-    {"a field twice", BYTES("\x94\x00\x05\xadscene.destroy\x82\xa5scene\x01\xa5scene\x01"),
-     PCCD_E_BADMSG},
+    {"a field twice",
+     BYTES("\x94\x00\x05\xadscene.destroy\x82\xa5scene\x01\xa5scene\x01"), PCCD_E_BADMSG},
     {"nil for a number", BYTES("\x94\x00\x05\xa4ping\x81\xa5token\xc0"), PCCD_E_BADMSG},
     {"no such handle", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\x07"),
      PCCD_E_HANDLE},
@@ -213,14 +217,15 @@ static void message__wrong_requests_are_answered_and_survived(void **state)
     }
     /* Unknown fields and notifications are for newer peers: no error. */
     assert_true(test_raw_send(&raw, BYTES("\x93\x02\xa5other\x80"), 0));
-    assert_true(test_raw_send(&raw, BYTES("\x94\x00\x06\xa4ping\x81\xa3new\x92\x01\x02"), 0));
+    assert_true(
+        test_raw_send(&raw, BYTES("\x94\x00\x06\xa4ping\x81\xa3new\x92\x01\x02"), 0));
     assert_int_equal(test_raw_receive(&raw), 0);
     assert_int_equal(raw.envelope.id, 6);
     assert_false(raw.envelope.failed);
     test_raw_close(&raw);
 }
 
-/* ---- descriptors -------------------------------------------------------------------------- */
+/* ---- descriptors ------------------------------------------------------------------- */
 
 /* If it failed, a client could fill the daemon's table of descriptors. */
 static void descriptors__from_clients_are_closed_and_refused(void **state)
@@ -231,7 +236,8 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
     (void)state;
     for (int i = 0; i < 36; i++) {
         test_witness_open_raw(&raw, 0);
-        assert_true(test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), counts[i % 6]));
+        assert_true(
+            test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), counts[i % 6]));
         expect_refusal("descriptors", PCCD_E_BADMSG);
         test_raw_close(&raw);
     }
@@ -241,7 +247,7 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
     assert_int_equal(test_witness_fd_count(), before);
 }
 
-/* ---- floods ------------------------------------------------------------------------------- */
+/* ---- floods ------------------------------------------------------------------------ */
 
 /* Send until the socket takes no more; returns how many messages went. */
 static uint32_t flood(const char *bytes, size_t count, uint32_t max)
@@ -321,7 +327,8 @@ static void flood__of_connections_leaves_nothing(void **state)
     assert_int_equal(test_witness_fd_count(), before);
 }
 
-/* If it failed, a client could queue more work than the daemon promised to hold for it. */
+/* If it failed, a client could queue more work than the daemon promised to hold for
+ * it. */
 static void flood__of_steps_is_answered_busy(void **state)
 {
     struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
@@ -332,7 +339,8 @@ static void flood__of_steps_is_answered_busy(void **state)
 
     (void)state;
     test_witness_open_raw(&raw, 65536);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
+                     0);
     submit.scene = created.scene;
     for (int round = 0; round < 20; round++) {
         for (int i = 0; i < 60; i++)

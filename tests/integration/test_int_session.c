@@ -1,7 +1,7 @@
 /* test_int_session.c - sessions with a real daemon: start, agree, share, end.
  *
  * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     hello, ping, stats, the lock, quotas, SIGTERM, and clients that start a daemon.
+ * Does:     hello, ping, stats, the lock, quotas, SIGTERM, clients that start a daemon.
  * Threads:  one; children are forked for what needs several processes.
  */
 #include <errno.h>
@@ -147,7 +147,8 @@ static void session__stats_count_what_happens(void **state)
     pccd_close(client);
 }
 
-/* If it failed, two daemons would fight over one path, or the user not learn who has it. */
+/* If it failed, two daemons would fight over one path, or the user not learn who has
+ * it. */
 static void session__second_daemon_says_who_holds_the_path(void **state)
 {
     struct pccd_client *client = test_connect(shared.url);
@@ -182,11 +183,12 @@ static void session__handles_of_another_client_are_refused(void **state)
                      PCCD_E_HANDLE);
     assert_int_equal(pccd_scene_add(stranger, crossing.scene, crossing.mesh, &object),
                      PCCD_E_HANDLE);
-    assert_int_equal(pccd_step_x1(stranger, crossing.scene, crossing.object, test_triangle_x,
-                                  PCCD_FORMAT_F32, 3, NULL, &answer),
+    assert_int_equal(pccd_step_x1(stranger, crossing.scene, crossing.object,
+                                  test_triangle_x, PCCD_FORMAT_F32, 3, NULL, &answer),
                      PCCD_E_HANDLE);
     assert_int_equal(pccd_scene_create(stranger, &scene), 0);
-    assert_int_equal(pccd_scene_add(stranger, scene, crossing.mesh, &object), PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_add(stranger, scene, crossing.mesh, &object),
+                     PCCD_E_HANDLE);
     assert_int_equal(pccd_step_x1(stranger, scene, crossing.object, test_triangle_x,
                                   PCCD_FORMAT_F32, 3, NULL, &answer),
                      PCCD_E_HANDLE);
@@ -214,7 +216,8 @@ static void session__handles_die_with_what_they_name(void **state)
     assert_int_equal(pccd_mesh_destroy(client, old.mesh), PCCD_E_HANDLE);
     assert_int_equal(pccd_scene_add(client, crossing.scene, old.mesh, &object),
                      PCCD_E_HANDLE);
-    assert_int_equal(pccd_scene_remove(client, crossing.scene, old.object), PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_remove(client, crossing.scene, old.object),
+                     PCCD_E_HANDLE);
     assert_true(test_crossing_turn(&crossing));
     pccd_close(client);
 }
@@ -285,8 +288,8 @@ static void session__clients_beyond_the_quota_are_refused(void **state)
 /* If it failed, one user could fill the daemon's memory. */
 static void session__meshes_triangles_and_memory_have_quotas(void **state)
 {
-    const char *const options[] = {"--meshes-max", "4", "--triangles-max", "1000",
-                                   "--shm-max-mib", "8", NULL};
+    const char *const options[] = {
+        "--meshes-max", "4", "--triangles-max", "1000", "--shm-max-mib", "8", NULL};
     struct pccd_options large;
     struct test_daemon daemon;
     struct pccd_client *client;
@@ -305,21 +308,22 @@ static void session__meshes_triangles_and_memory_have_quotas(void **state)
         assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
                                           test_triangle, 1, &meshes[i], NULL),
                          0);
-    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
-                                      1, &extra, NULL),
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &extra, NULL),
                      PCCD_E_QUOTA);
     assert_non_null(strstr(pccd_error_text(client), "meshes"));
     for (int i = 0; i < 2; i++)
         assert_int_equal(pccd_mesh_destroy(client, meshes[i]), 0);
-    assert_int_equal(test_grid_make(client, 40, &grid), PCCD_E_QUOTA); /* 3042 triangles */
+    assert_int_equal(test_grid_make(client, 40, &grid),
+                     PCCD_E_QUOTA); /* 3042 triangles */
     assert_non_null(strstr(pccd_error_text(client), "triangles"));
     test_grid_free(&grid);
     pccd_options_init(&large);
     large.url = daemon.url;
     large.result_bytes = 32u << 20;
     assert_int_equal(pccd_connect(&large, &greedy), 0);
-    assert_int_equal(pccd_mesh_create(greedy, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
-                                      1, &extra, NULL),
+    assert_int_equal(pccd_mesh_create(greedy, test_floor_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &extra, NULL),
                      PCCD_E_QUOTA);
     assert_int_equal(pccd_ping(greedy, NULL), 0);
     pccd_close(greedy);
@@ -346,7 +350,8 @@ static void session__sigterm_answers_what_is_in_flight(void **state)
     assert_int_equal(test_grid_make(client, 60, &grid), 0);
     for (int i = 0; i < STEPS; i++)
         assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
-    assert_int_equal(pccd_ping(client, NULL), 0); /* behind the steps: they have been read */
+    assert_int_equal(pccd_ping(client, NULL),
+                     0); /* behind the steps: they have been read */
     assert_int_equal(kill(daemon.pid, SIGTERM), 0);
     for (int i = 0; i < STEPS; i++) {
         assert_int_equal(pccd_wait(client, steps[i], -1, &answer), 0);
@@ -511,8 +516,9 @@ static void session__wrong_options_are_refused(void **state)
     REFUSED(bad.private_daemon = true);
     REFUSED(bad.url = "tcp:localhost");
     REFUSED(bad.url = "unix:");
-    REFUSED(bad.url = "unix:/tmp/a/path/that/is/much/too/long/for/a/socket/address/because/"
-                      "it/has/more/than/one/hundred/and/seven/bytes/in/it");
+    REFUSED(bad.url =
+                "unix:/tmp/a/path/that/is/much/too/long/for/a/socket/address/because/"
+                "it/has/more/than/one/hundred/and/seven/bytes/in/it");
 #undef REFUSED
     assert_null(client);
     assert_int_equal(pccd_connect(&good, &client), 0);
@@ -544,8 +550,8 @@ static void session__null_arguments_are_refused(void **state)
     assert_int_equal(pccd_mesh_create(client, test_floor_x, (enum pccd_format)9, 3,
                                       test_triangle, 1, &handle, NULL),
                      PCCD_E_INVAL);
-    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 0, test_triangle,
-                                      1, &handle, NULL),
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 0,
+                                      test_triangle, 1, &handle, NULL),
                      PCCD_E_INVAL);
     assert_int_equal(pccd_mesh_edges(client, 1, NULL, 4), PCCD_E_INVAL);
     assert_int_equal(pccd_frame_begin(client, 1, 1, 64, NULL), PCCD_E_INVAL);

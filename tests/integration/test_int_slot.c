@@ -1,9 +1,9 @@
 /* test_int_slot.c - nonsense in the memory that is shared with a real daemon.
  *
  * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     stale and torn slots, lying segment tables, bad positions and indices, scribbled
- *           headers and counters, holes. Each is answered with its named error, and an
- *           honest client gets right answers all the while.
+ * Does:     stale and torn slots, lying segment tables, bad positions and indices,
+ *           scribbled headers and counters, holes. Each is answered with its named error,
+ *           and an honest client gets right answers all the while.
  * Threads:  one, and a second one that keeps writing a slot.
  */
 #include <errno.h>
@@ -43,7 +43,8 @@ static int open_raw(void **state)
 
     (void)state;
     test_witness_open_raw(&raw, SLOT_BYTES);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
+                     0);
     assert_int_equal(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh), 0);
     add.scene = remove.scene = scene = created.scene;
     add.mesh = mesh;
@@ -63,7 +64,7 @@ static int close_raw(void **state)
     return 0;
 }
 
-/* ---- sequence numbers --------------------------------------------------------------------- */
+/* ---- sequence numbers -------------------------------------------------------------- */
 
 static int submit(uint32_t slot, uint64_t seq, uint32_t segments)
 {
@@ -74,7 +75,8 @@ static int submit(uint32_t slot, uint64_t seq, uint32_t segments)
     return test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &result);
 }
 
-/* A step that is right: the triangle at its registered place. Returns the sequence number. */
+/* A step that is right: the triangle at its registered place. Returns the sequence
+ * number. */
 static uint64_t write_good_step(void)
 {
     const struct proto_segment segment = {
@@ -124,7 +126,8 @@ static void slot__without_a_ring_is_refused(void **state)
     (void)state;
     test_raw_close(&raw);
     test_witness_open_raw(&raw, 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
+                     0);
     request.scene = created.scene;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, NULL),
                      PCCD_E_STATE);
@@ -133,7 +136,8 @@ static void slot__without_a_ring_is_refused(void **state)
 
 static atomic_bool keep_writing;
 
-/* Publish slot 0 again and again, as a client that does not wait for its answers would. */
+/* Publish slot 0 again and again, as a client that does not wait for its answers
+ * would. */
 static void *write_for_ever(void *context)
 {
     struct proto_slot *slot = context;
@@ -176,7 +180,7 @@ static void slot__torn_while_it_is_read_is_refused(void **state)
     expect_good_step();
 }
 
-/* ---- segment tables ----------------------------------------------------------------------- */
+/* ---- segment tables ---------------------------------------------------------------- */
 
 #define X1    PROTO_SEGMENT_X1
 #define X0X1  PROTO_SEGMENT_X0X1
@@ -206,7 +210,9 @@ static const struct {
     {"a start where none belongs", {GOOD, X1, 0, 0, 3, 64, 32}, PCCD_E_SEGMENT},
     {"a start inside the table", {GOOD, X0X1, 0, 0, 3, 0, 72}, PCCD_E_SEGMENT},
     {"a start behind the slot", {GOOD, X0X1, 0, 0, 3, 1u << 20, 72}, PCCD_E_SEGMENT},
-    {"a transform behind the slot", {GOOD, RIGID, 1, 0, 3, 32, 65536 - 88}, PCCD_E_SEGMENT},
+    {"a transform behind the slot",
+     {GOOD, RIGID, 1, 0, 3, 32, 65536 - 88},
+     PCCD_E_SEGMENT},
     {"2^32-1 vertices", {GOOD, X1, 1, 0, UINT32_MAX, 0, 32}, PCCD_E_SEGMENT},
     {"more vertices than the object has", {GOOD, X1, 0, 0, 4, 0, 32}, PCCD_E_SEGMENT},
     {"a first vertex beyond the object", {GOOD, X1, 0, 3, 1, 0, 32}, PCCD_E_SEGMENT},
@@ -244,8 +250,9 @@ static void segment__overlaps_are_refused(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); i++) {
-        struct proto_segment table[2] = {{object, X1, 0, ranges[i][0], ranges[i][1], 0, 64},
-                                         {object, X1, 0, ranges[i][2], ranges[i][3], 0, 64}};
+        struct proto_segment table[2] = {
+            {object, X1, 0, ranges[i][0], ranges[i][1], 0, 64},
+            {object, X1, 0, ranges[i][2], ranges[i][3], 0, 64}};
 
         memcpy(test_raw_payload(&raw, 0), table, sizeof(table));
         memcpy(test_raw_payload(&raw, 0) + 64, test_triangle_x, sizeof(test_triangle_x));
@@ -272,7 +279,7 @@ static void segment__count_is_bounded(void **state)
     expect_good_step();
 }
 
-/* ---- positions ----------------------------------------------------------------------------- */
+/* ---- positions --------------------------------------------------------------------- */
 
 /* If it failed, a position without meaning would get into the scene and stay there. */
 static void positions__that_are_not_finite_are_refused(void **state)
@@ -308,7 +315,7 @@ static void positions__that_are_not_finite_are_refused(void **state)
     expect_good_step();
 }
 
-/* ---- meshes -------------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------ */
 
 static int send_chunk(uint32_t handle, uint32_t part, uint32_t first, uint32_t count)
 {
@@ -324,7 +331,8 @@ static int send_chunk(uint32_t handle, uint32_t part, uint32_t first, uint32_t c
 /* If it failed, a mesh could name vertices that are not there, or be used half-made. */
 static void mesh__chunks_that_do_not_fit_are_refused(void **state)
 {
-    struct proto_MESH_CREATE_request create = {.vertex_count = 20000, .triangle_count = 2};
+    struct proto_MESH_CREATE_request create = {.vertex_count = 20000,
+                                               .triangle_count = 2};
     struct proto_MESH_CREATE_result created;
     struct proto_MESH_COMMIT_request commit;
     struct proto_SCENE_ADD_request add;
@@ -347,7 +355,8 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
         assert_int_equal(send_chunk(handle, 0, first, 5000), 0);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL),
                      PCCD_E_STATE);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL), PCCD_E_STATE);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL),
+                     PCCD_E_STATE);
     triangles[5] = 20000;
     assert_int_equal(send_chunk(handle, 1, 0, 2), PCCD_E_INDEX);
     triangles[5] = UINT32_MAX;
@@ -371,7 +380,7 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
                      PCCD_E_QUOTA);
 }
 
-/* ---- the memory itself ---------------------------------------------------------------------- */
+/* ---- the memory itself ------------------------------------------------------------- */
 
 /* If it failed, the daemon would believe what clients write into its words. */
 static void memory__scribbled_headers_and_counters_do_not_matter(void **state)
@@ -430,8 +439,8 @@ static void memory__cannot_be_shrunk_or_written_where_it_must_not(void **state)
     assert_int_equal(ftruncate(raw.upload.fd, 1 << 30), -1);
     assert_int_equal(fcntl(raw.upload.fd, F_ADD_SEALS, F_SEAL_WRITE), -1);
     /* A hole reads as zeros: the slot is stale then, and nothing worse. */
-    assert_int_equal(fallocate(raw.upload.fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
-                               (off_t)raw.upload.bytes),
+    assert_int_equal(fallocate(raw.upload.fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
+                               0, (off_t)raw.upload.bytes),
                      0);
     assert_int_equal(atomic_load(&upload->slots[0].seq), 0);
     assert_int_equal(submit(0, 2, 1), PCCD_E_SLOT_STALE);
@@ -439,7 +448,8 @@ static void memory__cannot_be_shrunk_or_written_where_it_must_not(void **state)
     expect_good_step();
 }
 
-/* If it failed, sizes that no machine has would be tried, or tiny ones be written over. */
+/* If it failed, sizes that no machine has would be tried, or tiny ones be written
+ * over. */
 static void memory__rings_of_impossible_sizes_are_refused(void **state)
 {
     static const struct {
@@ -487,5 +497,6 @@ int main(void)
         RAW_TEST(memory__rings_of_impossible_sizes_are_refused),
     };
 
-    return cmocka_run_group_tests_name("slot", tests, test_witness_start, test_witness_stop);
+    return cmocka_run_group_tests_name("slot", tests, test_witness_start,
+                                       test_witness_stop);
 }

@@ -63,9 +63,10 @@ static void step_x1(struct test_crossing *crossing, uint32_t object, const float
                      0);
 }
 
-/* ---- meshes ----------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------ */
 
-/* If it failed, what a mesh holds would be counted wrongly, and edges be named wrongly. */
+/* If it failed, what a mesh holds would be counted wrongly, and edges be named
+ * wrongly. */
 static void mesh__counts_and_edges_are_those_of_the_data(void **state)
 {
     static const double x[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
@@ -79,8 +80,8 @@ static void mesh__counts_and_edges_are_those_of_the_data(void **state)
     struct pccd_edge edges[8];
     uint32_t mesh = 0;
 
-    assert_int_equal(pccd_mesh_create(crossing->client, x, PCCD_FORMAT_F64, 6, triangles, 6,
-                                      &mesh, &info),
+    assert_int_equal(pccd_mesh_create(crossing->client, x, PCCD_FORMAT_F64, 6, triangles,
+                                      6, &mesh, &info),
                      0);
     assert_int_equal(info.vertex_count, 6);
     assert_int_equal(info.triangle_count, 6);
@@ -91,7 +92,8 @@ static void mesh__counts_and_edges_are_those_of_the_data(void **state)
     assert_int_equal(pccd_mesh_edges(crossing->client, mesh, edges, 8), 0);
     assert_memory_equal(edges, expected, sizeof(expected));
     assert_int_equal(pccd_mesh_edges(crossing->client, mesh, edges, 0), 0);
-    assert_int_equal(pccd_mesh_edges(crossing->client, mesh + 77, edges, 8), PCCD_E_HANDLE);
+    assert_int_equal(pccd_mesh_edges(crossing->client, mesh + 77, edges, 8),
+                     PCCD_E_HANDLE);
     assert_int_equal(pccd_mesh_destroy(crossing->client, mesh), 0);
 }
 
@@ -149,8 +151,9 @@ static void mesh__bad_data_is_refused_and_leaves_nothing(void **state)
     uint32_t mesh = 0;
 
     memcpy(x, test_floor_x, sizeof(x));
-    assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, beyond, 1, &mesh, NULL),
-                     PCCD_E_INDEX);
+    assert_int_equal(
+        pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, beyond, 1, &mesh, NULL),
+        PCCD_E_INDEX);
     x[1][2] = NAN;
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, test_triangle, 1, &mesh, NULL),
@@ -164,7 +167,7 @@ static void mesh__bad_data_is_refused_and_leaves_nothing(void **state)
     assert_true(test_crossing_turn(crossing));
 }
 
-/* ---- segments --------------------------------------------------------------------------- */
+/* ---- segments ---------------------------------------------------------------------- */
 
 /* If it failed, end positions in float would be read wrongly. */
 static void step__x1_in_float_meets_the_floor(void **state)
@@ -205,15 +208,15 @@ static void step__x0x1_gives_both_ends(void **state)
     struct test_crossing *crossing = *state;
     struct pccd_answer answer;
 
-    assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object, far0,
-                                    far1, PCCD_FORMAT_F64, 3, NULL, &answer),
+    assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object,
+                                    far0, far1, PCCD_FORMAT_F64, 3, NULL, &answer),
                      0);
     assert_int_equal(answer.count, 0);
     assert_null(answer.contacts);
     assert_true(answer.toi_first == 2.0);
     pccd_answer_release(crossing->client, &answer);
-    assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object, up0,
-                                    up1, PCCD_FORMAT_F64, 3, NULL, &answer),
+    assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object,
+                                    up0, up1, PCCD_FORMAT_F64, 3, NULL, &answer),
                      0);
     assert_int_equal(answer.vf, 3);
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
@@ -235,8 +238,10 @@ static void step__ranges_move_only_their_vertices(void **state)
     void *x1 = NULL;
 
     /* Vertex 1 alone goes through the floor. */
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 12, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 1, 1, &x1), 0);
+    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 12, &frame),
+                     0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 1, 1, &x1),
+                     0);
     memcpy(x1, (const float[3]){1, 0, -1}, 12);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
@@ -244,11 +249,13 @@ static void step__ranges_move_only_their_vertices(void **state)
     assert_int_equal(answer.contacts[0].feature_a, 1);
     pccd_answer_release(crossing->client, &answer);
     /* Then the other two, in two segments of different formats. */
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 12 + 24, &frame),
+    assert_int_equal(
+        pccd_frame_begin(crossing->client, crossing->scene, 2, 12 + 24, &frame), 0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 2, 1, &x1),
                      0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 2, 1, &x1), 0);
     memcpy(x1, (const float[3]){0, 1, -1}, 12);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F64, 0, 1, &x1), 0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F64, 0, 1, &x1),
+                     0);
     memcpy(x1, (const double[3]){0, 0, -1}, 24);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
@@ -271,7 +278,8 @@ static void step__rigid_transforms_the_registered_positions(void **state)
     struct pccd_frame frame;
     uint64_t step = 0;
 
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame), 0);
+    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame),
+                     0);
     assert_int_equal(pccd_frame_rigid(&frame, crossing->object, 0, 3, from, to), 0);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
@@ -279,7 +287,8 @@ static void step__rigid_transforms_the_registered_positions(void **state)
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
     pccd_answer_release(crossing->client, &answer);
     /* Registered, not last: the same transform again ends where it ended. */
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame), 0);
+    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame),
+                     0);
     assert_int_equal(pccd_frame_rigid(&frame, crossing->object, 0, 3, to, from), 0);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
@@ -302,15 +311,20 @@ static void step__still_objects_stand_and_two_can_move(void **state)
     void *x1 = NULL;
     float high[3][3];
 
-    assert_int_equal(pccd_submit_still(crossing->client, crossing->scene, NULL, &step), 0);
+    assert_int_equal(pccd_submit_still(crossing->client, crossing->scene, NULL, &step),
+                     0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
     assert_int_equal(answer.count, 0);
     pccd_answer_release(crossing->client, &answer);
-    /* The floor from 0 to -1 while the triangle goes from 1 to 0: they keep their distance. */
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    /* The floor from 0 to -1 while the triangle goes from 1 to 0: they keep their
+     * distance. */
+    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame),
+                     0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
     memcpy(x1, low, sizeof(low));
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
     memcpy(x1, middle, sizeof(middle));
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
@@ -319,10 +333,13 @@ static void step__still_objects_stand_and_two_can_move(void **state)
     /* Now they swap: they meet at half time. */
     memcpy(high, low, sizeof(high));
     high[0][2] = high[1][2] = high[2][2] = 0;
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame),
+                     0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
     memcpy(x1, high, sizeof(high));
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
     test_crossing_positions(x1, -1);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
@@ -339,14 +356,13 @@ static void step__objects_come_and_go(void **state)
     float x1[3][3];
     uint32_t second = 0;
 
-    assert_int_equal(pccd_scene_add(crossing->client, crossing->scene, crossing->mesh,
-                                    &second),
-                     0);
+    assert_int_equal(
+        pccd_scene_add(crossing->client, crossing->scene, crossing->mesh, &second), 0);
     assert_int_not_equal(second, crossing->object);
     test_crossing_positions(x1, -1);
     step_x1(crossing, second, (const float(*)[3])x1, NULL, &answer);
-    /* Three vertices of the new one through the floor. At the start it lies exactly on the
-     * old one: vertices on faces, edges on edges, touching at t = 0. */
+    /* Three vertices of the new one through the floor. At the start it lies exactly on
+     * the old one: vertices on faces, edges on edges, touching at t = 0. */
     assert_true(answer.initial > 0);
     assert_true(answer.count >= 3 + answer.initial);
     pccd_answer_release(crossing->client, &answer);
@@ -354,13 +370,14 @@ static void step__objects_come_and_go(void **state)
     assert_int_equal(pccd_scene_remove(crossing->client, crossing->scene, second),
                      PCCD_E_HANDLE);
     assert_true(test_crossing_turn(crossing));
-    assert_int_equal(pccd_scene_remove(crossing->client, crossing->scene, crossing->floor), 0);
+    assert_int_equal(
+        pccd_scene_remove(crossing->client, crossing->scene, crossing->floor), 0);
     test_crossing_positions(x1, 1);
     step_x1(crossing, crossing->object, (const float(*)[3])x1, NULL, &answer);
     assert_int_equal(answer.count, 0);
     pccd_answer_release(crossing->client, &answer);
-    assert_int_equal(pccd_scene_add(crossing->client, crossing->scene, crossing->floor_mesh,
-                                    &crossing->floor),
+    assert_int_equal(pccd_scene_add(crossing->client, crossing->scene,
+                                    crossing->floor_mesh, &crossing->floor),
                      0);
     crossing->z = 1;
     assert_true(test_crossing_turn(crossing));
@@ -409,7 +426,7 @@ static void step__refused_steps_change_nothing(void **state)
     assert_true(test_crossing_turn(crossing)); /* from where it was */
 }
 
-/* ---- modes -------------------------------------------------------------------------------- */
+/* ---- modes ------------------------------------------------------------------------- */
 
 /* Heights 1, 1.5 and 2 down by 3: the vertices meet the floor at 1/3, 1/2 and 2/3. */
 static void tilted_ends(float x0[3][3], float x1[3][3])
@@ -446,14 +463,16 @@ static void step__modes_answer_what_they_say(void **state)
     assert_int_equal(answer.method, PCCD_METHOD_PAPER);
     assert_int_equal(answer.threads, 1);
     assert_int_equal(answer.verdict, PCCD_VERDICT_NONE);
-    assert_true(answer.contacts[2].toi <= 2.0 / 3 && answer.contacts[2].toi_hi >= 2.0 / 3);
+    assert_true(answer.contacts[2].toi <= 2.0 / 3 &&
+                answer.contacts[2].toi_hi >= 2.0 / 3);
     pccd_answer_release(client, &answer);
 
     settings.mode = PCCD_MODE_FIRST;
     STEP();
     assert_int_equal(answer.count, 1);
     assert_int_equal(answer.contacts[0].feature_a, 0);
-    assert_true(answer.contacts[0].toi <= 1.0 / 3 && answer.contacts[0].toi_hi >= 1.0 / 3);
+    assert_true(answer.contacts[0].toi <= 1.0 / 3 &&
+                answer.contacts[0].toi_hi >= 1.0 / 3);
     assert_true(answer.toi_first == answer.contacts[0].toi);
     pccd_answer_release(client, &answer);
 
@@ -511,7 +530,8 @@ static void step__threads_do_not_change_the_hash(void **state)
     test_grid_free(&grid);
 }
 
-#define STEP_TEST(name) cmocka_unit_test_setup_teardown(name, make_crossing, close_crossing)
+#define STEP_TEST(name)                                                                  \
+    cmocka_unit_test_setup_teardown(name, make_crossing, close_crossing)
 
 int main(void)
 {

@@ -44,10 +44,11 @@ int test_crossing_make(struct pccd_client *client, struct test_crossing *crossin
         rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
                               &crossing->floor_mesh, NULL);
     if (rc == 0)
-        rc = pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
-                              &crossing->mesh, NULL);
+        rc = pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle,
+                              1, &crossing->mesh, NULL);
     if (rc == 0)
-        rc = pccd_scene_add(client, crossing->scene, crossing->floor_mesh, &crossing->floor);
+        rc = pccd_scene_add(client, crossing->scene, crossing->floor_mesh,
+                            &crossing->floor);
     if (rc == 0)
         rc = pccd_scene_add(client, crossing->scene, crossing->mesh, &crossing->object);
     if (rc != 0)
@@ -72,8 +73,8 @@ bool test_crossing_is_right(struct test_crossing *crossing, struct pccd_answer *
 
         right = contact->kind == PCCD_VF && contact->object_a == crossing->object &&
                 contact->feature_a == i && contact->object_b == crossing->floor &&
-                contact->feature_b == 0 && contact->toi <= 0.5 && contact->toi_hi >= 0.5 &&
-                contact->toi_hi - contact->toi <= 1e-6;
+                contact->feature_b == 0 && contact->toi <= 0.5 &&
+                contact->toi_hi >= 0.5 && contact->toi_hi - contact->toi <= 1e-6;
     }
     pccd_answer_release(crossing->client, answer);
     return right;

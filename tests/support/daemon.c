@@ -19,13 +19,13 @@
 #include <time.h>
 #include <unistd.h>
 
-#define START_MS     20000
-#define SECOND_MS    10000
-#define FINISH_MS    20000
-#define OPTIONS_MAX  16
-#define READY_FD     3
-#define ENTRIES_MAX  64
-#define LOG_BYTES    65536
+#define START_MS    20000
+#define SECOND_MS   10000
+#define FINISH_MS   20000
+#define OPTIONS_MAX 16
+#define READY_FD    3
+#define ENTRIES_MAX 64
+#define LOG_BYTES   65536
 
 uint64_t test_now_us(void)
 {
@@ -97,18 +97,15 @@ static bool make_directory(struct test_daemon *daemon)
     return true;
 }
 
-bool test_daemon_start(struct test_daemon *daemon, const char *const *options)
+bool test_daemon_restart(struct test_daemon *daemon, const char *const *options)
 {
     int ready_fds[2];
     bool ready;
 
-    memset(daemon, 0, sizeof(*daemon));
-    if (getenv("PCCDD") == NULL) {
-        fprintf(stderr, "# PCCDD is not set\n");
+    if (getenv("PCCDD") == NULL || pipe2(ready_fds, O_CLOEXEC) != 0) {
+        fprintf(stderr, "# PCCDD is not set, or there is no pipe\n");
         return false;
     }
-    if (!make_directory(daemon) || pipe2(ready_fds, O_CLOEXEC) != 0)
-        return false;
     daemon->pid = fork();
     if (daemon->pid == 0)
         become_daemon(daemon, options, ready_fds[1]);
@@ -118,9 +115,19 @@ bool test_daemon_start(struct test_daemon *daemon, const char *const *options)
     if (!ready) {
         fprintf(stderr, "# the daemon does not get ready\n");
         (void)test_daemon_end(daemon, SIGKILL, 1000);
-        (void)test_daemon_finish(daemon);
     }
     return ready;
+}
+
+bool test_daemon_start(struct test_daemon *daemon, const char *const *options)
+{
+    memset(daemon, 0, sizeof(*daemon));
+    if (!make_directory(daemon))
+        return false;
+    if (test_daemon_restart(daemon, options))
+        return true;
+    (void)test_daemon_finish(daemon);
+    return false;
 }
 
 /* Wait for the end of `pid`; -1: it has not come. */

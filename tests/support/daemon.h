@@ -21,19 +21,24 @@ struct test_daemon {
     char log[80]; /* its standard error */
 };
 
-/* Start with `options` (NULL-terminated, may be NULL). False with a message on stderr when
- * it does not listen within 20 s or $PCCDD is not set. */
+/* Start with `options` (NULL-terminated, may be NULL). False with a message on stderr
+ * when it does not listen within 20 s or $PCCDD is not set. */
 bool test_daemon_start(struct test_daemon *daemon, const char *const *options);
 
-/* Start another daemon with the same socket. Returns its exit status, or -1 when it has not
- * ended within 10 s (it is killed then). What it logged is appended to daemon->log. */
+/* Start again, after test_daemon_end, with the same socket. */
+bool test_daemon_restart(struct test_daemon *daemon, const char *const *options);
+
+/* Start another daemon with the same socket. Returns its exit status, or -1 when it
+ * has not ended within 10 s (it is killed then). What it logged is appended to
+ * daemon->log. */
 int test_daemon_start_second(const struct test_daemon *daemon);
 
 /* Signal it, and wait until it has ended. Returns the status of waitpid, or -1 when that
  * takes longer than timeout_ms: then it is killed. */
 int test_daemon_end(struct test_daemon *daemon, int signal, int timeout_ms);
 
-/* End it with SIGTERM if it runs, and remove its folder. Returns whether it exited with 0. */
+/* End it with SIGTERM if it runs, and remove its folder. Returns whether it exited with
+ * 0. */
 bool test_daemon_finish(struct test_daemon *daemon);
 
 /* Whether the log holds `text`. */

@@ -13,7 +13,6 @@
 
 #include "crossing.h"
 
-
 void test_grid_positions(struct test_grid *grid, float z)
 {
     for (uint32_t i = 0; i < grid->vertex_count; i++) {
@@ -37,7 +36,8 @@ static int add_grid(struct test_grid *grid)
     for (uint32_t i = 0; i < cells * cells; i++) {
         uint32_t corner = i / cells * grid->side + i % cells;
         const uint32_t first[3] = {corner, corner + 1, corner + grid->side};
-        const uint32_t second[3] = {corner + 1, corner + grid->side + 1, corner + grid->side};
+        const uint32_t second[3] = {corner + 1, corner + grid->side + 1,
+                                    corner + grid->side};
 
         memcpy(triangles[2 * (size_t)i], first, sizeof(first));
         memcpy(triangles[2 * (size_t)i + 1], second, sizeof(second));
@@ -92,7 +92,8 @@ int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *se
     int rc = pccd_frame_begin(grid->client, grid->scene, 1, bytes, &frame);
 
     if (rc == 0)
-        rc = pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, grid->vertex_count, &x1);
+        rc = pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, grid->vertex_count,
+                           &x1);
     if (rc != 0)
         return rc;
     grid->z = -grid->z;
@@ -118,7 +119,8 @@ bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *
                       (up >= contact->toi - 1e-6 && up <= contact->toi_hi + 1e-6);
 
         if (contact->kind != PCCD_VF || contact->feature_a != i ||
-            contact->object_a != grid->object || contact->object_b != grid->floor || !inside)
+            contact->object_a != grid->object || contact->object_b != grid->floor ||
+            !inside)
             return false;
     }
     return true;

@@ -89,7 +89,8 @@ static int receive_bytes(struct test_raw *raw, size_t *bytes, int fds[PROTO_FDS_
 
     if (poll(&watched, 1, WAIT_MS) <= 0)
         return PCCD_E_TIMEOUT;
-    rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds, fd_count);
+    rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
+                       fd_count);
     if (rc == PCCD_E_DISCONNECTED) /* a reset: what was said before it follows */
         rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
                            fd_count);
@@ -139,10 +140,10 @@ int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result)
             raw->error = raw->envelope.error;
             return raw->error.code;
         }
-        return result != NULL ? proto_decode_body(&raw->envelope,
-                                                  &proto_messages[method].result, result,
-                                                  &raw->error)
-                              : 0;
+        return result != NULL
+                   ? proto_decode_body(&raw->envelope, &proto_messages[method].result,
+                                       result, &raw->error)
+                   : 0;
     }
     return PCCD_E_TIMEOUT;
 }

@@ -1,8 +1,8 @@
 /* raw.h - a peer that speaks the protocol without the library, well or badly.
  *
  * Room:     tests/support. May include: proto.
- * Does:     a blocking socket with a time limit; send any bytes and descriptors; decode what
- *           comes back; attach a ring and write its slots by hand.
+ * Does:     a blocking socket with a time limit; send any bytes and descriptors; decode
+ *           what comes back; attach a ring and write its slots by hand.
  * Threads:  one test at a time.
  */
 #ifndef TEST_RAW_H
@@ -41,8 +41,9 @@ bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd
  * PCCD_E_DISCONNECTED or PCCD_E_BADMSG. */
 int test_raw_receive(struct test_raw *raw);
 
-/* Send a request and wait for its answer, skipping others. Returns 0 with *result (may be
- * NULL) set, or the error's code with raw->error set, or what test_raw_receive returned. */
+/* Send a request and wait for its answer, skipping others. Returns 0 with *result (may
+ * be NULL) set, or the error's code with raw->error set, or what test_raw_receive
+ * returned. */
 int test_raw_call(struct test_raw *raw, int method, const void *request, void *result);
 
 /* The same in two halves; send returns the id, 0 on failure. */
@@ -60,6 +61,7 @@ uint64_t test_raw_publish(const struct test_raw *raw, uint32_t slot);
 
 /* A mesh of these floats and triangles, through slot 0. Returns as test_raw_call. */
 int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
-                  const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t *mesh);
+                  const uint32_t (*triangles)[3], uint32_t triangle_count,
+                   uint32_t *mesh);
 
 #endif

@@ -28,7 +28,8 @@ int test_witness_start(void **state)
     if (!test_daemon_start(&test_witness.daemon, NULL))
         return -1;
     client = test_connect(test_witness.daemon.url);
-    return client != NULL && test_crossing_make(client, &test_witness.crossing) == 0 ? 0 : -1;
+    return client != NULL && test_crossing_make(client, &test_witness.crossing) == 0 ? 0
+                                                                                     : -1;
 }
 
 int test_witness_stop(void **state)

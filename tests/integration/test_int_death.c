@@ -1,0 +1,434 @@
+/* test_int_death.c - what is left when a client or the daemon dies.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     kill -9 of clients at random moments, of daemons with work in flight, and of
+ *           programs with a private daemon.
+ * Threads:  one; children are forked to be killed.
+ */
+#include <errno.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "grid.h"
+#include "witness.h"
+
+#define CLIENTS_KILLED 50
+#define DEATH_MS       1000 /* generous: it takes well below a millisecond */
+
+/* ---- clients die ------------------------------------------------------------------- */
+
+/* A client that never stops: steps in flight, meshes half-way up. Killed from outside. */
+static void work_until_killed(const char *url, int started_fd, unsigned seed)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct test_grid grid;
+    struct test_grid extra;
+    struct pccd_answer answer;
+    uint64_t step = 0;
+
+    pccd_options_init(&options);
+    options.url = url;
+    options.result_bytes = 65536;
+    options.slot_bytes =
+        seed % 2 == 0 ? 4096 : 65536; /* even ones upload in many chunks */
+    if (pccd_connect(&options, &client) != 0 || test_grid_make(client, 40, &grid) != 0)
+        _exit(1);
+    (void)!write(started_fd, "x", 1);
+    for (;;) {
+        for (int i = 0; i < 4; i++) {
+            if (test_grid_submit(&grid, NULL, &step) != 0)
+                _exit(2);
+        }
+        if (seed % 3 != 0 && test_grid_make(client, 60, &extra) == 0) {
+            (void)pccd_scene_destroy(client, extra.scene);
+            (void)pccd_mesh_destroy(client, extra.mesh);
+            test_grid_free(&extra);
+        }
+        for (int i = 0; i < 4; i++) {
+            if (pccd_wait(client, step - (uint64_t)(3 - i), -1, &answer) != 0)
+                _exit(3);
+            pccd_answer_release(client, &answer);
+        }
+    }
+}
+
+/* The counters that say what the daemon holds. */
+static const char *const held[] = {"sessions_now",    "meshes_now",      "scenes_now",
+                                   "objects_now",     "triangles_now",   "shm_bytes_now",
+                                   "jobs_queued_now", "engine_bytes_now"};
+#define HELD (sizeof(held) / sizeof(held[0]))
+
+/* If it failed, every client that crashes would cost the daemon memory for ever. */
+static void death__of_clients_leaves_nothing_behind(void **state)
+{
+    struct pccd_client *client = test_witness.crossing.client;
+    uint64_t before[HELD];
+    int fds_before;
+
+    (void)state;
+    test_witness_turn();
+    test_witness_turn();
+    fds_before = test_witness_fd_count();
+    for (size_t i = 0; i < HELD; i++)
+        before[i] = test_stat(client, held[i]);
+    for (unsigned round = 0; round < CLIENTS_KILLED; round++) {
+        int fds[2];
+        int status = 0;
+        char byte;
+        pid_t child;
+
+        assert_int_equal(pipe(fds), 0);
+        child = fork();
+        assert_true(child >= 0);
+        if (child == 0)
+            work_until_killed(test_witness.daemon.url, fds[1], round);
+        (void)close(fds[1]);
+        assert_int_equal(read(fds[0], &byte, 1), 1);
+        (void)close(fds[0]);
+        test_sleep_ms(round * 7 % 19); /* at another moment of its work each time */
+        assert_int_equal(kill(child, SIGKILL), 0);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFSIGNALED(status)); /* it was still at work */
+        test_witness_turn();
+    }
+    for (size_t i = 0; i < HELD; i++) {
+        uint64_t after = test_stat_await(client, held[i], before[i]);
+
+        if (after != before[i])
+            fail_msg("%s: %llu before, %llu after", held[i],
+                     (unsigned long long)before[i], (unsigned long long)after);
+    }
+    assert_int_equal(test_witness_fd_count(), fds_before);
+    test_witness_turn();
+}
+
+/* If it failed, a client that closes in the midst of its work would leave some of it. */
+static void death__by_close_with_steps_in_flight_is_clean(void **state)
+{
+    struct pccd_client *witness = test_witness.crossing.client;
+    uint64_t bytes = test_stat(witness, "engine_bytes_now");
+    uint64_t shm = test_stat(witness, "shm_bytes_now");
+
+    (void)state;
+    for (int round = 0; round < 10; round++) {
+        struct pccd_client *client = test_connect(test_witness.daemon.url);
+        struct pccd_frame frame;
+        struct test_grid grid;
+        uint64_t step = 0;
+
+        assert_non_null(client);
+        assert_int_equal(test_grid_make(client, 50, &grid), 0);
+        for (int i = 0; i < 3; i++)
+            assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 100, &frame), 0);
+        pccd_close(client);
+        test_grid_free(&grid);
+    }
+    assert_int_equal(test_stat_await(witness, "engine_bytes_now", bytes), bytes);
+    assert_int_equal(test_stat_await(witness, "shm_bytes_now", shm), shm);
+    test_witness_turn();
+}
+
+/* ---- the daemon dies --------------------------------------------------------------- */
+
+/* Every public call of a client whose daemon is gone fails at once, with a text. */
+static void expect_all_disconnected(struct pccd_client *client, struct test_grid *grid,
+                                    uint64_t step)
+{
+    uint64_t begin_ms = test_now_ms();
+    struct pccd_answer answer;
+    struct pccd_edge edges[2];
+    struct pccd_frame frame;
+    uint32_t handle = 0;
+
+#define GONE(call)                                                                       \
+    do {                                                                                 \
+        assert_int_equal(call, PCCD_E_DISCONNECTED);                                     \
+        assert_true(pccd_error_text(client)[0] != '\0');                                 \
+    } while (0)
+    GONE(pccd_ping(client, NULL));
+    GONE(pccd_scene_create(client, &handle));
+    GONE(pccd_scene_destroy(client, grid->scene));
+    GONE(pccd_scene_add(client, grid->scene, grid->mesh, &handle));
+    GONE(pccd_scene_remove(client, grid->scene, grid->object));
+    GONE(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
+                          &handle, NULL));
+    GONE(pccd_mesh_edges(client, grid->mesh, edges, 2));
+    GONE(pccd_mesh_destroy(client, grid->mesh));
+    GONE(pccd_frame_begin(client, grid->scene, 1, 64, &frame));
+    GONE(pccd_submit_still(client, grid->scene, NULL, &step));
+    GONE(pccd_poll(client, &answer));
+    GONE(pccd_wait(client, step, -1, &answer));
+    GONE(pccd_fetch(client, grid->scene, 0, &answer));
+    GONE(pccd_cancel(client, step));
+    GONE(pccd_step_x1(client, grid->scene, grid->object, grid->x, PCCD_FORMAT_F32,
+                      grid->vertex_count, NULL, &answer));
+#undef GONE
+    assert_int_equal(test_stat(client, "pid"), UINT64_MAX);
+    assert_true(test_now_ms() - begin_ms < DEATH_MS);
+}
+
+/* Kill `victim` in a while, from another process; when it did so is left in
+ * *killed_us. */
+static pid_t kill_later(pid_t victim, volatile uint64_t *killed_us)
+{
+    pid_t killer = fork();
+
+    assert_true(killer >= 0);
+    if (killer == 0) {
+        test_sleep_ms(50);
+        *killed_us = test_now_us();
+        _exit(kill(victim, SIGKILL) == 0 ? 0 : 1);
+    }
+    return killer;
+}
+
+/* If it failed, a dead daemon would hang its clients until a timeout. */
+static void death__of_the_daemon_is_an_error_at_once(void **state)
+{
+    volatile uint64_t *killed_us =
+        mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct pccd_answer kept;
+    struct pccd_answer answer;
+    struct pccd_frame frame;
+    struct test_grid grid;
+    uint64_t steps[4];
+    uint64_t took_us;
+    pid_t killer;
+
+    (void)state;
+    assert_ptr_not_equal((void *)(uintptr_t)killed_us, MAP_FAILED);
+    assert_true(test_daemon_start(&daemon, NULL));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, 30, &grid), 0);
+    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
+    assert_int_equal(pccd_wait(client, steps[0], -1, &kept), 0);
+    assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 64, &frame), 0);
+    assert_int_equal(kill(daemon.pid, SIGSTOP), 0); /* nothing is answered from here on */
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+    killer = kill_later(daemon.pid, killed_us);
+    memset(&answer, 0, sizeof(answer));
+    assert_int_equal(pccd_wait(client, steps[1], 20000, &answer), PCCD_E_DISCONNECTED);
+    took_us = test_now_us() - *killed_us;
+    print_message("# E_DISCONNECTED %llu us after kill -9\n",
+                  (unsigned long long)took_us);
+    assert_true(took_us < DEATH_MS * 1000u);
+    assert_int_equal(answer.status, PCCD_E_DISCONNECTED);
+    assert_int_equal(waitpid(killer, NULL, 0), killer);
+    /* The others fail too, each once, oldest first. */
+    assert_int_equal(pccd_poll(client, &answer), 0);
+    assert_int_equal(answer.step, steps[0]);
+    assert_int_equal(answer.status, PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_wait(client, steps[2], -1, &answer), PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_frame_commit(&frame, NULL, &steps[0]), PCCD_E_DISCONNECTED);
+    expect_all_disconnected(client, &grid, steps[0]);
+    /* What was handed out before is still there to be read. */
+    assert_true(test_grid_is_right(&grid, &kept));
+    pccd_answer_release(client, &kept);
+    pccd_close(client);
+    test_grid_free(&grid);
+    (void)test_daemon_end(&daemon, 0, 5000);
+    (void)test_daemon_finish(&daemon);
+    (void)munmap((void *)(uintptr_t)killed_us, 4096);
+}
+
+/* If it failed, a call that is not a step would hang when the daemon dies under it. */
+static void death__of_the_daemon_ends_a_ping_and_an_upload(void **state)
+{
+    volatile uint64_t *killed_us =
+        mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+
+    (void)state;
+    assert_ptr_not_equal((void *)(uintptr_t)killed_us, MAP_FAILED);
+    for (int upload = 0; upload < 2; upload++) {
+        struct test_daemon daemon;
+        struct pccd_client *client;
+        struct test_grid grid;
+        pid_t killer;
+        int rc;
+
+        memset(&grid, 0, sizeof(grid));
+        assert_true(test_daemon_start(&daemon, NULL));
+        client = test_connect(daemon.url);
+        assert_non_null(client);
+        assert_int_equal(pccd_ping(client, NULL), 0);
+        if (!upload)
+            assert_int_equal(kill(daemon.pid, SIGSTOP), 0);
+        killer = kill_later(daemon.pid, killed_us);
+        do {
+            test_grid_free(&grid);
+            rc = upload ? test_grid_make(client, 200, &grid) : pccd_ping(client, NULL);
+        } while (rc == 0);
+        assert_true(rc == PCCD_E_DISCONNECTED);
+        assert_int_equal(waitpid(killer, NULL, 0), killer);
+        assert_true(test_now_us() - *killed_us < DEATH_MS * 1000u);
+        assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
+        test_grid_free(&grid);
+        pccd_close(client);
+        (void)test_daemon_end(&daemon, 0, 5000);
+        (void)test_daemon_finish(&daemon);
+    }
+    (void)munmap((void *)(uintptr_t)killed_us, 4096);
+}
+
+/* If it failed, the socket and lock that a dead daemon leaves would keep the next one
+ * out. */
+static void death__of_the_daemon_leaves_the_path_usable(void **state)
+{
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct test_crossing crossing;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, NULL));
+    for (int round = 0; round < 3; round++) {
+        client = test_connect(daemon.url);
+        assert_non_null(client);
+        assert_int_equal(test_crossing_make(client, &crossing), 0);
+        assert_true(test_crossing_turn(&crossing));
+        (void)test_daemon_end(&daemon, SIGKILL, 5000);
+        assert_int_equal(access(daemon.socket, F_OK), 0);
+        assert_true(test_daemon_restart(&daemon, NULL));
+        assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
+        pccd_close(client);
+    }
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* ---- private daemons --------------------------------------------------------------- */
+
+static bool is_running(pid_t pid)
+{
+    return kill(pid, 0) == 0;
+}
+
+static void await_gone(pid_t pid)
+{
+    for (int i = 0; i < 2500 && is_running(pid); i++)
+        test_sleep_ms(2);
+    assert_false(is_running(pid));
+}
+
+static int connect_private(struct pccd_client **client)
+{
+    struct pccd_options options;
+
+    pccd_options_init(&options);
+    options.private_daemon = true;
+    options.daemon = getenv("PCCDD");
+    options.result_bytes = 65536;
+    return pccd_connect(&options, client);
+}
+
+/* If it failed, programs would leave daemons, folders or zombies behind. */
+static void private__daemon_goes_with_its_client(void **state)
+{
+    struct pccd_client *client = NULL;
+    struct test_crossing crossing;
+    char socket_path[160];
+    pid_t daemon;
+    pid_t copy;
+    int status = 0;
+
+    (void)state;
+    assert_int_equal(connect_private(&client), 0);
+    daemon = (pid_t)pccd_daemon_pid(client);
+    (void)snprintf(socket_path, sizeof(socket_path), "%s", pccd_url(client) + 5);
+    assert_int_equal(access(socket_path, F_OK), 0);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_true(test_crossing_turn(&crossing));
+    /* A forked copy that closes does not take it away. */
+    copy = fork();
+    assert_true(copy >= 0);
+    if (copy == 0) {
+        pccd_close(client);
+        _exit(0);
+    }
+    assert_int_equal(waitpid(copy, &status, 0), copy);
+    assert_true(test_crossing_turn(&crossing));
+    pccd_close(client);
+    assert_false(is_running(daemon)); /* ended and reaped before close returned */
+    assert_int_equal(errno, ESRCH);
+    *strrchr(socket_path, '/') = '\0';
+    assert_int_not_equal(access(socket_path, F_OK), 0);
+}
+
+/* If it failed, programs that crash would leave their private daemons running. */
+static void private__daemon_goes_when_its_client_is_killed(void **state)
+{
+    pid_t daemon = 0;
+    pid_t child;
+    int fds[2];
+
+    (void)state;
+    assert_int_equal(pipe(fds), 0);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct pccd_client *client = NULL;
+
+        if (connect_private(&client) != 0)
+            _exit(1);
+        daemon = (pid_t)pccd_daemon_pid(client);
+        (void)!write(fds[1], &daemon, sizeof(daemon));
+        (void)pause();
+        _exit(2);
+    }
+    (void)close(fds[1]);
+    assert_int_equal(read(fds[0], &daemon, sizeof(daemon)), sizeof(daemon));
+    (void)close(fds[0]);
+    assert_true(is_running(daemon));
+    assert_int_equal(kill(child, SIGKILL), 0);
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    await_gone(daemon);
+}
+
+/* If it failed, a private daemon that crashed would hang its client's close. */
+static void private__daemon_that_is_killed_is_an_error(void **state)
+{
+    struct pccd_client *client = NULL;
+    uint64_t begin_ms;
+
+    (void)state;
+    assert_int_equal(connect_private(&client), 0);
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+    begin_ms = test_now_ms();
+    while (pccd_ping(client, NULL) == 0 && test_now_ms() - begin_ms < DEATH_MS)
+        ;
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
+    pccd_close(client);
+    assert_true(test_now_ms() - begin_ms < DEATH_MS);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(death__of_clients_leaves_nothing_behind),
+        cmocka_unit_test(death__by_close_with_steps_in_flight_is_clean),
+        cmocka_unit_test(death__of_the_daemon_is_an_error_at_once),
+        cmocka_unit_test(death__of_the_daemon_ends_a_ping_and_an_upload),
+        cmocka_unit_test(death__of_the_daemon_leaves_the_path_usable),
+        cmocka_unit_test(private__daemon_goes_with_its_client),
+        cmocka_unit_test(private__daemon_goes_when_its_client_is_killed),
+        cmocka_unit_test(private__daemon_that_is_killed_is_an_error),
+    };
+
+    return cmocka_run_group_tests_name("death", tests, test_witness_start,
+                                       test_witness_stop);
+}
