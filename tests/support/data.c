@@ -1,4 +1,4 @@
-/* tests/support/data.c - where the public scenes are, and their lists.
+/* data.c - where the public scenes are, and their lists.
  *
  * Room:     tests/support.
  * Does:     parse just what these files hold: numbers, true, false and separators.
@@ -12,6 +12,27 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+const struct data_scene data_scenes[DATA_SCENES] = {
+    {"cloth-ball",
+     {"cloth-ball/frames/cloth_ball92.ply", "cloth-ball/frames/cloth_ball93.ply"},
+     {"cloth-ball/boxes/92vf.json", "cloth-ball/boxes/92ee.json"},
+     {"cloth-ball/mma_bool/92vf_mma_bool.json", "cloth-ball/mma_bool/92ee_mma_bool.json"},
+     {NULL, NULL}},
+    {"n-body",
+     {"n-body-simulation/frames/balls16_18.ply",
+      "n-body-simulation/frames/balls16_19.ply"},
+     {"n-body-simulation/boxes/18vf.json", "n-body-simulation/boxes/18ee.json"},
+     {"n-body-simulation/mma_bool/18vf_mma_bool.json",
+      "n-body-simulation/mma_bool/18ee_mma_bool.json"},
+     {"n-body-simulation/queries/18vf.csv", NULL}},
+    {"cloth-funnel",
+     {"cloth-funnel/frames/227.ply", "cloth-funnel/frames/228.ply"},
+     {"cloth-funnel/boxes/227vf.json", "cloth-funnel/boxes/227ee.json"},
+     {"cloth-funnel/mma_bool/227vf_mma_bool.json",
+      "cloth-funnel/mma_bool/227ee_mma_bool.json"},
+     {"cloth-funnel/queries/227vf.csv", "cloth-funnel/queries/227ee.csv"}},
+};
 
 static const char *folder(char buffer[DATA_PATH_MAX])
 {
@@ -128,6 +149,7 @@ static bool parse_integer(char **at, mpz_t value)
     char separator = (*at)[length];
     (*at)[length] = '\0';
     bool good = mpz_set_str(value, *at, 10) == 0;
+    (*at)[length] = separator;
     *at += length + (separator != '\0');
     return good;
 }

@@ -1,4 +1,4 @@
-/* tests/support/data.h - where the public scenes are, and their lists.
+/* data.h - where the public scenes are, and their lists.
  *
  * Room:     tests/support. May include: the C library, GMP.
  * Does:     find a file of the data folder; read pair lists with their truth, and queries
@@ -17,6 +17,18 @@
 /* The path of `name` in the folder PCCD_DATA (without it: shared/data beside the source
  * tree). False if there is no such file: the caller skips. */
 bool data_find(const char *name, char path[DATA_PATH_MAX]);
+
+/* The public scenes, as names for data_find. Index 0 of the pairs is VF, 1 is EE. */
+enum data_scene_name { DATA_CLOTH_BALL, DATA_N_BODY, DATA_CLOTH_FUNNEL, DATA_SCENES };
+
+struct data_scene {
+    const char *name;
+    const char *frames[2]; /* t = 0, t = 1 */
+    const char *ids[2];
+    const char *truth[2];
+    const char *queries[2]; /* NULL: not published */
+};
+extern const struct data_scene data_scenes[DATA_SCENES];
 
 /* [[a, b], ...] and [true, false, ...] of the same length. */
 struct data_pairs {

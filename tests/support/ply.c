@@ -1,4 +1,4 @@
-/* tests/support/ply.c - the binary PLY frames of the public scenes.
+/* ply.c - the binary PLY frames of the public scenes.
  *
  * Room:     tests/support.
  * Does:     a header line by line, then fixed-size vertices and "uchar int int int" faces.

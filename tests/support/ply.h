@@ -1,4 +1,4 @@
-/* tests/support/ply.h - the binary PLY frames of the public scenes.
+/* ply.h - the binary PLY frames of the public scenes.
  *
  * Room:     tests/support. May include: the C library.
  * Does:     read vertices (float or double, other properties passed over) and triangles of

@@ -1,0 +1,61 @@
+/* oracle_scene.h - every contact of a small scene, by brute force.
+ *
+ * Room:     tests/oracle. May include: oracle.h.
+ * Does:     put all vertex-face and edge-edge pairs that share no vertex to the oracle.
+ * Does not: use a hierarchy; pairs are passed over only where the boxes of their motion,
+ *           compared without rounding, are apart.
+ * Threads:  [any].
+ */
+#ifndef ORACLE_ORACLE_SCENE_H
+#define ORACLE_ORACLE_SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "oracle.h"
+
+struct oracle_object {
+    uint32_t object_id;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    const double (*x0)[3];
+    const double (*x1)[3];
+    const uint32_t (*triangles)[3];
+};
+
+/* VF: a vertex of object a and a face of object b. EE: (object_a, feature_a) comes before
+ * (object_b, feature_b). Edges are the unique pairs of distinct vertices of the triangles,
+ * lower index first, numbered by (higher, lower). */
+struct oracle_pair {
+    uint32_t kind;
+    uint32_t object_a;
+    uint32_t feature_a;
+    uint32_t object_b;
+    uint32_t feature_b;
+};
+
+struct oracle_contacts {
+    struct oracle_pair *pairs; /* sorted by the five words in their order */
+    size_t count;
+    uint64_t queries; /* put to the oracle */
+};
+
+/* Ends the process where memory ends. The caller frees *contacts with the function below. */
+void oracle_scene(const struct oracle_object *objects, uint32_t object_count,
+                  struct oracle_contacts *contacts);
+void oracle_contacts_deinit(struct oracle_contacts *contacts);
+
+/* Order of pairs, as qsort and bsearch want it. */
+int oracle_pair_compare(const void *a, const void *b);
+
+/* Edges of an object's triangles, numbered as above. Freed by the caller. */
+uint32_t (*oracle_edges(const struct oracle_object *object, uint32_t *count))[2];
+
+/* The eight points of a pair. `edges` of each object as oracle_edges gives them. */
+void oracle_vf_points(const struct oracle_object *a, uint32_t vertex,
+                      const struct oracle_object *b, uint32_t face, double p[8][3]);
+void oracle_ee_points(const struct oracle_object *a, const uint32_t edge_a[2],
+                      const struct oracle_object *b, const uint32_t edge_b[2],
+                      double p[8][3]);
+
+#endif

@@ -1,0 +1,44 @@
+/* prng.h - repeatable random numbers for generators and property tests.
+ *
+ * Room:     tests/support. May include: the C library.
+ * Does:     splitmix64; a failure is repeated with the printed seed in PCCD_SEED.
+ * Threads:  one for one generator.
+ * Source:   Steele, Lea, Flood: Fast splittable pseudorandom number generators.
+ */
+#ifndef TESTS_PRNG_H
+#define TESTS_PRNG_H
+
+#include <stdint.h>
+#include <stdlib.h>
+
+struct prng {
+    uint64_t state;
+};
+
+/* PCCD_SEED of the environment, else a fixed number. */
+static inline uint64_t prng_seed(void)
+{
+    const char *seed = getenv("PCCD_SEED");
+    return seed ? strtoull(seed, NULL, 0) : 20240517u;
+}
+
+static inline uint64_t prng_next(struct prng *prng)
+{
+    uint64_t z = prng->state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+static inline uint64_t prng_below(struct prng *prng, uint64_t bound)
+{
+    return prng_next(prng) % bound;
+}
+
+/* lo <= x < hi, with the 53 bits of a double. */
+static inline double prng_between(struct prng *prng, double lo, double hi)
+{
+    return lo + (hi - lo) * ((double)(prng_next(prng) >> 11) * 0x1p-53);
+}
+
+#endif
