@@ -1,10 +1,11 @@
 /* pccd.h - continuous collision detection of deforming triangle meshes, as a service.
  *
  * Room:     client/lib; installed. May include: pccd_types.h. Compiles as C++.
- * Does:     connect to pccdd (or start a private one), register meshes, place them in scenes,
- *           stream vertex positions through shared memory, and read the contacts of a step.
- * Threads:  a client and everything made from it belong to one thread at a time; different
- *           clients are independent.
+ * Does:     connect to pccdd (or start a private one), register meshes, place them in
+ *           scenes, stream vertex positions through shared memory, and read the contacts
+ *           of a step.
+ * Threads:  a client and everything made from it belong to one thread at a time;
+ *           different clients are independent.
  *
  * Every function that returns int returns 0 (PCCD_OK) or a negative status of
  * enum pccd_status, and leaves its outputs untouched on failure unless it says otherwise.
@@ -15,12 +16,13 @@
  *     pccd_connect(NULL, &client);
  *     uint32_t scene, mesh, object;
  *     pccd_scene_create(client, &scene);
- *     pccd_mesh_create(client, x0, PCCD_FORMAT_F32, vertex_count, triangles, triangle_count,
- *                      &mesh, NULL);
+ *     pccd_mesh_create(client, x0, PCCD_FORMAT_F32, vertex_count, triangles,
+ *                      triangle_count, &mesh, NULL);
  *     pccd_scene_add(client, scene, mesh, &object);
  *     for (each step) {
  *         struct pccd_answer answer;
- *         pccd_step_x1(client, scene, object, x1, PCCD_FORMAT_F32, vertex_count, NULL, &answer);
+ *         pccd_step_x1(client, scene, object, x1, PCCD_FORMAT_F32, vertex_count, NULL,
+ *                      &answer);
  *         use(answer.contacts, answer.count);
  *         pccd_answer_release(client, &answer);
  *     }
@@ -67,8 +69,8 @@ const char *pccd_version(void);
 struct pccd_options {
     size_t struct_bytes;   /* sizeof(struct pccd_options); 0 reads as that */
     const char *url;       /* "unix:PATH"; NULL: $PCCD_URL, else the user's own socket */
-    const char *daemon;    /* program to start when nobody listens on the user's own socket;
-                              NULL: $PCCD_DAEMON, else the installed pccdd */
+    const char *daemon;    /* program to start when nobody listens on the user's own
+                              socket; NULL: $PCCD_DAEMON, else the installed pccdd */
     const char *name;      /* of this client, for the daemon's log; NULL: the program's */
     int timeout_ms;        /* of every call that waits, 1 .. 3600000; 0 = 30000 */
     bool no_autostart;     /* never start a daemon */
@@ -76,19 +78,20 @@ struct pccd_options {
     uint32_t slot_count;   /* of the upload ring, 1 .. 16; 0 = 4 */
     uint64_t slot_bytes;   /* payload of one slot; 0 = grown to what is needed */
     uint64_t result_bytes; /* result region; 0 = 64 MiB */
-    uint32_t spin_us;      /* spin before blocking, 0 .. 1000; default when struct_bytes = 0 or
-                              options = NULL: 50, or 0 with a single CPU */
+    uint32_t spin_us;      /* spin before blocking, 0 .. 1000; the default, when
+                              struct_bytes = 0 or options = NULL: 50, or 0 with one CPU */
 };
 
 /* Options with every default filled in. */
 void pccd_options_init(struct pccd_options *options);
 
-/* Connect; `options` NULL = all defaults. With the default URL and nobody listening, starts
- * a daemon for the user and waits for it. Errors: E_NODAEMON, E_VERSION, E_INVAL, E_QUOTA,
- * E_TIMEOUT, E_NOMEM, E_SYSTEM. */
+/* Connect; `options` NULL = all defaults. With the default URL and nobody listening,
+ * starts a daemon for the user and waits for it. Errors: E_NODAEMON, E_VERSION, E_INVAL,
+ * E_QUOTA, E_TIMEOUT, E_NOMEM, E_SYSTEM. */
 int pccd_connect(const struct pccd_options *options, struct pccd_client **client);
 
-/* Close and free; NULL is allowed. What the daemon holds for this client is freed there. */
+/* Close and free; NULL is allowed. What the daemon holds for this client is freed
+ * there. */
 void pccd_close(struct pccd_client *client);
 
 /* The socket, to watch for readability in a loop of one's own; then call pccd_poll. */
@@ -104,12 +107,13 @@ const char *pccd_url(const struct pccd_client *client);
 /* Round trip through the daemon's loop, nanoseconds. */
 int pccd_ping(struct pccd_client *client, uint64_t *round_trip_ns);
 
-/* Call `each` for every counter of the daemon, in a fixed order. `text` is its meaning. */
+/* Call `each` for every counter of the daemon, in a fixed order. `text` is its
+ * meaning. */
 typedef void (*pccd_stat_fn)(void *context, const char *name, uint64_t value,
                              const char *text);
 int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context);
 
-/* ---- meshes, scenes, objects -------------------------------------------------------- */
+/* ---- meshes, scenes, objects ------------------------------------------------------- */
 
 struct pccd_mesh_info {
     uint32_t vertex_count;
@@ -126,7 +130,8 @@ struct pccd_mesh_info {
  * Errors: E_NOTFINITE, E_INDEX, E_QUOTA, E_LIMIT, E_INVAL. */
 int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
                      uint32_t vertex_count, const uint32_t (*triangles)[3],
-                     uint32_t triangle_count, uint32_t *mesh, struct pccd_mesh_info *info);
+                     uint32_t triangle_count, uint32_t *mesh,
+                     struct pccd_mesh_info *info);
 /* The unique edges in the order of the records' feature numbers, copied to
  * edges[info.edge_count]. */
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,
@@ -140,7 +145,7 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
                    uint32_t *object);
 int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t object);
 
-/* ---- steps --------------------------------------------------------------------------- */
+/* ---- steps ------------------------------------------------------------------------- */
 
 struct pccd_step_settings {
     enum pccd_mode mode;     /* 0 = all */
@@ -199,17 +204,17 @@ struct pccd_frame {
 /* Bytes of slot payload that `segment_max` segments with `payload_bytes` of data need. */
 uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes);
 
-/* Take a free slot for a step of up to segment_max segments and payload_bytes of positions:
- * 12 (F32) or 24 (F64) bytes a vertex, twice that for both ends, 192 for a rigid segment;
- * the rounding of each range up to 8 bytes is the library's affair. Grows the
- * ring when nothing is in flight and the slot is too small. Waits for a slot to come back
- * when all are in flight, up to the timeout.
- * Errors: E_BUSY (all slots are begun; 32 answers wait to be taken; the ring must grow while
- * answers with records are held), E_LIMIT, E_QUOTA, E_TIMEOUT. */
+/* Take a free slot for a step of up to segment_max segments and payload_bytes of
+ * positions: 12 (F32) or 24 (F64) bytes a vertex, twice that for both ends, 192 for a
+ * rigid segment; the rounding of each range up to 8 bytes is the library's affair. Grows
+ * the ring when nothing is in flight and the slot is too small. Waits for a slot to come
+ * back when all are in flight, up to the timeout. Errors: E_BUSY (all slots are begun; 32
+ * answers wait to be taken; the ring must grow while answers with records are held),
+ * E_LIMIT, E_QUOTA, E_TIMEOUT. */
 int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segment_max,
                      uint64_t payload_bytes, struct pccd_frame *frame);
-/* Add a segment and get the memory to write its positions to: packed [count][3] of `format`.
- * Write before commit; never read it. E_LIMIT: more than was announced. */
+/* Add a segment and get the memory to write its positions to: packed [count][3] of
+ * `format`. Write before commit; never read it. E_LIMIT: more than was announced. */
 int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
                   uint32_t first, uint32_t count, void **x1);
 int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
@@ -228,28 +233,30 @@ void pccd_frame_abort(struct pccd_frame *frame);
 int pccd_submit_still(struct pccd_client *client, uint32_t scene,
                       const struct pccd_step_settings *settings, uint64_t *step);
 
-/* Take one finished answer, oldest first, without waiting: E_AGAIN if there is none. A step
- * that failed is an answer too: then 0 is returned and answer->status says why. */
+/* Take one finished answer, oldest first, without waiting: E_AGAIN if there is none. A
+ * step that failed is an answer too: then 0 is returned and answer->status says why. */
 int pccd_poll(struct pccd_client *client, struct pccd_answer *answer);
-/* Wait for the answer to `step`; timeout_ms < 0: the client's default, 0: like poll. Returns
- * the step's status: on failure of the step its code. */
+/* Wait for the answer to `step`; timeout_ms < 0: the client's default, 0: like poll.
+ * Returns the step's status: on failure of the step its code. */
 int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
               struct pccd_answer *answer);
-/* The page that begins at `cursor`, of the last answer of `scene`: answer->step says which
- * step that is. Release the page at hand first when the region is full. E_STATE: there is
- * none, because the last step failed or an object was removed since. */
+/* The page that begins at `cursor`, of the last answer of `scene`: answer->step says
+ * which step that is. Release the page at hand first when the region is full. E_STATE:
+ * there is none, because the last step failed or an object was removed since. */
 int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t cursor,
                struct pccd_answer *answer);
 /* Give the records back. Pages may be released in any order. Safe on an answer without
  * records and after a failure. */
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer);
-/* Stop a submitted step: its answer comes with incomplete = CANCELLED, unless it was done. */
+/* Stop a submitted step: its answer comes with incomplete = CANCELLED, unless it was
+ * done. */
 int pccd_cancel(struct pccd_client *client, uint64_t step);
 
 /* Begin, copy, commit and wait in one: one object, all its vertices. On failure either
- * answer->status says so or the answer is untouched; a step that timed out is cancelled. */
-int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object, const void *x1,
-                 enum pccd_format format, uint32_t vertex_count,
+ * answer->status says so or the answer is untouched; a step that timed out is
+ * cancelled. */
+int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
+                 const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer);
 int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                    const void *x0, const void *x1, enum pccd_format format,

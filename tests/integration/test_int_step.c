@@ -397,7 +397,7 @@ static void step__refused_steps_change_nothing(void **state)
                                                {.tolerance = -1},
                                                {.tolerance = 2}};
     struct pccd_answer answer;
-    float x1[3][3];
+    float x1[4][3] = {{0}}; /* one more than the object has */
 
     test_crossing_positions(x1, -1);
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
