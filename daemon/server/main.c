@@ -48,6 +48,19 @@ static void ignore_signals(void)
     sigaction(SIGHUP, &ignore, NULL);  /* a closed terminal is no reason to go */
 }
 
+/* The folder of a private daemon's socket was made for it alone, by a client that may be
+ * dead by now. One that holds anything else stays: rmdir fails then. */
+static void remove_private_folder(const struct srv_options *options)
+{
+    char folder[SRV_SOCKET_PATH_BYTES];
+    strcpy(folder, options->socket_path);
+    char *slash = strrchr(folder, '/');
+    if (options->private_daemon && slash != NULL && slash != folder) {
+        *slash = '\0';
+        (void)rmdir(folder);
+    }
+}
+
 /* Hold the lock of the socket path while serving. Returns the exit status. */
 static int run_locked(const struct srv_options *options)
 {
@@ -65,6 +78,7 @@ static int run_locked(const struct srv_options *options)
     }
     int exit_status = srv_loop_run(options);
     srv_lockfile_release(&lockfile);
+    remove_private_folder(options);
     return exit_status;
 }
 
