@@ -4,6 +4,7 @@ integration_names = \
     tests/integration/test_int_death \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
+    tests/integration/test_int_peer \
     tests/integration/test_int_session \
     tests/integration/test_int_slot \
     tests/integration/test_int_step
@@ -25,6 +26,10 @@ tests_integration_test_int_flow_LDADD = $(integration_libs) $(XXHASH_LIBS)
 tests_integration_test_int_hostile_SOURCES = tests/integration/test_int_hostile.c
 tests_integration_test_int_hostile_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_hostile_LDADD = $(integration_libs)
+
+tests_integration_test_int_peer_SOURCES = tests/integration/test_int_peer.c
+tests_integration_test_int_peer_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_peer_LDADD = $(integration_libs)
 
 tests_integration_test_int_session_SOURCES = tests/integration/test_int_session.c
 tests_integration_test_int_session_CPPFLAGS = $(integration_cppflags)

@@ -313,9 +313,23 @@ static void death__of_the_daemon_leaves_the_path_usable(void **state)
 
 /* ---- private daemons --------------------------------------------------------------- */
 
+/* A process that has ended but whom nobody has collected yet (an orphan, where process 1
+ * is no init) does not run. */
 static bool is_running(pid_t pid)
 {
-    return kill(pid, 0) == 0;
+    char path[64];
+    char state = 'Z';
+    FILE *file;
+
+    if (kill(pid, 0) != 0)
+        return false;
+    (void)snprintf(path, sizeof(path), "/proc/%ld/stat", (long)pid);
+    file = fopen(path, "r");
+    if (file != NULL && fscanf(file, "%*d (%*[^)]) %c", &state) != 1)
+        state = 'Z';
+    if (file != NULL)
+        (void)fclose(file);
+    return state != 'Z';
 }
 
 static void await_gone(pid_t pid)
@@ -363,16 +377,19 @@ static void private__daemon_goes_with_its_client(void **state)
     assert_int_equal(waitpid(copy, &status, 0), copy);
     assert_true(test_crossing_turn(&crossing));
     pccd_close(client);
-    assert_false(is_running(daemon)); /* ended and reaped before close returned */
+    assert_int_equal(kill(daemon, 0), -1); /* ended and reaped before close returned */
     assert_int_equal(errno, ESRCH);
     *strrchr(socket_path, '/') = '\0';
     assert_int_not_equal(access(socket_path, F_OK), 0);
 }
 
-/* If it failed, programs that crash would leave their private daemons running. */
+/* If it failed, programs that crash would leave private daemons or their folders. */
 static void private__daemon_goes_when_its_client_is_killed(void **state)
 {
-    pid_t daemon = 0;
+    struct {
+        pid_t pid;
+        char folder[160];
+    } daemon = {0};
     pid_t child;
     int fds[2];
 
@@ -385,7 +402,9 @@ static void private__daemon_goes_when_its_client_is_killed(void **state)
 
         if (connect_private(&client) != 0)
             _exit(1);
-        daemon = (pid_t)pccd_daemon_pid(client);
+        daemon.pid = (pid_t)pccd_daemon_pid(client);
+        (void)snprintf(daemon.folder, sizeof(daemon.folder), "%s", pccd_url(client) + 5);
+        *strrchr(daemon.folder, '/') = '\0';
         (void)!write(fds[1], &daemon, sizeof(daemon));
         (void)pause();
         _exit(2);
@@ -393,10 +412,12 @@ static void private__daemon_goes_when_its_client_is_killed(void **state)
     (void)close(fds[1]);
     assert_int_equal(read(fds[0], &daemon, sizeof(daemon)), sizeof(daemon));
     (void)close(fds[0]);
-    assert_true(is_running(daemon));
+    assert_true(is_running(daemon.pid));
+    assert_int_equal(access(daemon.folder, F_OK), 0);
     assert_int_equal(kill(child, SIGKILL), 0);
     assert_int_equal(waitpid(child, NULL, 0), child);
-    await_gone(daemon);
+    await_gone(daemon.pid);
+    assert_int_not_equal(access(daemon.folder, F_OK), 0);
 }
 
 /* If it failed, a private daemon that crashed would hang its client's close. */
