@@ -126,15 +126,20 @@ static void test_lanes(struct eng_worker *worker, enum eng_kind kind,
         eng_lanes_set(&lanes, lane, &queries[i]);
     }
     uint32_t survivors = eng_filter(kind, &lanes);
-    for (unsigned lane = 0; lane < n; lane++) {
+    for (unsigned lane = 0; lane < n && !worker->stop->stopped; lane++) {
         struct eng_hit hit;
         if (!(survivors >> lane & 1u)) {
             continue;
         }
         worker->counters.survivors++;
+        uint64_t exact_queries = worker->exact.queries;
         if (eng_solve(&queries[lane], worker->settings->tolerance, worker->time_bound,
                       &worker->exact, &hit)) {
             keep(worker, kind, chunk->a[first + lane], chunk->b[first + lane], &hit);
+        }
+        /* Coordinates of very different size take exact arithmetic up to 0.3 s a test. */
+        if (worker->exact.queries != exact_queries) {
+            eng_worker_should_stop(worker);
         }
     }
 }
