@@ -11,15 +11,11 @@
 
 #include <string.h>
 
+#include "median.h"
 #include "memory.h"
 
 /* Median splits halve the count: 2^32 items are 33 levels; the other half of each waits. */
 #define STACK_MAX 64
-
-struct item {
-    float centroid[3];
-    uint32_t id; /* triangle, or root node of an object */
-};
 
 /* A subtree to be built: items[first .. first+count-1] into the nodes from `node` on. */
 struct job {
@@ -32,72 +28,12 @@ struct job {
  * an existing root and only inner nodes are placed. */
 struct builder {
     struct eng_scene *scene;
-    struct item *items;
+    struct eng_split_item *items;
     bool over_objects;
     uint32_t object; /* for eng_node.object */
 };
 
-/* Order along an axis; ties by id, so that the tree is the same wherever it is built. */
-static bool is_before(const struct item *a, const struct item *b, int axis)
-{
-    return a->centroid[axis] != b->centroid[axis] ? a->centroid[axis] < b->centroid[axis]
-                                                  : a->id < b->id;
-}
-
-static void swap_items(struct item *a, struct item *b)
-{
-    struct item t = *a;
-    *a = *b;
-    *b = t;
-}
-
-/* Quickselect: afterwards the items before `middle` are not after those from it on. The
- * pivot is the median of three; keys are distinct, so equal centroids cost nothing extra. */
-static void split_at_median(struct item *items, uint32_t count, uint32_t middle, int axis)
-{
-    uint32_t low = 0;
-    uint32_t high = count - 1;
-    while (low < high) {
-        uint32_t m = low + (high - low) / 2;
-        if (is_before(&items[m], &items[low], axis)) {
-            swap_items(&items[m], &items[low]);
-        }
-        if (is_before(&items[high], &items[low], axis)) {
-            swap_items(&items[high], &items[low]);
-        }
-        if (is_before(&items[high], &items[m], axis)) {
-            swap_items(&items[high], &items[m]);
-        }
-        struct item pivot = items[m];
-        uint32_t i = low;
-        uint32_t j = high;
-        while (i <= j) {
-            while (is_before(&items[i], &pivot, axis)) {
-                i++;
-            }
-            while (is_before(&pivot, &items[j], axis)) {
-                j--;
-            }
-            if (i <= j) {
-                swap_items(&items[i], &items[j]);
-                i++;
-                if (j == 0) {
-                    break;
-                }
-                j--;
-            }
-        }
-        if (middle <= j) {
-            high = j;
-        } else if (middle >= i) {
-            low = i;
-        } else {
-            return;
-        }
-    }
-}
-
-static int longest_axis(const struct item *items, uint32_t count)
+static int longest_axis(const struct eng_split_item *items, uint32_t count)
 {
     float lo[3];
     float hi[3];
@@ -124,7 +60,7 @@ static uint32_t nodes_of(const struct builder *builder, uint32_t count)
     return builder->over_objects ? count - 1 : 2 * count - 1;
 }
 
-static uint32_t triangles_below(const struct builder *builder, const struct item *items,
+static uint32_t triangles_below(const struct builder *builder, const struct eng_split_item *items,
                                 uint32_t count)
 {
     if (!builder->over_objects) {
@@ -156,7 +92,7 @@ static void build(const struct builder *builder, uint32_t count, uint32_t root)
     stack[stack_count++] = (struct job){0, count, root};
     while (stack_count > 0) {
         struct job job = stack[--stack_count];
-        struct item *items = builder->items + job.first;
+        struct eng_split_item *items = builder->items + job.first;
         struct eng_node *node = &builder->scene->nodes[job.node];
         node->count = triangles_below(builder, items, job.count);
         node->object = builder->object;
@@ -166,7 +102,7 @@ static void build(const struct builder *builder, uint32_t count, uint32_t root)
             continue;
         }
         uint32_t half = job.count / 2;
-        split_at_median(items, job.count, half, longest_axis(items, job.count));
+        eng_median_split(items, job.count, half, longest_axis(items, job.count));
         struct job left = {job.first, half, job.node + 1};
         struct job right = {job.first + half, job.count - half,
                             job.node + 1 + nodes_of(builder, half)};
@@ -179,7 +115,7 @@ int eng_build_object(struct eng_scene *scene, uint32_t object_idx)
 {
     const struct eng_object *object = &scene->objects[object_idx];
     uint32_t count = object->triangles.count;
-    struct item *items = eng_alloc(count, sizeof *items);
+    struct eng_split_item *items = eng_alloc(count, sizeof *items);
     if (!items) {
         return ENG_E_NOMEM;
     }
@@ -201,7 +137,7 @@ int eng_build_object(struct eng_scene *scene, uint32_t object_idx)
 }
 
 /* Collect the roots of all objects; returns their number. */
-static uint32_t collect_roots(const struct eng_scene *scene, struct item *items)
+static uint32_t collect_roots(const struct eng_scene *scene, struct eng_split_item *items)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
@@ -223,7 +159,7 @@ int eng_build_top(struct eng_scene *scene)
 {
     uint32_t count = scene->object_count;
     uint32_t first = 0;
-    struct item *items = NULL;
+    struct eng_split_item *items = NULL;
     if (count > 1) {
         items = eng_alloc(count, sizeof *items);
         if (!items) {
@@ -253,7 +189,7 @@ int eng_build_top(struct eng_scene *scene)
         build(&builder, found, first);
         scene->root = first;
     } else if (count == 1) {
-        struct item only;
+        struct eng_split_item only;
         collect_roots(scene, &only);
         scene->root = only.id;
     }

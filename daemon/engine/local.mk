@@ -20,6 +20,8 @@ libengine_la_SOURCES = \
     daemon/engine/filter.h \
     daemon/engine/ingest.c \
     daemon/engine/ingest.h \
+    daemon/engine/median.c \
+    daemon/engine/median.h \
     daemon/engine/memory.c \
     daemon/engine/memory.h \
     daemon/engine/mesh.c \
