@@ -1,0 +1,41 @@
+/* tests/unit/eng_case.h - elementary tests with known answers, from many sides.
+ *
+ * Room:     engine (private headers).
+ * Does:     ask the solver about one case in every order of its points, along every axis,
+ *           at several scales, and backwards in time.
+ * Does not: know answers: the caller does.
+ * Threads:  one.
+ * Source:   query.h for the order of a query's points.
+ */
+#ifndef TEST_ENG_CASE_H
+#define TEST_ENG_CASE_H
+
+#include "eng_kit.h"
+#include "solve.h"
+
+#define CASE_MISS 2.0 /* as a first time: there is none */
+
+/* A scratch for as long as the program runs. */
+struct eng_exact *case_exact(void);
+
+struct eng_query case_query(enum eng_kind kind, const double x0[4][3],
+                            const double x1[4][3]);
+
+/* The same features with their points in another order: six orders of a face's corners,
+ * eight of two edges and their ends. */
+unsigned case_order_count(enum eng_kind kind);
+struct eng_query case_order(const struct eng_query *query, unsigned order);
+
+struct eng_query case_reversed(const struct eng_query *query);
+
+/* The solver's answer to a query has a form: proved, bracket within the tolerance,
+ * initial iff it begins at once, unit normal or none, and both parameters name one
+ * point. */
+void case_check_form(const struct eng_query *query, double tolerance,
+                     const struct eng_hit *hit);
+
+/* The first contact of `query` is at exactly `t`, or never; whatever the order, scale,
+ * place and tolerance, and backwards too if there is none. */
+void case_check(const struct eng_query *query, double t);
+
+#endif

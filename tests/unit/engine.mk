@@ -1,0 +1,93 @@
+# tests/unit/engine.mk - the parts of the engine, one program a part.
+
+ENG_TEST_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine \
+    -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
+ENG_TEST_LDADD = libengkit.la libengine.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
+
+check_LTLIBRARIES += libengkit.la
+libengkit_la_SOURCES = \
+    tests/unit/eng_case.c \
+    tests/unit/eng_case.h \
+    tests/unit/eng_kit.c \
+    tests/unit/eng_kit.h
+libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+
+ENG_TESTS = \
+    tests/unit/test_eng_memory \
+    tests/unit/test_eng_range \
+    tests/unit/test_eng_radix \
+    tests/unit/test_eng_mesh \
+    tests/unit/test_eng_aabb \
+    tests/unit/test_eng_build \
+    tests/unit/test_eng_refit \
+    tests/unit/test_eng_stage \
+    tests/unit/test_eng_filter \
+    tests/unit/test_eng_exact \
+    tests/unit/test_eng_solve \
+    tests/unit/test_eng_result \
+    tests/unit/test_eng_step \
+    tests/unit/test_eng_warm \
+    tests/unit/test_eng_fault
+check_PROGRAMS += $(ENG_TESTS)
+TESTS += $(ENG_TESTS)
+
+tests_unit_test_eng_memory_SOURCES = tests/unit/test_eng_memory.c
+tests_unit_test_eng_memory_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_memory_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_range_SOURCES = tests/unit/test_eng_range.c
+tests_unit_test_eng_range_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_range_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_radix_SOURCES = tests/unit/test_eng_radix.c
+tests_unit_test_eng_radix_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_radix_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_mesh_SOURCES = tests/unit/test_eng_mesh.c
+tests_unit_test_eng_mesh_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_mesh_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_aabb_SOURCES = tests/unit/test_eng_aabb.c
+tests_unit_test_eng_aabb_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_aabb_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_build_SOURCES = tests/unit/test_eng_build.c
+tests_unit_test_eng_build_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_build_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_refit_SOURCES = tests/unit/test_eng_refit.c
+tests_unit_test_eng_refit_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_refit_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_stage_SOURCES = tests/unit/test_eng_stage.c
+tests_unit_test_eng_stage_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_stage_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_filter_SOURCES = tests/unit/test_eng_filter.c
+tests_unit_test_eng_filter_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_filter_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_exact_SOURCES = tests/unit/test_eng_exact.c
+tests_unit_test_eng_exact_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_exact_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_solve_SOURCES = tests/unit/test_eng_solve.c
+tests_unit_test_eng_solve_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_solve_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_result_SOURCES = tests/unit/test_eng_result.c
+tests_unit_test_eng_result_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_result_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_step_SOURCES = tests/unit/test_eng_step.c
+tests_unit_test_eng_step_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_step_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_warm_SOURCES = tests/unit/test_eng_warm.c
+tests_unit_test_eng_warm_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_warm_LDADD = $(ENG_TEST_LDADD)
+
+# Its own eng_alloc comes first, so the library's memory.o is not linked.
+tests_unit_test_eng_fault_SOURCES = tests/unit/test_eng_fault.c
+tests_unit_test_eng_fault_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_fault_LDADD = $(ENG_TEST_LDADD)

@@ -1,0 +1,338 @@
+/* tests/unit/test_eng_build.c - hierarchies of objects, and the tree over them.
+ *
+ * Room:     engine (build.h, world.h).
+ * Does:     shape, depth and completeness of trees of 1 to 100 triangles and 1 to 300
+ *           objects; the validator itself.
+ * Does not: check boxes in depth (test_eng_refit.c).
+ * Threads:  one.
+ * Source:   daemon/engine/build.h; paper sections 6.2 and 7.
+ */
+#include "eng_kit.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "build.h"
+#include "median.h"
+#include "memory.h"
+#include "refit.h"
+
+static struct eng_scene *new_scene(void)
+{
+    struct eng_scene *scene = NULL;
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    return scene;
+}
+
+/* Add an instance and let go of the mesh: the scene holds it. */
+static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
+{
+    uint32_t idx = UINT32_MAX;
+    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), ENG_OK);
+    eng_mesh_release(mesh);
+    return idx;
+}
+
+/* What a step does to trees. */
+static void settle(struct eng_scene *scene)
+{
+    assert_int_equal(eng_build_top(scene), ENG_OK);
+    assert_false(scene->top_is_stale);
+    eng_refit(scene);
+    assert_true(eng_tree_validate(scene));
+}
+
+static uint32_t ceil_log2(uint32_t n)
+{
+    uint32_t log = 0;
+    while ((uint64_t)1 << log < n) {
+        log++;
+    }
+    return log;
+}
+
+/* Walk from the root; every triangle of every object once. Returns the depth of the
+ * deepest leaf, the root being 0; *top_depth: of the deepest object root. */
+static uint32_t walk(const struct eng_scene *scene, uint32_t *top_depth)
+{
+    uint8_t *seen = calloc(scene->triangle_capacity + 1, 1);
+    uint32_t stack[128][2];
+    uint32_t count = 0;
+    uint32_t depth = 0;
+    uint32_t leaves = 0;
+    assert_non_null(seen);
+    *top_depth = 0;
+    stack[count][0] = scene->root;
+    stack[count++][1] = 0;
+    while (count > 0) {
+        uint32_t node_idx = stack[--count][0];
+        uint32_t level = stack[count][1];
+        const struct eng_node *node = &scene->nodes[node_idx];
+        if (node->object != UINT32_MAX &&
+            scene->objects[node->object].nodes.first == node_idx) {
+            *top_depth = level > *top_depth ? level : *top_depth;
+        }
+        if (node->left == ENG_LEAF) {
+            assert_int_equal(seen[node->right]++, 0);
+            assert_int_equal(scene->triangles[node->right].object, node->object);
+            leaves++;
+            depth = level > depth ? level : depth;
+            continue;
+        }
+        assert_true(count + 2 <= 128);
+        stack[count][0] = node->left;
+        stack[count++][1] = level + 1;
+        stack[count][0] = node->right;
+        stack[count++][1] = level + 1;
+    }
+    free(seen);
+    assert_int_equal(leaves, scene->nodes[scene->root].count);
+    return depth;
+}
+
+/* If it failed: triangles would be missing from the hierarchy, or the stacks that a
+ * traversal sizes by its depth would run over. */
+static void build__trees_of_every_size_are_complete_and_shallow(void **state)
+{
+    (void)state;
+    struct kit_random random = {20};
+    for (uint32_t n = 1; n <= 100; n++) {
+        struct eng_scene *scene = new_scene();
+        uint32_t idx = add(scene, kit_soup(&random, n), n);
+        uint32_t top_depth;
+        settle(scene);
+        assert_int_equal(scene->root, scene->objects[idx].nodes.first);
+        assert_int_equal(scene->objects[idx].nodes.count, 2 * n - 1);
+        assert_int_equal(scene->nodes[scene->root].count, n);
+        assert_true(walk(scene, &top_depth) <= ceil_log2(n) + 1);
+        assert_int_equal(top_depth, 0);
+        eng_scene_free(scene);
+    }
+}
+
+/* If it failed: many triangles at one place would make a list of the tree, or no tree. */
+static void build__identical_centroids_split_evenly(void **state)
+{
+    (void)state;
+    const double x[6][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},
+                            {-1, 2, 0}, {2, 0, -1}, {0, -1, 2}};
+    for (uint32_t n = 1; n <= 1000; n = n * 3 + 1) {
+        uint32_t(*triangles)[3] = malloc(n * sizeof *triangles);
+        assert_non_null(triangles);
+        for (uint32_t t = 0; t < n; t++) {
+            for (uint32_t k = 0; k < 3; k++) {
+                triangles[t][k] =
+                    (t + k) % 3 + t % 2 * 3; /* both have the same centroid */
+            }
+        }
+        struct eng_scene *scene = new_scene();
+        uint32_t top_depth;
+        add(scene, kit_mesh(x, 6, (const uint32_t(*)[3])triangles, n), 0);
+        settle(scene);
+        assert_true(walk(scene, &top_depth) <= ceil_log2(n) + 1);
+        eng_scene_free(scene);
+        free(triangles);
+    }
+}
+
+/* If it failed: triangles at the limit of the coordinates would overflow a centroid. */
+static void build__extreme_coordinates_make_a_tree(void **state)
+{
+    (void)state;
+    const double x[6][3] = {{1e18, 1e18, 1e18}, {1e18, 1e18, -1e18},
+                            {1e18, 1e18, 0},    {-1e18, -1e18, -1e18},
+                            {5e-324, 0, 0},     {-1e18, -1e18, 1e18}};
+    const uint32_t triangles[3][3] = {{0, 1, 2}, {3, 4, 5}, {3, 5, 5}};
+    struct eng_scene *scene = new_scene();
+    uint32_t top_depth;
+    add(scene, kit_mesh(x, 6, triangles, 3), 0);
+    settle(scene);
+    assert_true(walk(scene, &top_depth) <= 3);
+    assert_true((double)scene->nodes[scene->root].hi0[0] >= 1e18);
+    assert_true((double)scene->nodes[scene->root].lo0[0] <= -1e18);
+    eng_scene_free(scene);
+}
+
+/* If it failed: an object would be missing from the tree over the objects, or doubled. */
+static void build__tree_over_objects_holds_each_once(void **state)
+{
+    (void)state;
+    struct kit_random random = {21};
+    struct eng_scene *scene = new_scene();
+    uint32_t triangles = 0;
+    for (uint32_t n = 1; n <= 300; n++) {
+        uint32_t size = 1 + kit_below(&random, 5);
+        uint32_t top_depth;
+        add(scene, kit_soup(&random, size), n);
+        triangles += size;
+        if (n > 20 && n % 40 != 0) {
+            continue;
+        }
+        settle(scene);
+        assert_int_equal(scene->nodes[scene->root].count, triangles);
+        assert_int_equal(scene->top.count, n - 1);
+        assert_true(walk(scene, &top_depth) <= ceil_log2(n) + 1 + 3 + 1);
+        assert_true(top_depth <= ceil_log2(n) + 1);
+    }
+    eng_scene_free(scene);
+}
+
+/* If it failed: removal would leave a dangling node, or lose room for nodes for good. */
+static void build__tree_over_objects_follows_removals(void **state)
+{
+    (void)state;
+    struct kit_random random = {22};
+    struct eng_scene *scene = new_scene();
+    uint32_t ids[64];
+    uint32_t top_depth;
+    for (uint32_t i = 0; i < 64; i++) {
+        ids[i] = add(scene, kit_soup(&random, 1 + i % 7), i);
+    }
+    settle(scene);
+    for (uint32_t left = 64; left > 0; left--) {
+        uint32_t pick = kit_below(&random, left);
+        assert_int_equal(eng_scene_remove(scene, ids[pick]), ENG_OK);
+        ids[pick] = ids[left - 1];
+        settle(scene);
+        if (left > 1) {
+            walk(scene, &top_depth);
+            assert_true(top_depth <= ceil_log2(left - 1) + 1);
+        }
+    }
+    assert_int_equal(scene->root, ENG_NO_NODE);
+    assert_int_equal(scene->node_ranges.end, 0); /* every node came back */
+    assert_int_equal(scene->vertex_ranges.end, 0);
+    assert_int_equal(scene->edge_ranges.end, 0);
+    assert_int_equal(scene->triangle_ranges.end, 0);
+    eng_scene_free(scene);
+}
+
+/* If it failed: the same objects would make another tree on another run. */
+static void build__same_input_makes_the_same_bytes(void **state)
+{
+    (void)state;
+    struct eng_scene *scenes[2];
+    for (int i = 0; i < 2; i++) {
+        struct kit_random random = {23};
+        scenes[i] = new_scene();
+        for (uint32_t k = 0; k < 20; k++) {
+            add(scenes[i], kit_soup(&random, 1 + 3 * k), k);
+        }
+        settle(scenes[i]);
+    }
+    assert_int_equal(scenes[0]->node_ranges.end, scenes[1]->node_ranges.end);
+    assert_memory_equal(scenes[0]->nodes, scenes[1]->nodes,
+                        scenes[0]->node_ranges.end * sizeof *scenes[0]->nodes);
+    eng_scene_free(scenes[0]);
+    eng_scene_free(scenes[1]);
+}
+
+/* If it failed: the validator would pass a broken tree, and the tests that lean on it. */
+static void build__validator_sees_each_kind_of_damage(void **state)
+{
+    (void)state;
+    struct kit_random random = {24};
+    struct eng_scene *scene = new_scene();
+    add(scene, kit_soup(&random, 9), 1);
+    add(scene, kit_soup(&random, 7), 2);
+    settle(scene);
+    uint32_t end = scene->node_ranges.end;
+    for (uint32_t i = 0; i < end; i++) {
+        struct eng_node *node = &scene->nodes[i];
+        struct eng_node saved = *node;
+        node->count++;
+        assert_false(eng_tree_validate(scene));
+        *node = saved;
+        if (i == scene->root) {
+            continue; /* nothing is above it that could notice a larger box */
+        }
+        node->hi1[1] += 100; /* no longer inside its parent */
+        assert_false(eng_tree_validate(scene));
+        *node = saved;
+        node->lo0[2] = node->hi0[2] + 1; /* no longer around its content */
+        assert_false(eng_tree_validate(scene));
+        *node = saved;
+        if (node->left == ENG_LEAF) {
+            uint32_t first = scene->objects[node->object].triangles.first;
+            node->right =
+                node->right == first ? first + 1 : first; /* another's triangle */
+            assert_false(eng_tree_validate(scene));
+            *node = saved;
+        }
+    }
+    assert_true(eng_tree_validate(scene));
+    eng_scene_free(scene);
+}
+
+#define ITEMS 100000u
+
+/* Put numbers 0 .. count-1 as centroids, in one of several orders. */
+static void arrange(struct eng_split_item *items, uint32_t count, int order)
+{
+    struct kit_random random = {25};
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t half = count / 2;
+        uint32_t killer = i < half ? (i % 2 == 0 ? i + 1 : half + i + (half % 2 == 0))
+                                   : 2 * (i - half) + 2; /* of the median of three */
+        uint32_t value = order == 0   ? i
+                         : order == 1 ? count - i
+                         : order == 2 ? (i < half ? i : count - i)
+                         : order == 3 ? 7
+                         : order == 4 ? kit_below(&random, 10)
+                         : order == 5 ? killer
+                                      : (uint32_t)kit_u64(&random) >> 8;
+        items[i].centroid[0] = 0;
+        items[i].centroid[1] = (float)value;
+        items[i].centroid[2] = -(float)value;
+        items[i].id = order % 2 ? i : count - i;
+    }
+}
+
+static int compare_items(const void *a, const void *b)
+{
+    const struct eng_split_item *x = a;
+    const struct eng_split_item *y = b;
+    if (x->centroid[1] != y->centroid[1]) {
+        return x->centroid[1] < y->centroid[1] ? -1 : 1;
+    }
+    return x->id < y->id ? -1 : x->id > y->id;
+}
+
+/* If it failed: a tree would depend on the order of triangles, or take hours to build. */
+static void build__median_split_makes_the_same_halves_from_any_order(void **state)
+{
+    (void)state;
+    static struct eng_split_item items[ITEMS];
+    static struct eng_split_item sorted[ITEMS];
+    for (uint32_t count = 1; count <= ITEMS; count = count * 3 + (count < 10)) {
+        for (int order = 0; order < 7; order++) {
+            uint32_t middle = count / 2;
+            arrange(items, count, order);
+            memcpy(sorted, items, count * sizeof *items);
+            qsort(sorted, count, sizeof *sorted, compare_items);
+            clock_t begin = clock();
+            eng_median_split(items, count, middle, 1);
+            /* A hundred times what it takes; quadratic time would be twice as long. */
+            assert_true(clock() - begin < CLOCKS_PER_SEC / 2);
+            qsort(items, middle, sizeof *items, compare_items);
+            qsort(items + middle, count - middle, sizeof *items, compare_items);
+            assert_memory_equal(items, sorted, count * sizeof *items);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(build__trees_of_every_size_are_complete_and_shallow),
+        cmocka_unit_test(build__identical_centroids_split_evenly),
+        cmocka_unit_test(build__extreme_coordinates_make_a_tree),
+        cmocka_unit_test(build__tree_over_objects_holds_each_once),
+        cmocka_unit_test(build__tree_over_objects_follows_removals),
+        cmocka_unit_test(build__same_input_makes_the_same_bytes),
+        cmocka_unit_test(build__median_split_makes_the_same_halves_from_any_order),
+        cmocka_unit_test(build__validator_sees_each_kind_of_damage),
+    };
+    return cmocka_run_group_tests_name("eng_build", tests, NULL, NULL);
+}

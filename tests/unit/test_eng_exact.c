@@ -1,0 +1,300 @@
+/* tests/unit/test_eng_exact.c - exact answers about a moment and about a span.
+ *
+ * Room:     engine (exact.h, poly.h).
+ * Does:     touching cases and near misses by one ulp, spans that hold or just miss a
+ *           known contact, the polynomials below.
+ * Does not: search for the first time (test_eng_solve.c).
+ * Threads:  one.
+ * Source:   daemon/engine/exact.h, poly.h.
+ */
+#include "eng_case.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ULP 0x1p-52
+
+/* The configuration x at one end, in every order of its points, at several scales and at
+ * both ends; the other end is somewhere else. */
+static void check(enum eng_kind kind, bool touching, const double x[4][3])
+{
+    static const double away[4][3] = {{9, 0, 1}, {-5, 2, 7}, {3, 3, 3}, {0, 8, -6}};
+    static const int exponents[] = {-960, -300, 0, 50};
+    for (int end = 0; end < 2; end++) {
+        struct eng_query query = case_query(kind, end ? away : x, end ? x : away);
+        for (unsigned order = 0; order < case_order_count(kind); order++) {
+            for (size_t i = 0; i < sizeof exponents / sizeof *exponents; i++) {
+                struct eng_query same = case_order(&query, order);
+                kit_place(&same, ldexp(1, exponents[i]), 0);
+                struct eng_moment moment = eng_exact_moment(case_exact(), &same, end);
+                assert_int_equal(moment.touching, touching);
+                assert_true(!touching || moment.side == 0);
+            }
+        }
+    }
+}
+
+#define VF(touching, x, y, z)                                                            \
+    check(ENG_VF, touching,                                                              \
+          (const double[4][3]){{x, y, z}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}})
+
+/* If it failed: a vertex on a face would not touch it, or one beside it would. */
+static void exact__vertex_on_face_to_one_ulp(void **state)
+{
+    (void)state;
+    VF(true, 0.25, 0.25, 0);
+    VF(true, 0.1, 0.2, 0);
+    VF(false, 0.25, 0.25, 0x1p-110); /* scaled down it is still there */
+    VF(false, 0.25, 0.25, -0x1p-52);
+    VF(true, 0, 0, 0);
+    VF(true, 1, 0, 0);
+    VF(true, 0.5, 0.5, 0);
+    VF(true, 0.75, 0.25, 0);
+    VF(false, 0.5, 0.5 + ULP / 2, 0);
+    VF(true, 0.5, 0.5 - ULP / 4, 0);
+    VF(true, 0.5, 0, 0);
+    VF(false, 0.5, -0x1p-100, 0);
+    VF(false, 1 + ULP, 0, 0);
+}
+
+/* If it failed: a face without area would be passed through by what lies on it. */
+static void exact__collapsed_face_is_its_segment_or_point(void **state)
+{
+    (void)state;
+    check(ENG_VF, true,
+          (const double[4][3]){{1.5, 3, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
+    check(ENG_VF, true, (const double[4][3]){{2, 4, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
+    check(ENG_VF, true,
+          (const double[4][3]){{1.5, 3, 0}, {1, 2, 0}, {1, 2, 0}, {2, 4, 0}});
+    check(ENG_VF, false,
+          (const double[4][3]){
+              {2 + 2 * ULP, 4 + 4 * ULP, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
+    check(ENG_VF, false,
+          (const double[4][3]){{1.5, 3 + 2 * ULP, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
+    check(ENG_VF, true, (const double[4][3]){{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
+    check(ENG_VF, false,
+          (const double[4][3]){{1, 2, 3 + 2 * ULP}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
+}
+
+#define EE(touching, ...)                                                                \
+    check(ENG_EE, touching, (const double[4][3]){{0, 0, 0}, {2, 0, 0}, __VA_ARGS__})
+
+/* If it failed: edges that cross or meet end to end would not touch, or near ones
+ * would. */
+static void exact__edges_to_one_ulp(void **state)
+{
+    (void)state;
+    EE(true, {1, -1, 0}, {1, 1, 0});
+    EE(true, {1, -1, -1}, {1, 2, 2});
+    EE(true, {1, 0, 0}, {1, 1, 3});
+    EE(true, {2, 0, 0}, {2, 1, 3});
+    EE(false, {1, -1, 0}, {1, 1, 0x1p-52});
+    EE(false, {1, 0x1p-100, 0}, {1, 1, 0});
+    EE(false, {2 + 2 * ULP, -1, 0}, {2 + 2 * ULP, 1, 0});
+    EE(false, {2 + 2 * ULP, 0, 0}, {3, 1, 1});
+}
+
+/* If it failed: parallel edges or points would be undecided. */
+static void exact__parallel_and_collapsed_edges(void **state)
+{
+    (void)state;
+    EE(true, {1, 0, 0}, {3, 0, 0});
+    EE(true, {-1, 0, 0}, {3, 0, 0});
+    EE(true, {2, 0, 0}, {3, 0, 0});
+    EE(false, {2 + 2 * ULP, 0, 0}, {3, 0, 0});
+    EE(false, {1, 0x1p-60, 0}, {3, 0x1p-60, 0});
+    EE(true, {0.5, 0, 0}, {0.5, 0, 0});
+    EE(false, {0.5, 0x1p-60, 0}, {0.5, 0x1p-60, 0});
+    check(ENG_EE, true, (const double[4][3]){{3, 3, 3}, {3, 3, 3}, {3, 3, 3}, {3, 3, 3}});
+    check(ENG_EE, false,
+          (const double[4][3]){{3, 3, 3}, {3, 3, 3}, {3, 3, 4}, {3, 3, 4}});
+}
+
+/* If it failed: a crossing that begins at t = 0 would have no side, or the wrong one. */
+static void exact__side_is_the_sign_of_the_determinant(void **state)
+{
+    (void)state;
+    const double heights[] = {5, 0x1p-1000, 0, -0x1p-1000, -5};
+    const int sides[] = {1, 1, 0, -1, -1};
+    for (int i = 0; i < 5; i++) {
+        const double vf[4][3] = {{7, 7, heights[i]}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        const double ee[4][3] = {
+            {0, 0, 0}, {1, 0, 0}, {0, 0, heights[i]}, {0, -1, heights[i]}};
+        struct eng_query face = case_query(ENG_VF, vf, vf);
+        struct eng_query edge = case_query(ENG_EE, ee, ee);
+        for (int end = 0; end < 2; end++) {
+            assert_int_equal(eng_exact_moment(case_exact(), &face, end).side, sides[i]);
+            assert_int_equal(eng_exact_moment(case_exact(), &edge, end).side, sides[i]);
+        }
+    }
+}
+
+/* If it failed: the bracket of a contact would drift off the contact while it is
+ * halved. */
+static void exact__span_holds_a_known_contact_or_just_not(void **state)
+{
+    (void)state;
+    struct kit_random random = {70};
+    for (int round = 0; round < 2000; round++) {
+        struct eng_query query;
+        unsigned eighths = kit_below(&random, 9);
+        double t = eighths / 8.0;
+        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, eighths, &query);
+        assert_true(eng_exact_meets(case_exact(), &query, 0, 1));
+        if (t > 0) {
+            assert_true(eng_exact_meets(case_exact(), &query, 0, t));
+            assert_true(eng_exact_meets(case_exact(), &query, nextafter(t, 0), t));
+        }
+        if (t < 1) {
+            assert_true(eng_exact_meets(case_exact(), &query, t, 1));
+            assert_true(eng_exact_meets(case_exact(), &query, t, nextafter(t, 1)));
+        }
+    }
+    const double start[4][3] = {{0.25, 0.25, 3}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const double end[4][3] = {{0.25, 0.25, -1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    struct eng_query fall = case_query(ENG_VF, start, end); /* at 3/4 and never else */
+    assert_true(eng_exact_meets(case_exact(), &fall, 0.75, 1));
+    assert_true(eng_exact_meets(case_exact(), &fall, 0, 0.75));
+    assert_false(eng_exact_meets(case_exact(), &fall, 0, nextafter(0.75, 0)));
+    assert_false(eng_exact_meets(case_exact(), &fall, nextafter(0.75, 1), 1));
+}
+
+/* If it failed: numbers that the next query reuses would carry over from the last one. */
+static void exact__scratch_carries_nothing_over(void **state)
+{
+    (void)state;
+    struct kit_random random = {71};
+    for (int round = 0; round < 2000; round++) {
+        struct eng_query query = {.kind = round % 2 ? ENG_EE : ENG_VF};
+        struct eng_exact fresh;
+        for (int i = 0; i < 24; i++) {
+            query.x[i / 12][i / 3 % 4][i % 3] =
+                ldexp(kit_integer(&random, 2), kit_below(&random, 8) ? 0 : -200);
+        }
+        eng_exact_init(&fresh);
+        struct eng_moment a = eng_exact_moment(case_exact(), &query, round / 2 % 2);
+        struct eng_moment b = eng_exact_moment(&fresh, &query, round / 2 % 2);
+        assert_int_equal(a.touching, b.touching);
+        assert_int_equal(a.side, b.side);
+        assert_int_equal(eng_exact_meets(case_exact(), &query, 0, 0.5),
+                         eng_exact_meets(&fresh, &query, 0, 0.5));
+        assert_int_equal(fresh.queries, 2);
+        eng_exact_deinit(&fresh);
+    }
+}
+
+/* poly = product of (a t - b), over the rational roots b / a. */
+static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int count)
+{
+    struct eng_poly factor;
+    struct eng_poly product;
+    mpz_t at0;
+    mpz_t at1;
+    mpz_inits(at0, at1, NULL);
+    eng_poly_init(&factor);
+    eng_poly_init(&product);
+    mpz_set_si(at0, 1);
+    mpz_set_si(at1, 1);
+    eng_poly_set_linear(poly, at0, at1); /* the constant 1 */
+    for (int i = 0; i < count; i++) {
+        mpz_set_si(at0, -roots[i][0]);
+        mpz_set_si(at1, roots[i][1] - roots[i][0]);
+        eng_poly_set_linear(&factor, at0, at1);
+        eng_poly_mul(&product, poly, &factor);
+        eng_poly_copy(poly, &product);
+    }
+    eng_poly_deinit(&factor);
+    eng_poly_deinit(&product);
+    mpz_clears(at0, at1, NULL);
+}
+
+/* If it failed: roots would be counted that are not there, or lost: a false answer. */
+static void exact__variations_count_the_roots_inside(void **state)
+{
+    (void)state;
+    struct kit_random random = {72};
+    struct eng_poly poly;
+    eng_poly_init(&poly);
+    for (int round = 0; round < 5000; round++) {
+        int roots[4][2]; /* b / a with 1 <= a <= 9, b in -9 .. 9 */
+        int count = (int)kit_below(&random, 5);
+        int inside = 0;
+        int sign = 7;
+        for (int i = 0; i < count; i++) {
+            roots[i][0] = (int)kit_below(&random, 19) - 9;
+            roots[i][1] = 1 + (int)kit_below(&random, 9);
+            inside += roots[i][0] > 0 && roots[i][0] < roots[i][1];
+        }
+        poly_of_roots(&poly, (const int(*)[2])roots, count);
+        assert_int_equal(poly.degree, count);
+        int variations = eng_poly_variations(&poly, &sign);
+        assert_true(variations >= inside);
+        assert_int_equal((variations - inside) % 2, 0);
+        int expected0 = 1;
+        int expected1 = 1;
+        for (int i = 0; i < count; i++) {
+            int at1 = roots[i][1] - roots[i][0];
+            expected0 *= (roots[i][0] < 0) - (roots[i][0] > 0);
+            expected1 *= (at1 > 0) - (at1 < 0);
+        }
+        assert_int_equal(eng_poly_sign_at_0(&poly), expected0);
+        assert_int_equal(eng_poly_sign_at_1(&poly), expected1);
+        if (variations == 0 && expected0 != 0) {
+            assert_int_equal(sign, expected0);
+        }
+    }
+    eng_poly_deinit(&poly);
+}
+
+/* If it failed: a condition that shares the root would look like one that fails there. */
+static void exact__common_divisors_hold_the_common_roots(void **state)
+{
+    (void)state;
+    const int a_roots[4][2] = {{1, 2}, {1, 2}, {2, 3}, {-5, 1}};
+    const int b_roots[3][2] = {{1, 2}, {3, 1}, {-5, 1}};
+    const int common[2][2] = {{1, 2}, {-5, 1}};
+    const int simple[3][2] = {{1, 2}, {2, 3}, {-5, 1}};
+    struct eng_poly p[7];
+    for (int i = 0; i < 7; i++) {
+        eng_poly_init(&p[i]);
+    }
+    poly_of_roots(&p[0], a_roots, 4);
+    poly_of_roots(&p[1], b_roots, 3);
+    poly_of_roots(&p[2], common, 2);
+    eng_poly_gcd(&p[3], &p[0], &p[1]);
+    assert_int_equal(p[3].degree, 2);
+    for (int i = 0; i <= 2; i++) { /* equal up to the sign */
+        assert_int_equal(mpz_cmpabs(p[3].c[i], p[2].c[i]), 0);
+    }
+    poly_of_roots(&p[0], a_roots, 4);
+    eng_poly_square_free(&p[3], &p[0], &p[4], &p[5], &p[6]);
+    poly_of_roots(&p[2], simple, 3);
+    assert_int_equal(p[3].degree, 3);
+    for (int i = 0; i <= 3; i++) { /* proportional */
+        mpz_mul(p[4].c[0], p[3].c[i], p[2].c[3]);
+        mpz_mul(p[4].c[1], p[2].c[i], p[3].c[3]);
+        assert_int_equal(mpz_cmp(p[4].c[0], p[4].c[1]), 0);
+    }
+    for (int i = 0; i < 7; i++) {
+        eng_poly_deinit(&p[i]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exact__vertex_on_face_to_one_ulp),
+        cmocka_unit_test(exact__collapsed_face_is_its_segment_or_point),
+        cmocka_unit_test(exact__edges_to_one_ulp),
+        cmocka_unit_test(exact__parallel_and_collapsed_edges),
+        cmocka_unit_test(exact__side_is_the_sign_of_the_determinant),
+        cmocka_unit_test(exact__span_holds_a_known_contact_or_just_not),
+        cmocka_unit_test(exact__scratch_carries_nothing_over),
+        cmocka_unit_test(exact__variations_count_the_roots_inside),
+        cmocka_unit_test(exact__common_divisors_hold_the_common_roots),
+    };
+    int status = cmocka_run_group_tests_name("eng_exact", tests, NULL, NULL);
+    eng_exact_deinit(case_exact());
+    return status;
+}

@@ -1,0 +1,348 @@
+/* tests/unit/test_eng_fault.c - the engine when memory runs out.
+ *
+ * Room:     engine (all of it, with an allocator that fails on order for memory.c).
+ * Does:     fail the n-th allocation, for every n, over the whole life of meshes and a
+ *           scene, once or from then on until the call has returned.
+ * Does not: fail the allocations of GMP, which ends the process then by its own rule.
+ * Threads:  one.
+ * Source:   daemon/engine/memory.h; mesh.h, scene.h and step.h for what may return NOMEM.
+ */
+#include "eng_kit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "build.h"
+#include "memory.h"
+#include "step.h"
+#include "world.h"
+
+/* ---- the double of memory.c -------------------- */
+
+static uint64_t allocations; /* since the start */
+static uint64_t held_blocks;
+static uint64_t held_bytes;
+static uint64_t countdown; /* the allocation that brings it to 0 fails; 0: none does */
+static bool goes_on_failing;
+static bool is_failing;
+static uint64_t failures;
+
+static bool should_fail(void)
+{
+    if (!is_failing && countdown > 0 && --countdown == 0) {
+        failures++;
+        is_failing = goes_on_failing;
+        return true;
+    }
+    return is_failing;
+}
+
+void *eng_alloc(size_t count, size_t bytes)
+{
+    size_t total;
+    if (__builtin_mul_overflow(count, bytes, &total) || total > SIZE_MAX - 128 ||
+        should_fail()) {
+        return NULL;
+    }
+    unsigned char *base = aligned_alloc(64, (total + 127) & ~(size_t)63);
+    assert_non_null(base);
+    memcpy(base, &total, sizeof total);
+    memset(base + 64, 0xa5, total); /* nobody may count on zeros */
+    allocations++;
+    held_blocks++;
+    held_bytes += total;
+    return base + 64;
+}
+
+static size_t size_of(const void *block)
+{
+    size_t total;
+    memcpy(&total, (const unsigned char *)block - 64, sizeof total);
+    return total;
+}
+
+void *eng_realloc(void *block, size_t count, size_t bytes)
+{
+    void *grown = eng_alloc(count, bytes);
+    if (grown && block) {
+        size_t old = size_of(block);
+        memcpy(grown, block, old < size_of(grown) ? old : size_of(grown));
+        eng_free(block);
+    }
+    return grown;
+}
+
+void eng_free(void *block)
+{
+    if (block) {
+        held_blocks--;
+        held_bytes -= size_of(block);
+        memset(block, 0x5a, size_of(block)); /* nobody may look at it any more */
+        free((unsigned char *)block - 64);
+    }
+}
+
+uint64_t eng_alloc_count(void)
+{
+    return allocations;
+}
+
+uint64_t eng_alloc_bytes(void)
+{
+    return held_bytes;
+}
+
+/* ---- a life -------------------- */
+
+/* Memory comes back once a call has said that it failed. */
+static bool recovered(int status)
+{
+    if (status == ENG_E_NOMEM) {
+        assert_true(failures > 0); /* it may only say so if it is true */
+    } else {
+        assert_int_equal(status, ENG_OK);
+    }
+    is_failing = false;
+    return status == ENG_OK;
+}
+
+/* Do it; if memory ran out, do it again. */
+#define RETRY(call)                                                                      \
+    do {                                                                                 \
+        if (!recovered(call)) {                                                          \
+            assert_int_equal(call, ENG_OK);                                              \
+        }                                                                                \
+    } while (0)
+
+#define SIDE 2u
+#define V    ((SIDE + 1) * (SIDE + 1))
+
+static struct eng_mesh *make_sheet(void)
+{
+    struct eng_mesh *mesh = NULL;
+    double x[V][3];
+    uint32_t triangles[2 * SIDE * SIDE][3];
+    uint32_t bad;
+    for (uint32_t i = 0; i < V; i++) {
+        x[i][0] = i % (SIDE + 1);
+        x[i][1] = i / (SIDE + 1);
+        x[i][2] = 0;
+    }
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        uint32_t corner = i / SIDE * (SIDE + 1) + i % SIDE;
+        const uint32_t square[2][3] = {
+            {corner, corner + 1, corner + SIDE + 1},
+            {corner + 1, corner + SIDE + 2, corner + SIDE + 1}};
+        memcpy(triangles[2 * i], square, sizeof square);
+    }
+    RETRY(eng_mesh_new(V, 2 * SIDE * SIDE, &mesh));
+    RETRY(eng_mesh_write_vertices(mesh, ENG_F64, 0, V, x));
+    RETRY(eng_mesh_write_triangles(mesh, 0, 2 * SIDE * SIDE, triangles, &bad));
+    RETRY(eng_mesh_commit(mesh));
+    return mesh;
+}
+
+static int stage(struct eng_scene *scene, uint32_t object_idx, int seed)
+{
+    struct kit_random random = {(uint64_t)seed};
+    const double from[12] = {1, 0, 0, 0.3, 0, 1, 0, 0.2, 0, 0, 1, 0.5 + seed};
+    const double to[12] = {1, 0.1, 0, 0, 0, 1, 0.1, 0, 0, 0.2, 1, -0.5 - seed};
+    double x0[V][3];
+    double x1[V][3];
+    for (uint32_t i = 0; i < 3 * V; i++) {
+        double place = i % 3 == 0 && object_idx > 2 ? 3.0 * object_idx : 0;
+        x0[i / 3][i % 3] = place + kit_between(&random, 0, SIDE);
+        x1[i / 3][i % 3] = place + kit_between(&random, 0, SIDE);
+    }
+    if (seed % 3 == 0 && object_idx < 3) {
+        return eng_stage_rigid(scene, object_idx, 0, V, from, to);
+    }
+    if (seed % 3 == 1) {
+        return eng_stage_x0x1(scene, object_idx, ENG_F64, 0, V, x0, x1);
+    }
+    for (uint32_t v = 0; v < V; v++) { /* one write a vertex: the list of writes grows */
+        int status = eng_stage_x0x1(scene, object_idx, ENG_F64, v, 1, x0[v], x1[v]);
+        if (status != ENG_OK) {
+            return status;
+        }
+    }
+    return ENG_OK;
+}
+
+/* Stage and step once. A step without room for its records is whole but for them. */
+static int try_step(struct eng_scene *scene, enum eng_mode mode, int seed,
+                    struct eng_step_result *result)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    eng_stage_begin(scene);
+    for (uint32_t idx = 0; idx < scene->object_capacity; idx++) {
+        int status =
+            eng_scene_object(scene, idx) ? stage(scene, idx, seed + (int)idx) : 0;
+        if (status != ENG_OK) {
+            eng_stage_abort(scene);
+            return status;
+        }
+    }
+    const uint64_t failed_before = failures;
+    int status = eng_step(scene, &settings, result);
+    assert_false(scene->staging);
+    if (status == ENG_OK && result->incomplete != ENG_COMPLETE) {
+        assert_int_equal(result->incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+        assert_true(failures > failed_before);
+        status = ENG_E_NOMEM;
+    }
+    return status;
+}
+
+#define STEPS_MAX 32u
+
+/* The hashes that a life has seen. */
+struct diary {
+    uint64_t hash[STEPS_MAX];
+    uint32_t count;
+};
+
+static void step(struct eng_scene *scene, enum eng_mode mode, int seed,
+                 struct diary *diary)
+{
+    struct eng_step_result result;
+    RETRY(try_step(scene, mode, seed, &result));
+    assert_true(eng_tree_validate(scene));
+    assert_true(diary->count < STEPS_MAX);
+    diary->hash[diary->count++] = result.hash_lo;
+}
+
+/* A failed attempt leaves the scene's positions alone. */
+static void check_failed_step_moves_nothing(struct eng_scene *scene)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    size_t bytes = scene->vertex_ranges.end * sizeof *scene->x[0];
+    double *before = malloc(bytes);
+    double x[1][3] = {{9, 9, 9}};
+    assert_non_null(before);
+    memcpy(before, scene->x[scene->now], bytes);
+    eng_stage_begin(scene);
+    int status = eng_stage_x1(scene, 0, ENG_F64, 0, 1, x);
+    if (status == ENG_OK) {
+        status = eng_step(scene, &settings, &result);
+    } else {
+        eng_stage_abort(scene);
+    }
+    if (!recovered(status)) {
+        assert_memory_equal(scene->x[scene->now], before, bytes);
+    }
+    free(before);
+}
+
+static void live(struct diary *diary)
+{
+    struct eng_scene *scene = NULL;
+    uint32_t idx[20];
+    diary->count = 0;
+    struct eng_mesh *mesh = make_sheet();
+    RETRY(eng_scene_new(&scene));
+    step(scene, ENG_MODE_ALL, 0, diary);
+    for (uint32_t i = 0; i < 3; i++) {
+        RETRY(eng_scene_add(scene, mesh, i, &idx[i]));
+        assert_int_equal(eng_scene_object_count(scene), i + 1);
+        step(scene, i == 1 ? ENG_MODE_PAIRS : ENG_MODE_ALL, (int)i, diary);
+    }
+    assert_int_equal(eng_scene_remove(scene, idx[1]), ENG_OK);
+    step(scene, ENG_MODE_FIRST, 3, diary);
+    for (uint32_t i = 3; i < 20; i++) { /* the tables of objects and holes grow */
+        RETRY(eng_scene_add(scene, mesh, i, &idx[i]));
+    }
+    check_failed_step_moves_nothing(scene);
+    step(scene, ENG_MODE_ANY, 4, diary);
+    for (uint32_t i = 3; i < 20; i += 2) {
+        assert_int_equal(eng_scene_remove(scene, idx[i]), ENG_OK);
+    }
+    step(scene, ENG_MODE_PAIRS, 5, diary);
+    step(scene, ENG_MODE_ALL, 6, diary);
+    eng_mesh_release(mesh);
+    eng_scene_free(scene);
+}
+
+/* If it failed: running out of memory would crash, leak, spoil the scene or change
+ * answers. */
+static void fault__every_allocation_may_fail(void **state)
+{
+    (void)state;
+    struct diary reference;
+    struct diary diary;
+    countdown = 0;
+    uint64_t before = allocations;
+    live(&reference);
+    assert_int_equal(held_blocks, 0);
+    uint64_t total = allocations - before;
+    assert_true(total > 50);
+    for (int mode = 0; mode < 2; mode++) {
+        goes_on_failing = mode == 1;
+        for (uint64_t n = 1; n <= total; n++) {
+            countdown = n;
+            failures = 0;
+            live(&diary);
+            assert_int_equal(failures, 1);
+            assert_int_equal(diary.count, reference.count);
+            assert_memory_equal(diary.hash, reference.hash,
+                                reference.count * sizeof *reference.hash);
+            assert_int_equal(held_blocks, 0);
+            assert_int_equal(held_bytes, 0);
+        }
+    }
+}
+
+/* If it failed: a call that could not get memory would leave a part of it behind. */
+static void fault__failed_calls_leave_nothing_behind(void **state)
+{
+    (void)state;
+    struct eng_mesh *mesh = NULL;
+    struct eng_scene *scene = NULL;
+    goes_on_failing = false;
+    for (uint64_t n = 1; n <= 3; n++) {
+        countdown = n;
+        assert_int_equal(eng_mesh_new(100, 100, &mesh), ENG_E_NOMEM);
+        assert_null(mesh);
+        assert_int_equal(held_blocks, 0);
+    }
+    for (uint64_t n = 1; n <= 2; n++) {
+        countdown = n;
+        assert_int_equal(eng_scene_new(&scene), ENG_E_NOMEM);
+        assert_null(scene);
+        assert_int_equal(held_blocks, 0);
+    }
+    countdown = 0;
+    mesh = make_sheet();
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    for (uint64_t n = 1;; n++) {
+        uint32_t idx = 77;
+        countdown = n;
+        int status = eng_scene_add(scene, mesh, 1, &idx);
+        if (status == ENG_OK) {
+            countdown = 0;
+            assert_true(n > 5);
+            break;
+        }
+        assert_int_equal(status, ENG_E_NOMEM);
+        assert_int_equal(idx, 77);
+        assert_int_equal(eng_scene_object_count(scene), 0);
+        assert_int_equal(scene->vertex_ranges.end, 0); /* the ranges came back */
+        assert_int_equal(scene->edge_ranges.end, 0);
+        assert_int_equal(scene->triangle_ranges.end, 0);
+        assert_int_equal(scene->node_ranges.end, 0);
+    }
+    eng_mesh_release(mesh);
+    eng_scene_free(scene);
+    assert_int_equal(held_blocks, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fault__failed_calls_leave_nothing_behind),
+        cmocka_unit_test(fault__every_allocation_may_fail),
+    };
+    return cmocka_run_group_tests_name("eng_fault", tests, NULL, NULL);
+}

@@ -1,0 +1,188 @@
+/* tests/unit/test_eng_filter.c - cheap certain rejections.
+ *
+ * Room:     engine (filter.h).
+ * Does:     lanes do not touch each other, planted contacts pass at every scale and
+ *           place, obvious misses do not.
+ * Does not: count what passes on real data.
+ * Threads:  one.
+ * Source:   daemon/engine/filter.h, BOUNDS.md.
+ */
+#include "eng_kit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "filter.h"
+
+/* The answer for one query, in every lane. */
+static bool passes(const struct eng_query *query)
+{
+    struct eng_lanes lanes;
+    for (unsigned lane = 0; lane < ENG_LANES; lane++) {
+        eng_lanes_set(&lanes, lane, query);
+    }
+    uint32_t bits = eng_filter(query->kind, &lanes);
+    assert_true(bits == 0 || bits == (1u << ENG_LANES) - 1);
+    return bits != 0;
+}
+
+static void random_query(struct kit_random *random, enum eng_kind kind,
+                         struct eng_query *query)
+{
+    double scale = ldexp(1, (int)kit_below(random, 120) - 60);
+    double jitter = ldexp(scale, -(int)kit_below(random, 60));
+    query->kind = kind;
+    for (int i = 0; i < 12; i++) {
+        double x = kit_between(random, -scale, scale);
+        query->x[0][i / 3][i % 3] = x;
+        query->x[1][i / 3][i % 3] = x + kit_between(random, -jitter, jitter);
+    }
+}
+
+/* If it failed: an answer would depend on which pairs happen to be tested together. */
+static void filter__lanes_are_independent(void **state)
+{
+    (void)state;
+    struct kit_random random = {50};
+    int passed = 0;
+    enum { ROUNDS = 20000 };
+    for (int round = 0; round < ROUNDS; round++) {
+        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        struct eng_query query[ENG_LANES];
+        bool alone[ENG_LANES];
+        for (unsigned i = 0; i < ENG_LANES; i++) {
+            if (kit_below(&random, 3) == 0) {
+                kit_plant(&random, kind, kit_below(&random, 9), &query[i]);
+            } else {
+                random_query(&random, kind, &query[i]);
+            }
+            alone[i] = passes(&query[i]);
+            passed += alone[i];
+        }
+        for (unsigned turn = 0; turn < ENG_LANES; turn++) {
+            struct eng_lanes lanes;
+            for (unsigned i = 0; i < ENG_LANES; i++) {
+                eng_lanes_set(&lanes, (i + turn) % ENG_LANES, &query[i]);
+            }
+            uint32_t bits = eng_filter(kind, &lanes);
+            for (unsigned i = 0; i < ENG_LANES; i++) {
+                assert_int_equal(bits >> (i + turn) % ENG_LANES & 1u, alone[i]);
+            }
+        }
+    }
+    assert_in_range(passed, ROUNDS / 10, ROUNDS * ENG_LANES - ROUNDS / 10);
+}
+
+/* If it failed: a real contact would be thrown away before anybody looks. */
+static void filter__planted_contacts_pass(void **state)
+{
+    (void)state;
+    struct kit_random random = {51};
+    for (int round = 0; round < 100000; round++) {
+        struct eng_query query;
+        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, (unsigned)round / 2 % 9, &query);
+        assert_true(passes(&query));
+    }
+}
+
+/* If it failed: underflow or overflow would turn a contact into a miss. */
+static void filter__planted_contacts_pass_at_every_scale(void **state)
+{
+    (void)state;
+    struct kit_random random = {52};
+    /* 2^9 2^50 < 1e18; the smallest bits, 2^-9 2^-1060, are the last denormals but
+     * few. */
+    for (int exponent = -1060; exponent <= 50; exponent += 5) {
+        for (int round = 0; round < 200; round++) {
+            struct eng_query query;
+            kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9),
+                      &query);
+            kit_place(&query, ldexp(1, exponent), 0);
+            assert_true(passes(&query));
+        }
+    }
+}
+
+/* If it failed: contacts far from the origin would be lost to cancellation. */
+static void filter__planted_contacts_pass_far_from_the_origin(void **state)
+{
+    (void)state;
+    struct kit_random random = {53};
+    for (int round = 0; round < 100000; round++) {
+        struct eng_query query;
+        double offset = ldexp(kit_integer(&random, 7), (int)kit_below(&random, 40));
+        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        kit_place(&query, 1, offset); /* below 2^43: the 2^-9 stay exact */
+        assert_true(passes(&query));
+    }
+}
+
+/* If it failed: degenerate features would be rejected by a sign of zero. */
+static void filter__degenerate_contacts_pass(void **state)
+{
+    (void)state;
+    struct kit_random random = {54};
+    for (int round = 0; round < 20000; round++) {
+        struct eng_query query;
+        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        /* Collapse everything onto one moving point, or onto a plane. */
+        for (int i = 0; i < 24; i++) {
+            int end = i / 12;
+            int point = i / 3 % 4;
+            if (round % 4 < 2) {
+                query.x[end][point][i % 3] = query.x[end][0][i % 3];
+            } else if (i % 3 == round % 3) {
+                query.x[end][point][i % 3] = 5;
+            }
+        }
+        assert_true(passes(&query));
+    }
+}
+
+static void check_rejected(enum eng_kind kind, const double x0[4][3],
+                           const double x1[4][3])
+{
+    struct eng_query query = {.kind = kind};
+    memcpy(query.x[0], x0, sizeof query.x[0]);
+    memcpy(query.x[1], x1, sizeof query.x[1]);
+    for (int exponent = -200; exponent <= 50; exponent += 10) {
+        struct eng_query scaled = query;
+        kit_place(&scaled, ldexp(1, exponent), 0);
+        assert_false(passes(&scaled));
+    }
+    kit_place(&query, 1, 1000);
+    assert_false(passes(&query));
+}
+
+/* If it failed: the filter would filter nothing, and every pair would be solved. */
+static void filter__obvious_misses_are_rejected(void **state)
+{
+    (void)state;
+    /* Above the plane of a tilted face all the time, boxes overlapping. */
+    const double above[4][3] = {{1, 1, 1.5}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}};
+    const double above1[4][3] = {{1, 1, 1.25}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}};
+    check_rejected(ENG_VF, above, above1);
+    /* Beyond the long side of a face in its own plane: only a diagonal separates. */
+    const double beside[4][3] = {{0.75, 0.75, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    check_rejected(ENG_VF, beside, beside);
+    /* Crossed edges that stay apart in z, tilted so that their boxes meet. */
+    const double crossed[4][3] = {{-1, -1, 0}, {1, 1, 1}, {-1, 1, 0.75}, {1, -1, 1.75}};
+    check_rejected(ENG_EE, crossed, crossed);
+    /* Parallel diagonal edges side by side, moving along each other. */
+    const double parallel[4][3] = {{0, 0, 0}, {2, 2, 0}, {0.5, 0, 0}, {2.5, 2, 0}};
+    const double parallel1[4][3] = {{1, 1, 0}, {3, 3, 0}, {0.5, 0, 0}, {2.5, 2, 0}};
+    check_rejected(ENG_EE, parallel, parallel1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(filter__lanes_are_independent),
+        cmocka_unit_test(filter__planted_contacts_pass),
+        cmocka_unit_test(filter__planted_contacts_pass_at_every_scale),
+        cmocka_unit_test(filter__planted_contacts_pass_far_from_the_origin),
+        cmocka_unit_test(filter__degenerate_contacts_pass),
+        cmocka_unit_test(filter__obvious_misses_are_rejected),
+    };
+    return cmocka_run_group_tests_name("eng_filter", tests, NULL, NULL);
+}

@@ -1,0 +1,176 @@
+/* tests/unit/test_eng_memory.c - the engine's allocations, counted.
+ *
+ * Room:     engine (memory.h).
+ * Does:     alignment, counts, refusal of sizes that overflow, content across realloc.
+ * Does not: make allocations fail one by one (test_eng_fault.c).
+ * Threads:  one, and four where the counters are shared.
+ * Source:   daemon/engine/memory.h.
+ */
+#include "eng_kit.h"
+
+#include <pthread.h>
+#include <string.h>
+
+#include "memory.h"
+
+/* Sizes beyond all memory are to be answered with NULL, under a sanitizer too. */
+__attribute__((visibility("default"))) const char *__asan_default_options(void);
+const char *__asan_default_options(void)
+{
+    return "allocator_may_return_null=1";
+}
+
+/* If it failed: vector loads from a block would fault or be slow. */
+static void memory__blocks_are_aligned_and_wholly_usable(void **state)
+{
+    (void)state;
+    for (size_t bytes = 0; bytes < 300; bytes++) {
+        unsigned char *block = eng_alloc(bytes, 1);
+        assert_non_null(block);
+        assert_int_equal((uintptr_t)block % 64, 0);
+        memset(block, 0xa5, bytes);
+        block = eng_realloc(block, bytes + 65, 1);
+        assert_non_null(block);
+        assert_int_equal((uintptr_t)block % 64, 0);
+        eng_free(block);
+    }
+}
+
+/* If it failed: "a warm step allocates nothing" in the statistics would mean nothing. */
+static void memory__count_rises_with_every_allocation(void **state)
+{
+    (void)state;
+    uint64_t start = eng_alloc_count();
+    void *a = eng_alloc(10, 10);
+    assert_int_equal(eng_alloc_count(), start + 1);
+    a = eng_realloc(a, 20, 10);
+    assert_int_equal(eng_alloc_count(), start + 2);
+    void *b = eng_realloc(NULL, 1, 1);
+    assert_non_null(b);
+    assert_int_equal(eng_alloc_count(), start + 3);
+    eng_free(a);
+    eng_free(b);
+    eng_free(NULL);
+    assert_int_equal(eng_alloc_count(), start + 3);
+}
+
+/* If it failed: the bytes that quotas are charged for would drift. */
+static void memory__bytes_return_to_the_start(void **state)
+{
+    (void)state;
+    uint64_t start = eng_alloc_bytes();
+    void *blocks[50];
+    for (size_t i = 0; i < 50; i++) {
+        uint64_t before = eng_alloc_bytes();
+        blocks[i] = eng_alloc(i, 1000);
+        assert_true(eng_alloc_bytes() - before >= i * 1000);
+        assert_true(eng_alloc_bytes() - before <= i * 1000 + 128);
+    }
+    for (size_t i = 0; i < 50; i++) {
+        blocks[i] = eng_realloc(blocks[i], 50 - i, 500);
+        assert_non_null(blocks[i]);
+    }
+    assert_true(eng_alloc_bytes() - start >= 50 * 51 / 2 * 500);
+    for (size_t i = 0; i < 50; i++) {
+        eng_free(blocks[i]);
+    }
+    assert_int_equal(eng_alloc_bytes(), start);
+}
+
+/* If it failed: a count from outside could make a block smaller than what is written to
+ * it. */
+static void memory__sizes_that_overflow_are_refused(void **state)
+{
+    (void)state;
+    uint64_t count = eng_alloc_count();
+    uint64_t bytes = eng_alloc_bytes();
+    assert_null(eng_alloc(SIZE_MAX, 2));
+    assert_null(eng_alloc(SIZE_MAX / 2 + 1, 2)); /* wraps to 0 */
+    assert_null(eng_alloc((size_t)1 << 32, (size_t)1 << 32));
+    for (size_t less = 0; less <= 256; less += 32) {
+        assert_null(eng_alloc(SIZE_MAX - less, 1)); /* the header must not wrap either */
+    }
+    assert_int_equal(eng_alloc_count(), count);
+    assert_int_equal(eng_alloc_bytes(), bytes);
+}
+
+/* If it failed: growing an array would lose or spoil what it holds. */
+static void memory__realloc_keeps_the_content(void **state)
+{
+    (void)state;
+    struct kit_random random = {1};
+    size_t bytes = 100;
+    unsigned char *block = eng_alloc(bytes, 1);
+    for (size_t i = 0; i < bytes; i++) {
+        block[i] = (unsigned char)(i * 7);
+    }
+    for (int round = 0; round < 200; round++) {
+        size_t next = 1 + kit_below(&random, 5000);
+        size_t kept = next < bytes ? next : bytes;
+        block = eng_realloc(block, next, 1);
+        assert_non_null(block);
+        for (size_t i = 0; i < kept; i++) {
+            assert_int_equal(block[i], (unsigned char)(i * 7));
+        }
+        for (size_t i = kept; i < next; i++) {
+            block[i] = (unsigned char)(i * 7);
+        }
+        bytes = next;
+    }
+    eng_free(block);
+}
+
+/* If it failed: a scene that cannot grow would lose the array that it has. */
+static void memory__refused_realloc_leaves_the_old_block(void **state)
+{
+    (void)state;
+    uint64_t bytes = eng_alloc_bytes();
+    char *block = eng_alloc(3, 4);
+    memcpy(block, "still here!", 12);
+    assert_null(eng_realloc(block, SIZE_MAX / 2, 4));
+    assert_string_equal(block, "still here!");
+    eng_free(block);
+    assert_int_equal(eng_alloc_bytes(), bytes);
+}
+
+static void *churn(void *argument)
+{
+    (void)argument;
+    for (size_t i = 0; i < 20000; i++) {
+        void *block = eng_alloc(i % 97, 8);
+        block = eng_realloc(block, i % 89, 8);
+        eng_free(block);
+    }
+    return NULL;
+}
+
+/* If it failed: counts taken by several threads at once would get lost. */
+static void memory__threads_lose_no_counts(void **state)
+{
+    (void)state;
+    pthread_t threads[4];
+    uint64_t count = eng_alloc_count();
+    uint64_t bytes = eng_alloc_bytes();
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(pthread_create(&threads[i], NULL, churn, NULL), 0);
+    }
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(pthread_join(threads[i], NULL), 0);
+    }
+    assert_int_equal(eng_alloc_count(), count + 4 * 2 * 20000);
+    assert_int_equal(eng_alloc_bytes(), bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory__blocks_are_aligned_and_wholly_usable),
+        cmocka_unit_test(memory__count_rises_with_every_allocation),
+        cmocka_unit_test(memory__bytes_return_to_the_start),
+        cmocka_unit_test(memory__sizes_that_overflow_are_refused),
+        cmocka_unit_test(memory__realloc_keeps_the_content),
+        cmocka_unit_test(memory__refused_realloc_leaves_the_old_block),
+        cmocka_unit_test(memory__threads_lose_no_counts),
+    };
+    return cmocka_run_group_tests_name("eng_memory", tests, NULL, NULL);
+}

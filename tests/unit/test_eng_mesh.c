@@ -1,0 +1,383 @@
+/* tests/unit/test_eng_mesh.c - registration of a mesh.
+ *
+ * Room:     engine (mesh.h, topology.h).
+ * Does:     chunks, refusals, counts, edges and the ownership of features.
+ * Does not: move or collide.
+ * Threads:  one.
+ * Source:   daemon/engine/mesh.h; paper section 3.1.
+ */
+#include "eng_kit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "memory.h"
+#include "topology.h"
+
+/* Huge counts are to be answered, under a sanitizer too. */
+__attribute__((visibility("default"))) const char *__asan_default_options(void);
+const char *__asan_default_options(void)
+{
+    return "allocator_may_return_null=1";
+}
+
+/* Two triangles of a unit square. */
+static const double square_x[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+static const uint32_t square_t[2][3] = {{0, 1, 2}, {0, 2, 3}};
+
+static struct eng_mesh *new_mesh(uint32_t vertices, uint32_t triangles)
+{
+    struct eng_mesh *mesh = NULL;
+    assert_int_equal(eng_mesh_new(vertices, triangles, &mesh), ENG_OK);
+    return mesh;
+}
+
+static int write_x(struct eng_mesh *mesh, uint32_t first, uint32_t count)
+{
+    return eng_mesh_write_vertices(mesh, ENG_F64, first, count, square_x[first]);
+}
+
+static int write_t(struct eng_mesh *mesh, uint32_t first, uint32_t count)
+{
+    uint32_t bad = 0;
+    return eng_mesh_write_triangles(mesh, first, count, square_t[first], &bad);
+}
+
+/* If it failed: a large mesh could not come in pieces. */
+static void mesh__chunks_in_order_make_a_mesh(void **state)
+{
+    (void)state;
+    struct eng_mesh *mesh = new_mesh(4, 2);
+    uint32_t vertices;
+    uint32_t triangles;
+    assert_int_equal(write_x(mesh, 0, 1), ENG_OK);
+    assert_int_equal(write_x(mesh, 1, 2), ENG_OK);
+    eng_mesh_received(mesh, &vertices, &triangles);
+    assert_int_equal(vertices, 3);
+    assert_int_equal(triangles, 0);
+    assert_int_equal(write_x(mesh, 2, 2), ENG_OK); /* overlapping is allowed */
+    assert_int_equal(write_t(mesh, 0, 1), ENG_OK);
+    assert_int_equal(write_t(mesh, 1, 1), ENG_OK);
+    assert_int_equal(write_t(mesh, 0, 1), ENG_OK); /* again: the prefix stays */
+    eng_mesh_received(mesh, &vertices, &triangles);
+    assert_int_equal(vertices, 4);
+    assert_int_equal(triangles, 2);
+    assert_false(eng_mesh_is_committed(mesh));
+    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+    assert_true(eng_mesh_is_committed(mesh));
+    assert_memory_equal(mesh->x, square_x, sizeof square_x);
+    eng_mesh_release(mesh);
+}
+
+/* If it failed: vertices that never came would be used. */
+static void mesh__gaps_and_ranges_outside_are_refused(void **state)
+{
+    (void)state;
+    struct eng_mesh *mesh = new_mesh(4, 2);
+    assert_int_equal(write_x(mesh, 1, 1), ENG_E_STATE);
+    assert_int_equal(write_t(mesh, 1, 1), ENG_E_STATE);
+    assert_int_equal(write_x(mesh, 0, 0), ENG_E_INVAL);
+    assert_int_equal(write_x(mesh, 0, 5), ENG_E_INVAL);
+    assert_int_equal(write_x(mesh, 3, 2), ENG_E_INVAL);
+    assert_int_equal(write_x(mesh, 0, UINT32_MAX), ENG_E_INVAL);
+    assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, UINT32_MAX, 2, square_x),
+                     ENG_E_INVAL);
+    assert_int_equal(write_t(mesh, 0, 3), ENG_E_INVAL);
+    uint32_t vertices;
+    uint32_t triangles;
+    eng_mesh_received(mesh, &vertices, &triangles);
+    assert_int_equal(vertices, 0);
+    assert_int_equal(triangles, 0);
+    eng_mesh_release(mesh);
+}
+
+/* If it failed: a peer's wrong index would read outside, or it would not learn which
+ * one. */
+static void mesh__index_out_of_range_names_the_triangle(void **state)
+{
+    (void)state;
+    enum { COUNT = 1500 };
+    static uint32_t triangles[COUNT][3];
+    struct eng_mesh *mesh = new_mesh(4, COUNT);
+    for (uint32_t at = 0; at < COUNT; at += 499) {
+        for (uint32_t corner = 0; corner < 3; corner++) {
+            uint32_t bad = UINT32_MAX;
+            memset(triangles, 0, sizeof triangles);
+            triangles[at][corner] = corner == 2 ? UINT32_MAX : 4;
+            assert_int_equal(eng_mesh_write_triangles(mesh, 0, COUNT, triangles, &bad),
+                             ENG_E_INDEX);
+            assert_int_equal(bad, at);
+            /* The same in a chunk that does not begin at 0. */
+            memset(triangles, 0, sizeof triangles);
+            assert_int_equal(eng_mesh_write_triangles(mesh, 0, 10, triangles, &bad),
+                             ENG_OK);
+            if (at >= 10) {
+                triangles[at][corner] = 4;
+                assert_int_equal(
+                    eng_mesh_write_triangles(mesh, 10, COUNT - 10, triangles[10], &bad),
+                    ENG_E_INDEX);
+                assert_int_equal(bad, at);
+            }
+        }
+    }
+    uint32_t vertices;
+    uint32_t received;
+    eng_mesh_received(mesh, &vertices, &received);
+    assert_int_equal(received, 10); /* nothing of a refused chunk counts */
+    eng_mesh_release(mesh);
+}
+
+/* If it failed: NaN or overflow would reach boxes and error bounds. */
+static void mesh__coordinates_beyond_the_limits_are_refused(void **state)
+{
+    (void)state;
+    const double bad[] = {NAN,   -NAN, INFINITY, -INFINITY, nextafter(1e18, INFINITY),
+                          -1e300};
+    const double good[] = {1e18, -1e18, 0.0, -0.0, 5e-324, -1e-310};
+    const float bad_f[] = {NAN, INFINITY, -INFINITY, nextafterf(1e18f, INFINITY), -3e38f};
+    for (size_t i = 0; i < 12 * sizeof bad / sizeof *bad; i++) {
+        double x[4][3] = {{0}};
+        struct eng_mesh *mesh = new_mesh(4, 2);
+        x[i % 12 / 3][i % 3] = bad[i / 12];
+        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 0, 4, x),
+                         ENG_E_NOTFINITE);
+        x[i % 12 / 3][i % 3] = good[i / 12];
+        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 0, 4, x), ENG_OK);
+        assert_memory_equal(mesh->x, x, sizeof x);
+        eng_mesh_release(mesh);
+    }
+    for (size_t i = 0; i < 12 * sizeof bad_f / sizeof *bad_f; i++) {
+        float x[4][3] = {{0}};
+        struct eng_mesh *mesh = new_mesh(4, 2);
+        x[i % 12 / 3][i % 3] = bad_f[i / 12];
+        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F32, 0, 4, x),
+                         ENG_E_NOTFINITE);
+        x[i % 12 / 3][i % 3] = 0.1f;
+        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F32, 0, 4, x), ENG_OK);
+        assert_true(mesh->x[i % 12 / 3][i % 3] == (double)0.1f);
+        eng_mesh_release(mesh);
+    }
+}
+
+/* If it failed: what a refused chunk spoilt would be taken for good vertices. */
+static void mesh__refused_chunk_has_to_come_again(void **state)
+{
+    (void)state;
+    double x[4][3];
+    struct eng_mesh *mesh = new_mesh(4, 2);
+    assert_int_equal(write_x(mesh, 0, 4), ENG_OK);
+    assert_int_equal(write_t(mesh, 0, 2), ENG_OK);
+    memcpy(x, square_x, sizeof x);
+    x[2][1] = NAN;
+    assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 1, 3, x[1]), ENG_E_NOTFINITE);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
+    assert_int_equal(write_x(mesh, 1, 3), ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+    assert_memory_equal(mesh->x, square_x, sizeof square_x);
+    eng_mesh_release(mesh);
+}
+
+/* If it failed: a mesh in use could change, or an unfinished one could be used. */
+static void mesh__commit_happens_once_and_only_when_complete(void **state)
+{
+    (void)state;
+    struct eng_mesh *mesh = new_mesh(4, 2);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
+    assert_int_equal(write_x(mesh, 0, 4), ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
+    assert_int_equal(write_t(mesh, 0, 1), ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
+    assert_int_equal(write_t(mesh, 1, 1), ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
+    assert_int_equal(write_x(mesh, 0, 4), ENG_E_STATE);
+    assert_int_equal(write_t(mesh, 0, 2), ENG_E_STATE);
+    eng_mesh_release(mesh);
+}
+
+/* If it failed: a peer's absurd count would crash the process or leave memory behind. */
+static void mesh__absurd_counts_are_refused(void **state)
+{
+    (void)state;
+    struct eng_mesh *mesh = NULL;
+    uint64_t bytes = eng_alloc_bytes();
+    assert_int_equal(eng_mesh_new(0, 1, &mesh), ENG_E_INVAL);
+    assert_int_equal(eng_mesh_new(1, 0, &mesh), ENG_E_INVAL);
+    assert_int_equal(eng_mesh_new(ENG_COUNT_MAX + 1, 1, &mesh), ENG_E_INVAL);
+    assert_int_equal(eng_mesh_new(1, ENG_COUNT_MAX + 1, &mesh), ENG_E_INVAL);
+    assert_int_equal(eng_mesh_new(UINT32_MAX, UINT32_MAX, &mesh), ENG_E_INVAL);
+    assert_null(mesh);
+    int status = eng_mesh_new(ENG_COUNT_MAX, ENG_COUNT_MAX, &mesh);
+    if (status == ENG_OK) { /* memory that is reserved but not touched */
+        assert_true(eng_mesh_bytes(mesh) > (uint64_t)ENG_COUNT_MAX * 36);
+        eng_mesh_release(mesh);
+    } else {
+        assert_int_equal(status, ENG_E_NOMEM);
+        assert_null(mesh);
+    }
+    assert_int_equal(eng_alloc_bytes(), bytes);
+}
+
+/* If it failed: the report after registration would not describe the mesh. */
+static void mesh__counts_describe_duplicates_degenerates_and_isolated(void **state)
+{
+    (void)state;
+    const double x[7][3] = {{0, 0, 0}, {1, 0, 0},   {0, 1, 0}, {2, 0, 0},
+                            {5, 5, 5}, {0.1, 0, 1}, {9, 9, 9}};
+    const uint32_t t[7][3] = {
+        {0, 1, 2}, {2, 0, 1}, /* the same, rotated */
+        {1, 0, 2},            /* the same, turned over */
+        {0, 1, 3},            /* on one line */
+        {2, 2, 5},            /* a segment */
+        {5, 5, 5},            /* a point */
+        {0, 1, 5},
+    };
+    struct eng_mesh *mesh = kit_mesh(x, 7, t, 7);
+    struct eng_mesh_info info;
+    eng_mesh_get_info(mesh, &info);
+    assert_int_equal(info.vertex_count, 7);
+    assert_int_equal(info.triangle_count, 7);
+    assert_int_equal(info.duplicate_count, 2);
+    assert_int_equal(info.degenerate_count, 3);
+    assert_int_equal(info.isolated_count, 2);
+    assert_int_equal(info.edge_count, 8); /* 01 02 12 03 13 25 05 15 */
+    eng_mesh_release(mesh);
+}
+
+/* If it failed: edge numbers would not be those of public ground-truth data. */
+static void mesh__edges_are_unique_and_sorted_by_higher_then_lower(void **state)
+{
+    (void)state;
+    const uint32_t square_edges[5][2] = {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {2, 3}};
+    struct eng_mesh *mesh = kit_mesh(square_x, 4, square_t, 2);
+    struct eng_mesh_info info;
+    eng_mesh_get_info(mesh, &info);
+    assert_int_equal(info.edge_count, 5);
+    assert_memory_equal(eng_mesh_edges(mesh), square_edges, sizeof square_edges);
+    eng_mesh_release(mesh);
+
+    mesh = kit_sheet(20, 0);
+    eng_mesh_get_info(mesh, &info);
+    assert_int_equal(info.edge_count, 20 * 21 * 2 + 20 * 20);
+    const uint32_t(*edges)[2] = eng_mesh_edges(mesh);
+    for (uint32_t i = 0; i < info.edge_count; i++) {
+        assert_true(edges[i][0] < edges[i][1]);
+        assert_true(i == 0 || edges[i - 1][1] < edges[i][1] ||
+                    (edges[i - 1][1] == edges[i][1] && edges[i - 1][0] < edges[i][0]));
+    }
+    eng_mesh_release(mesh);
+}
+
+/* Each vertex of a triangle and each edge has one owner, the owner has it, and the edges
+ * of a triangle are the pairs of its corners. */
+static void check_ownership(const struct eng_mesh *mesh)
+{
+    struct eng_mesh_info info;
+    eng_mesh_get_info(mesh, &info);
+    uint32_t *vertex_owners = calloc(info.vertex_count, sizeof *vertex_owners);
+    uint32_t *used = calloc(info.vertex_count, sizeof *used);
+    uint32_t *edge_owners = calloc(info.edge_count + 1, sizeof *edge_owners);
+    assert_true(vertex_owners && used && edge_owners);
+    for (uint32_t t = 0; t < info.triangle_count; t++) {
+        const struct eng_triangle *triangle = &mesh->triangles[t];
+        for (unsigned k = 0; k < 3; k++) {
+            uint32_t a = triangle->v[k];
+            uint32_t b = triangle->v[(k + 1) % 3];
+            used[a] = 1;
+            vertex_owners[a] += (triangle->owns & ENG_OWNS_VERTEX(k)) != 0;
+            if (a == b) {
+                assert_int_equal(triangle->e[k], ENG_NO_EDGE);
+                assert_false(triangle->owns & ENG_OWNS_EDGE(k));
+                continue;
+            }
+            assert_true(triangle->e[k] < info.edge_count);
+            assert_int_equal(mesh->edges[triangle->e[k]][0], a < b ? a : b);
+            assert_int_equal(mesh->edges[triangle->e[k]][1], a < b ? b : a);
+            edge_owners[triangle->e[k]] += (triangle->owns & ENG_OWNS_EDGE(k)) != 0;
+        }
+    }
+    for (uint32_t v = 0; v < info.vertex_count; v++) {
+        assert_int_equal(vertex_owners[v], used[v]);
+    }
+    for (uint32_t e = 0; e < info.edge_count; e++) {
+        assert_int_equal(edge_owners[e], 1);
+    }
+    free(vertex_owners);
+    free(used);
+    free(edge_owners);
+}
+
+/* If it failed: a contact would be missing (no owner) or reported twice (two). */
+static void mesh__every_feature_is_owned_exactly_once(void **state)
+{
+    (void)state;
+    struct kit_random random = {7};
+    struct eng_mesh *mesh = kit_sheet(9, 0);
+    check_ownership(mesh);
+    eng_mesh_release(mesh);
+    mesh = kit_soup(&random, 100); /* every triangle by itself */
+    check_ownership(mesh);
+    eng_mesh_release(mesh);
+
+    /* A book: many pages at one edge. */
+    double x[22][3] = {{0}};
+    uint32_t pages[20][3];
+    for (uint32_t i = 0; i < 20; i++) {
+        pages[i][0] = i % 2;
+        pages[i][1] = 1 - i % 2;
+        pages[i][2] = 2 + i;
+    }
+    mesh = kit_mesh((const double(*)[3])x, 22, (const uint32_t(*)[3])pages, 20);
+    check_ownership(mesh);
+    eng_mesh_release(mesh);
+
+    /* Few vertices, random corners: repeated indices, duplicates, every non-manifold
+     * case. */
+    for (int round = 0; round < 300; round++) {
+        uint32_t triangles[30][3];
+        uint32_t vertices = 1 + kit_below(&random, 12);
+        for (uint32_t i = 0; i < 90; i++) {
+            triangles[i / 3][i % 3] = kit_below(&random, vertices);
+        }
+        mesh = kit_mesh((const double(*)[3])x, vertices, (const uint32_t(*)[3])triangles,
+                        1 + kit_below(&random, 30));
+        check_ownership(mesh);
+        eng_mesh_release(mesh);
+    }
+}
+
+/* If it failed: a mesh would go while an instance of it is in use, or stay for ever. */
+static void mesh__last_release_frees(void **state)
+{
+    (void)state;
+    uint64_t bytes = eng_alloc_bytes();
+    struct eng_mesh *mesh = kit_mesh(square_x, 4, square_t, 2);
+    uint64_t held = eng_alloc_bytes();
+    assert_true(held > bytes);
+    assert_ptr_equal(eng_mesh_acquire(mesh), mesh);
+    eng_mesh_release(mesh);
+    assert_int_equal(eng_alloc_bytes(), held);
+    assert_int_equal(mesh->info.edge_count, 5);
+    eng_mesh_release(mesh);
+    assert_int_equal(eng_alloc_bytes(), bytes);
+    eng_mesh_release(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mesh__chunks_in_order_make_a_mesh),
+        cmocka_unit_test(mesh__gaps_and_ranges_outside_are_refused),
+        cmocka_unit_test(mesh__index_out_of_range_names_the_triangle),
+        cmocka_unit_test(mesh__coordinates_beyond_the_limits_are_refused),
+        cmocka_unit_test(mesh__refused_chunk_has_to_come_again),
+        cmocka_unit_test(mesh__commit_happens_once_and_only_when_complete),
+        cmocka_unit_test(mesh__absurd_counts_are_refused),
+        cmocka_unit_test(mesh__counts_describe_duplicates_degenerates_and_isolated),
+        cmocka_unit_test(mesh__edges_are_unique_and_sorted_by_higher_then_lower),
+        cmocka_unit_test(mesh__every_feature_is_owned_exactly_once),
+        cmocka_unit_test(mesh__last_release_frees),
+    };
+    return cmocka_run_group_tests_name("eng_mesh", tests, NULL, NULL);
+}

@@ -1,0 +1,244 @@
+/* tests/unit/test_eng_refit.c - bottom-up update of every box.
+ *
+ * Room:     engine (refit.h, world.h).
+ * Does:     containment and tightness after random steps; refitting twice is as once.
+ * Does not: change the shape of trees.
+ * Threads:  one.
+ * Source:   daemon/engine/refit.h; paper section 6.1.
+ */
+#include "eng_kit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "build.h"
+#include "refit.h"
+#include "step.h"
+#include "world.h"
+
+#define VERTICES 300u /* of 100 separate triangles */
+
+static struct eng_scene *new_scene(struct kit_random *random, uint32_t objects)
+{
+    struct eng_scene *scene = NULL;
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    for (uint32_t i = 0; i < objects; i++) {
+        uint32_t idx;
+        struct eng_mesh *mesh = kit_soup(random, VERTICES / 3);
+        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), ENG_OK);
+        eng_mesh_release(mesh);
+    }
+    return scene;
+}
+
+static void run(struct eng_scene *scene)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    settings.mode = ENG_MODE_ANY;
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+}
+
+static void move_to(struct eng_scene *scene, uint32_t object_idx, const double (*x)[3])
+{
+    assert_int_equal(eng_stage_x1(scene, object_idx, ENG_F64, 0, VERTICES, x), ENG_OK);
+}
+
+/* Around everywhere, at scales from tiny to huge. */
+static void random_positions(struct kit_random *random, double (*x)[3])
+{
+    double scale = ldexp(1, (int)kit_below(random, 80) - 40);
+    for (uint32_t i = 0; i < 3 * VERTICES; i++) {
+        x[i / 3][i % 3] = kit_between(random, -scale, scale);
+    }
+}
+
+static void check_point(const struct eng_box *box, const double *x0, const double *x1)
+{
+    for (int k = 0; k < 3; k++) {
+        assert_true((double)box->lo0[k] <= x0[k] && x0[k] <= (double)box->hi0[k]);
+        assert_true((double)box->lo1[k] <= x1[k] && x1[k] <= (double)box->hi1[k]);
+    }
+}
+
+static void check_all(const struct eng_scene *scene)
+{
+    const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
+    const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
+    for (uint32_t v = 0; v < scene->vertex_ranges.end; v++) {
+        check_point(eng_box_of_const(&scene->vertices[v]), x0[v], x1[v]);
+    }
+    for (uint32_t e = 0; e < scene->edge_ranges.end; e++) {
+        const struct eng_edge *edge = &scene->edges[e];
+        check_point(eng_box_of_const(edge), x0[edge->a], x1[edge->a]);
+        check_point(eng_box_of_const(edge), x0[edge->b], x1[edge->b]);
+    }
+    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
+        const struct eng_node *node = &scene->nodes[i];
+        for (int k = 0; k < 3 && node->left == ENG_LEAF; k++) {
+            uint32_t v = scene->triangles[node->right].v[k];
+            check_point(eng_box_of_const(node), x0[v], x1[v]);
+        }
+    }
+    assert_true(eng_tree_validate(scene));
+}
+
+/* If it failed: a pair would be culled although its features meet. */
+static void refit__boxes_contain_their_content_after_every_step(void **state)
+{
+    (void)state;
+    struct kit_random random = {30};
+    struct eng_scene *scene = new_scene(&random, 3);
+    static double x[VERTICES][3];
+    for (int step = 0; step < 60; step++) {
+        eng_stage_begin(scene);
+        for (uint32_t idx = 0; idx < 3; idx++) {
+            if (kit_below(&random, 3) > 0) { /* some stand still */
+                random_positions(&random, x);
+                move_to(scene, idx, (const double(*)[3])x);
+            }
+        }
+        run(scene);
+        check_all(scene);
+    }
+    eng_scene_free(scene);
+}
+
+/* If it failed: boxes would be larger than rounding asks for, and culling worse. */
+static void refit__root_is_as_tight_as_the_vertices(void **state)
+{
+    (void)state;
+    struct kit_random random = {31};
+    struct eng_scene *scene = new_scene(&random, 3);
+    static double x[VERTICES][3];
+    for (int step = 0; step < 20; step++) {
+        eng_stage_begin(scene);
+        for (uint32_t idx = 0; idx < 3; idx++) {
+            random_positions(&random, x);
+            move_to(scene, idx, (const double(*)[3])x);
+        }
+        run(scene);
+        const struct eng_node *root = &scene->nodes[scene->root];
+        for (int k = 0; k < 3; k++) {
+            double low[2] = {INFINITY, INFINITY};
+            double high[2] = {-INFINITY, -INFINITY};
+            for (uint32_t v = 0; v < scene->vertex_ranges.end; v++) {
+                for (unsigned end = 0; end < 2; end++) {
+                    double y = scene->x[end ? scene->now : 1 - scene->now][v][k];
+                    low[end] = fmin(low[end], y);
+                    high[end] = fmax(high[end], y);
+                }
+            }
+            assert_true(root->lo0[k] == eng_round_down(low[0]));
+            assert_true(root->hi0[k] == eng_round_up(high[0]));
+            assert_true(root->lo1[k] == eng_round_down(low[1]));
+            assert_true(root->hi1[k] == eng_round_up(high[1]));
+        }
+    }
+    eng_scene_free(scene);
+}
+
+/* Copies of every record with a box. */
+struct snapshot {
+    struct eng_node *nodes;
+    struct eng_edge *edges;
+    struct eng_vertex *vertices;
+};
+
+static void *copy_of(const void *data, size_t bytes)
+{
+    void *copy = malloc(bytes);
+    assert_non_null(copy);
+    memcpy(copy, data, bytes);
+    return copy;
+}
+
+static struct snapshot snap(const struct eng_scene *scene)
+{
+    return (struct snapshot){
+        copy_of(scene->nodes, scene->node_ranges.end * sizeof *scene->nodes),
+        copy_of(scene->edges, scene->edge_ranges.end * sizeof *scene->edges),
+        copy_of(scene->vertices, scene->vertex_ranges.end * sizeof *scene->vertices)};
+}
+
+static void drop(struct snapshot *snapshot)
+{
+    free(snapshot->nodes);
+    free(snapshot->edges);
+    free(snapshot->vertices);
+}
+
+static void check_same(const struct eng_scene *scene, const struct snapshot *before)
+{
+    assert_memory_equal(scene->nodes, before->nodes,
+                        scene->node_ranges.end * sizeof *scene->nodes);
+    assert_memory_equal(scene->edges, before->edges,
+                        scene->edge_ranges.end * sizeof *scene->edges);
+    assert_memory_equal(scene->vertices, before->vertices,
+                        scene->vertex_ranges.end * sizeof *scene->vertices);
+}
+
+/* If it failed: boxes would grow from step to step without a cause. */
+static void refit__repeated_refit_does_not_inflate(void **state)
+{
+    (void)state;
+    struct kit_random random = {32};
+    struct eng_scene *scene = new_scene(&random, 2);
+    static double p[VERTICES][3];
+    static double q[VERTICES][3];
+    random_positions(&random, p);
+    random_positions(&random, q);
+    struct snapshot first = {NULL, NULL, NULL};
+    for (int round = 0; round < 6; round++) {
+        eng_stage_begin(scene);
+        assert_int_equal(eng_stage_x0x1(scene, 0, ENG_F64, 0, VERTICES, p, q), ENG_OK);
+        assert_int_equal(eng_stage_x0x1(scene, 1, ENG_F64, 0, VERTICES, q, p), ENG_OK);
+        run(scene);
+        if (round == 0) {
+            first = snap(scene);
+        }
+        check_same(scene, &first);
+        for (int again = 0; again < 5; again++) {
+            eng_refit(scene);
+        }
+        check_same(scene, &first);
+        eng_stage_begin(scene); /* somewhere else in between */
+        move_to(scene, 0, (const double(*)[3])p);
+        run(scene);
+    }
+    drop(&first);
+    eng_scene_free(scene);
+}
+
+/* If it failed: an object that stands still would keep the boxes of its last motion. */
+static void refit__still_objects_have_equal_boxes_at_both_ends(void **state)
+{
+    (void)state;
+    struct kit_random random = {33};
+    struct eng_scene *scene = new_scene(&random, 2);
+    static double x[VERTICES][3];
+    random_positions(&random, x);
+    eng_stage_begin(scene);
+    move_to(scene, 0, (const double(*)[3])x);
+    run(scene);
+    run(scene);
+    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
+        const struct eng_node *node = &scene->nodes[i];
+        assert_memory_equal(node->lo0, node->lo1, sizeof node->lo0);
+        assert_memory_equal(node->hi0, node->hi1, sizeof node->hi0);
+    }
+    check_all(scene);
+    eng_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(refit__boxes_contain_their_content_after_every_step),
+        cmocka_unit_test(refit__root_is_as_tight_as_the_vertices),
+        cmocka_unit_test(refit__repeated_refit_does_not_inflate),
+        cmocka_unit_test(refit__still_objects_have_equal_boxes_at_both_ends),
+    };
+    return cmocka_run_group_tests_name("eng_refit", tests, NULL, NULL);
+}

@@ -1,0 +1,404 @@
+/* tests/unit/test_eng_stage.c - the positions of a step.
+ *
+ * Room:     engine (scene.h, step.h, world.h).
+ * Does:     what each kind of write means for both ends, and that whatever fails or is
+ *           aborted leaves the positions as they were.
+ * Does not: look at contacts.
+ * Threads:  one.
+ * Source:   daemon/engine/scene.h.
+ */
+#include "eng_kit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "step.h"
+#include "world.h"
+
+#define OBJECTS 3u
+#define V       16u /* vertices of a sheet of 3 x 3 squares */
+
+struct fixture {
+    struct eng_scene *scene;
+    double at[OBJECTS][V][3]; /* where the scene should stand */
+};
+
+static int setup(void **state)
+{
+    static struct fixture fixture;
+    assert_int_equal(eng_scene_new(&fixture.scene), ENG_OK);
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        uint32_t idx;
+        struct eng_mesh *mesh = kit_sheet(3, i);
+        assert_int_equal(eng_scene_add(fixture.scene, mesh, 10 + i, &idx), ENG_OK);
+        assert_int_equal(idx, i);
+        assert_int_equal(eng_scene_vertex_count(fixture.scene, idx), V);
+        memcpy(fixture.at[i], mesh->x, sizeof fixture.at[i]);
+        eng_mesh_release(mesh);
+    }
+    *state = &fixture;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    eng_scene_free(f->scene);
+    return 0;
+}
+
+static int run(struct eng_scene *scene)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    settings.mode = ENG_MODE_ANY;
+    return eng_step(scene, &settings, &result);
+}
+
+/* Positions of object i at an end of the last step. */
+static const double (*end_of(const struct eng_scene *scene, uint32_t i, int end))[3]
+{
+    unsigned buffer = end ? scene->now : 1 - scene->now;
+    return (const double(*)[3])scene->x[buffer] + scene->objects[i].vertices.first;
+}
+
+static void check_end(const struct fixture *f, uint32_t i, int end, const double (*x)[3])
+{
+    assert_memory_equal(end_of(f->scene, i, end), x, V * sizeof *x);
+}
+
+/* Everything stands where f->at says. */
+static void check_standing(const struct fixture *f)
+{
+    assert_false(f->scene->staging);
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        check_end(f, i, 1, (const double(*)[3])f->at[i]);
+    }
+}
+
+static void fill(struct kit_random *random, double (*x)[3], uint32_t count)
+{
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        x[i / 3][i % 3] = kit_between(random, -1, 1);
+    }
+}
+
+/* If it failed: the start of a step would not be the end of the last one. */
+static void stage__x1_moves_from_the_last_end(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {40};
+    double x[V][3];
+    for (int step = 0; step < 5; step++) {
+        fill(&random, x, V);
+        eng_stage_begin(f->scene);
+        assert_int_equal(eng_stage_x1(f->scene, 1, ENG_F64, 0, V, x), ENG_OK);
+        assert_int_equal(run(f->scene), ENG_OK);
+        check_end(f, 1, 0, (const double(*)[3])f->at[1]);
+        memcpy(f->at[1], x, sizeof x);
+        check_standing(f);
+        check_end(f, 0, 0, (const double(*)[3])f->at[0]); /* the others stand still */
+        check_end(f, 2, 0, (const double(*)[3])f->at[2]);
+    }
+}
+
+/* If it failed: a teleport would be swept, or floats would not be taken exactly. */
+static void stage__x0x1_gives_both_ends(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {41};
+    float x0[V][3];
+    float x1[V][3];
+    double expected[2][V][3];
+    for (uint32_t i = 0; i < 3 * V; i++) {
+        x0[i / 3][i % 3] = (float)kit_between(&random, -1, 1);
+        x1[i / 3][i % 3] = (float)kit_between(&random, -1, 1);
+        expected[0][i / 3][i % 3] = (double)x0[i / 3][i % 3];
+        expected[1][i / 3][i % 3] = (double)x1[i / 3][i % 3];
+    }
+    eng_stage_begin(f->scene);
+    assert_int_equal(eng_stage_x0x1(f->scene, 2, ENG_F32, 0, V, x0, x1), ENG_OK);
+    assert_int_equal(run(f->scene), ENG_OK);
+    check_end(f, 2, 0, (const double(*)[3])expected[0]);
+    memcpy(f->at[2], expected[1], sizeof expected[1]);
+    check_standing(f);
+}
+
+/* If it failed: a rigid motion would not have the bits that its documentation
+ * promises. */
+static void stage__rigid_is_the_documented_formula(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {42};
+    double m[2][12];
+    double expected[2][V][3];
+    const double(*rest)[3] = (const double(*)[3])f->scene->objects[0].mesh->x;
+    for (int step = 0; step < 3; step++) {
+        for (int i = 0; i < 24; i++) {
+            m[i / 12][i % 12] = kit_between(&random, -2, 2);
+        }
+        for (uint32_t i = 0; i < 2 * 3 * V; i++) {
+            const double *row = m[i / (3 * V)] + 4 * (i % 3);
+            const double *x = rest[i / 3 % V];
+            volatile double a = row[0] * x[0]; /* volatile: no operation may be fused */
+            volatile double b = row[1] * x[1];
+            volatile double c = row[2] * x[2];
+            volatile double sum = a + b;
+            sum = sum + c;
+            expected[i / (3 * V)][i / 3 % V][i % 3] = sum + row[3];
+        }
+        eng_stage_begin(f->scene);
+        assert_int_equal(eng_stage_rigid(f->scene, 0, 0, V, m[0], m[1]), ENG_OK);
+        assert_int_equal(run(f->scene), ENG_OK);
+        check_end(f, 0, 0, (const double(*)[3])expected[0]);
+        memcpy(f->at[0], expected[1], sizeof expected[1]);
+        check_standing(f);
+    }
+}
+
+/* If it failed: writing a part of an object would disturb the rest of it. */
+static void stage__ranges_move_only_their_vertices(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {43};
+    for (int step = 0; step < 200; step++) {
+        double start[V][3];
+        double x[V][3];
+        double x0[V][3];
+        uint32_t first = kit_below(&random, V);
+        uint32_t count = 1 + kit_below(&random, V - first);
+        uint32_t object = kit_below(&random, OBJECTS);
+        bool both = kit_below(&random, 2);
+        fill(&random, x, count);
+        fill(&random, x0, count);
+        memcpy(start, f->at[object], sizeof start);
+        eng_stage_begin(f->scene);
+        if (both) {
+            assert_int_equal(
+                eng_stage_x0x1(f->scene, object, ENG_F64, first, count, x0, x), ENG_OK);
+            memcpy(start[first], x0, count * sizeof *x0);
+        } else {
+            assert_int_equal(eng_stage_x1(f->scene, object, ENG_F64, first, count, x),
+                             ENG_OK);
+        }
+        memcpy(f->at[object][first], x, count * sizeof *x);
+        if (first > 2) { /* a second range of the same object */
+            fill(&random, x, 2);
+            assert_int_equal(eng_stage_x1(f->scene, object, ENG_F64, 0, 2, x), ENG_OK);
+            memcpy(f->at[object][0], x, 2 * sizeof *x);
+        }
+        assert_int_equal(run(f->scene), ENG_OK);
+        check_end(f, object, 0, (const double(*)[3])start);
+        check_standing(f);
+    }
+}
+
+/* If it failed: a range of a rigid object would use the wrong registered positions. */
+static void stage__rigid_range_uses_its_own_rest_positions(void **state)
+{
+    struct fixture *f = *state;
+    const double here[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double up[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 8};
+    eng_stage_begin(f->scene);
+    assert_int_equal(eng_stage_rigid(f->scene, 1, 5, 4, here, up), ENG_OK);
+    assert_int_equal(run(f->scene), ENG_OK);
+    for (uint32_t v = 5; v < 9; v++) {
+        f->at[1][v][2] += 8;
+    }
+    check_standing(f);
+}
+
+/* If it failed: what was staged and thrown away would show in a later step. */
+static void stage__abort_leaves_positions_as_before(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {44};
+    double x[V][3];
+    for (int round = 0; round < 20; round++) {
+        eng_stage_begin(f->scene);
+        for (uint32_t i = 0; i < OBJECTS; i++) {
+            fill(&random, x, V);
+            uint32_t count = 1 + kit_below(&random, V);
+            if (kit_below(&random, 2)) {
+                eng_stage_x1(f->scene, i, ENG_F64, 0, count, x);
+            } else {
+                eng_stage_x0x1(f->scene, i, ENG_F64, 0, count, x, x);
+            }
+        }
+        eng_stage_abort(f->scene);
+        check_standing(f);
+        if (round % 3 == 0) { /* nothing staged: everything stands still */
+            assert_int_equal(run(f->scene), ENG_OK);
+            check_standing(f);
+            for (uint32_t i = 0; i < OBJECTS; i++) {
+                check_end(f, i, 0, (const double(*)[3])f->at[i]);
+            }
+        } else if (round % 3 == 1) { /* a part of one object moves */
+            fill(&random, x, 3);
+            eng_stage_begin(f->scene);
+            assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 4, 3, x), ENG_OK);
+            assert_int_equal(run(f->scene), ENG_OK);
+            check_end(f, 0, 0, (const double(*)[3])f->at[0]);
+            memcpy(f->at[0][4], x, 3 * sizeof *x);
+            check_standing(f);
+        }
+    }
+}
+
+/* If it failed: a bad number in the last vertex would leave half a step behind. */
+static void stage__refused_coordinates_leave_positions_as_before(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {45};
+    const double bad[] = {NAN, INFINITY, -INFINITY, 1.0000001e18};
+    double good[V][3];
+    double x[V][3];
+    double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    double m[12];
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        fill(&random, good, V);
+        memcpy(x, good, sizeof x);
+        x[V - 1][2] = bad[i];
+        memcpy(m, identity, sizeof m);
+        m[kit_below(&random, 12)] = bad[i];
+        for (int kind = 0; kind < 5; kind++) {
+            int status = ENG_OK;
+            eng_stage_begin(f->scene);
+            assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, V, good), ENG_OK);
+            status = kind == 0   ? eng_stage_x1(f->scene, 1, ENG_F64, 0, V, x)
+                     : kind == 1 ? eng_stage_x0x1(f->scene, 1, ENG_F64, 0, V, x, good)
+                     : kind == 2 ? eng_stage_x0x1(f->scene, 1, ENG_F64, 0, V, good, x)
+                     : kind == 3 ? eng_stage_rigid(f->scene, 1, 0, V, m, identity)
+                                 : eng_stage_rigid(f->scene, 1, 0, V, identity, m);
+            assert_int_equal(status, ENG_E_NOTFINITE);
+            eng_stage_abort(f->scene);
+            check_standing(f);
+            assert_int_equal(run(f->scene), ENG_OK);
+            check_standing(f);
+        }
+    }
+    /* Legal numbers whose transform is beyond the limit. */
+    m[0] = m[1] = m[3] = 1e18;
+    eng_stage_begin(f->scene);
+    assert_int_equal(eng_stage_rigid(f->scene, 1, 0, V, identity, m), ENG_E_NOTFINITE);
+    eng_stage_abort(f->scene);
+    check_standing(f);
+}
+
+/* If it failed: two writes to one vertex would leave the order of arrival to decide. */
+static void stage__overlapping_ranges_are_refused(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {46};
+    double x[V][3];
+    int refused = 0;
+    for (int round = 0; round < 500; round++) {
+        bool written[OBJECTS][V] = {{false}};
+        bool overlap = false;
+        double next[OBJECTS][V][3];
+        memcpy(next, f->at, sizeof next);
+        eng_stage_begin(f->scene);
+        for (uint32_t i = 0; i < 4; i++) {
+            uint32_t object = kit_below(&random, OBJECTS);
+            uint32_t first = kit_below(&random, V);
+            uint32_t count = 1 + kit_below(&random, V - first < 6 ? V - first : 6);
+            fill(&random, x, count);
+            assert_int_equal(eng_stage_x1(f->scene, object, ENG_F64, first, count, x),
+                             ENG_OK);
+            memcpy(next[object][first], x, count * sizeof *x);
+            for (uint32_t v = first; v < first + count; v++) {
+                overlap |= written[object][v];
+                written[object][v] = true;
+            }
+        }
+        assert_int_equal(run(f->scene), overlap ? ENG_E_OVERLAP : ENG_OK);
+        if (!overlap) {
+            memcpy(f->at, next, sizeof next);
+        }
+        refused += overlap;
+        check_standing(f);
+    }
+    assert_in_range(refused, 50, 450); /* both happened */
+}
+
+/* If it failed: a write outside its object would hit a neighbour's vertices. */
+static void stage__ranges_outside_the_object_are_refused(void **state)
+{
+    struct fixture *f = *state;
+    double x[V + 1][3] = {{0}};
+    double m[12] = {0};
+    eng_stage_begin(f->scene);
+    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, 0, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, V + 1, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, V, 1, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, V - 1, 2, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, UINT32_MAX, 2, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 2, UINT32_MAX, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, OBJECTS, ENG_F64, 0, 1, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, UINT32_MAX, ENG_F64, 0, 1, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x0x1(f->scene, 0, ENG_F64, V, 1, x, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_rigid(f->scene, 0, 1, V, m, m), ENG_E_INVAL);
+    eng_stage_abort(f->scene);
+    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, V, x), ENG_E_INVAL);
+    check_standing(f);
+}
+
+/* If it failed: a step refused for its settings would move the scene all the same. */
+static void stage__refused_settings_leave_positions_as_before(void **state)
+{
+    struct fixture *f = *state;
+    double x[V][3] = {{0}};
+    for (int which = 0; which < 7; which++) {
+        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_step_result result;
+        settings.mode = which == 0 ? 4 : ENG_MODE_ALL;
+        settings.method = which == 1 ? 9 : ENG_METHOD_DEFAULT;
+        settings.threads = which == 2 ? 0 : 1;
+        settings.tolerance = which == 3   ? 0
+                             : which == 4 ? 1.5
+                             : which == 5 ? NAN
+                             : which == 6 ? 0.9e-12
+                                          : 1e-6;
+        eng_stage_begin(f->scene);
+        assert_int_equal(eng_stage_x0x1(f->scene, 0, ENG_F64, 0, V, x, x), ENG_OK);
+        assert_int_equal(eng_step(f->scene, &settings, &result), ENG_E_INVAL);
+        check_standing(f);
+    }
+}
+
+/* If it failed: the tree would change under the ranges that a step has staged. */
+static void stage__objects_neither_come_nor_go_while_staging(void **state)
+{
+    struct fixture *f = *state;
+    uint32_t idx = 77;
+    struct eng_mesh *mesh = kit_sheet(3, 9);
+    eng_stage_begin(f->scene);
+    assert_int_equal(eng_scene_add(f->scene, mesh, 99, &idx), ENG_E_STATE);
+    assert_int_equal(eng_scene_remove(f->scene, 0), ENG_E_STATE);
+    assert_int_equal(idx, 77);
+    assert_int_equal(eng_scene_object_count(f->scene), OBJECTS);
+    eng_stage_abort(f->scene);
+    assert_int_equal(eng_scene_add(f->scene, mesh, 99, &idx), ENG_OK);
+    eng_mesh_release(mesh);
+    check_standing(f); /* the arrays have grown, the others stay */
+}
+
+#define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(stage__x1_moves_from_the_last_end),
+        TEST(stage__x0x1_gives_both_ends),
+        TEST(stage__rigid_is_the_documented_formula),
+        TEST(stage__ranges_move_only_their_vertices),
+        TEST(stage__rigid_range_uses_its_own_rest_positions),
+        TEST(stage__abort_leaves_positions_as_before),
+        TEST(stage__refused_coordinates_leave_positions_as_before),
+        TEST(stage__overlapping_ranges_are_refused),
+        TEST(stage__ranges_outside_the_object_are_refused),
+        TEST(stage__refused_settings_leave_positions_as_before),
+        TEST(stage__objects_neither_come_nor_go_while_staging),
+    };
+    return cmocka_run_group_tests_name("eng_stage", tests, NULL, NULL);
+}

@@ -1,0 +1,511 @@
+/* tests/unit/test_eng_step.c - one step of a scene.
+ *
+ * Room:     engine (step.h, world.h).
+ * Does:     golden hashes, agreement of the modes, early ends, objects that come and go.
+ * Does not: compare with brute force (tests/property does).
+ * Threads:  one.
+ * Source:   daemon/engine/step.h.
+ */
+#include "eng_kit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "build.h"
+#include "clock.h"
+#include "step.h"
+#include "world.h"
+
+/* Object ids; the lower one comes first, high bit or not. */
+#define SHEET          0x80000001u
+#define SOUP           5u
+#define SHEET_SIDE     8u
+#define SOUP_TRIANGLES 80u
+#define SOUP_VERTICES  (3 * SOUP_TRIANGLES)
+
+/* A sheet that stands and a soup of triangles that is shaken through it. */
+struct fixture {
+    struct eng_scene *scene;
+    uint32_t sheet;
+    uint32_t soup;
+    double x0[SOUP_VERTICES][3];
+    double x1[SOUP_VERTICES][3];
+};
+
+static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
+{
+    uint32_t idx = UINT32_MAX;
+    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), ENG_OK);
+    eng_mesh_release(mesh);
+    return idx;
+}
+
+static int setup(void **state)
+{
+    static struct fixture f;
+    struct kit_random random = {90};
+    assert_int_equal(eng_scene_new(&f.scene), ENG_OK);
+    f.sheet = add(f.scene, kit_sheet(SHEET_SIDE, 0.5), SHEET);
+    struct eng_mesh *soup = kit_soup(&random, SOUP_TRIANGLES);
+    f.soup = add(f.scene, eng_mesh_acquire(soup), SOUP);
+    const double(*rest)[3] = eng_scene_object(f.scene, f.soup)->mesh->x;
+    for (uint32_t i = 0; i < 3 * SOUP_VERTICES; i++) {
+        f.x0[i / 3][i % 3] = rest[i / 3][i % 3];
+        f.x1[i / 3][i % 3] = rest[i / 3][i % 3] + kit_between(&random, -0.25, 0.25);
+    }
+    eng_mesh_release(soup);
+    *state = &f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    eng_scene_free(f->scene);
+    return 0;
+}
+
+/* The same step every time, whatever was before. */
+static struct eng_step_result run_with(struct fixture *f,
+                                       const struct eng_step_settings *settings)
+{
+    struct eng_step_result result;
+    eng_stage_begin(f->scene);
+    assert_int_equal(
+        eng_stage_x0x1(f->scene, f->soup, ENG_F64, 0, SOUP_VERTICES, f->x0, f->x1),
+        ENG_OK);
+    assert_int_equal(eng_step(f->scene, settings, &result), ENG_OK);
+    return result;
+}
+
+static struct eng_step_result run(struct fixture *f, enum eng_mode mode)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    struct eng_step_result result = run_with(f, &settings);
+    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    assert_int_equal(result.mode, mode);
+    return result;
+}
+
+/* A copy of the records, for the scene's memory changes with the next step. */
+static void *copy_records(const struct eng_step_result *result)
+{
+    void *copy = malloc(result->count * result->record_bytes + 1);
+    assert_non_null(copy);
+    if (result->count > 0) {
+        memcpy(copy, result->records, result->count * result->record_bytes);
+    }
+    return copy;
+}
+
+static void check_golden(const struct eng_step_result *result, uint64_t count,
+                         uint64_t hash_hi, uint64_t hash_lo)
+{
+    if (result->hash_hi != hash_hi || result->hash_lo != hash_lo) {
+        print_message("# now %llu records, 0x%016llx, 0x%016llx\n",
+                      (unsigned long long)result->count,
+                      (unsigned long long)result->hash_hi,
+                      (unsigned long long)result->hash_lo);
+    }
+    assert_int_equal(result->count, count);
+    assert_int_equal(result->hash_hi, hash_hi);
+    assert_int_equal(result->hash_lo, hash_lo);
+}
+
+/* If it failed: a compiler, an option or a change would alter answers unnoticed. (A
+ * wanted change of the solver's arithmetic changes the first two; who makes it renews
+ * them.) */
+static void step__golden_hashes_hold(void **state)
+{
+    struct fixture *f = *state;
+    struct eng_step_result result = run(f, ENG_MODE_ALL);
+    check_golden(&result, 432, 0x6a29ebbc5d8f7707, 0xbdfa1acad5469df6);
+    result = run(f, ENG_MODE_FIRST);
+    check_golden(&result, 1, 0xa61340779b574f72, 0xe3632915751606d7);
+    result = run(f, ENG_MODE_PAIRS);
+    check_golden(&result, 5636, 0x76cc4e5ba9e374a2, 0xfa8d61b9a199716b);
+}
+
+/* If it failed: counts beside the records would not be those of the records. */
+static void step__counts_describe_the_records(void **state)
+{
+    struct fixture *f = *state;
+    struct eng_step_result result = run(f, ENG_MODE_ALL);
+    const struct eng_contact *contacts = result.records;
+    uint64_t vf = 0;
+    uint64_t initial = 0;
+    double first = 2;
+    for (uint64_t i = 0; i < result.count; i++) {
+        vf += contacts[i].kind == ENG_VF;
+        initial += (contacts[i].flags & ENG_INITIAL) != 0;
+        first = contacts[i].toi < first ? contacts[i].toi : first;
+        assert_true(contacts[i].toi_hi - contacts[i].toi <= 1e-6);
+        assert_int_equal(contacts[i].reserved, 0);
+    }
+    assert_true(vf > 10 && result.count - vf > 10);
+    assert_int_equal(result.vf, vf);
+    assert_int_equal(result.ee, result.count - vf);
+    assert_int_equal(result.initial, initial);
+    assert_int_equal(result.possible, 0);
+    assert_true(result.toi_first == first);
+    assert_int_equal(result.verdict, ENG_VERDICT_NONE);
+    assert_int_equal(result.record_bytes, sizeof *contacts);
+    assert_true(result.counters.candidates_vf + result.counters.candidates_ee >=
+                result.counters.survivors);
+    assert_true(result.counters.survivors >= result.count);
+}
+
+static int compare_pairs(const void *a, const void *b)
+{
+    const uint32_t *x = a;
+    const uint32_t *y = b;
+    for (int i = 0; i < 5; i++) {
+        if (x[i] != y[i]) {
+            return x[i] < y[i] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+/* If it failed: the modes would contradict each other about one step. */
+static void step__modes_agree(void **state)
+{
+    struct fixture *f = *state;
+    for (int move = 0; move < 4; move++) {
+        for (uint32_t v = 0; v < SOUP_VERTICES;
+             v++) { /* start above the sheet, then higher */
+            f->x0[v][2] += move > 0 ? 0.5 : 0;
+            f->x1[v][2] += move > 0 ? 0.25 : 0;
+        }
+        struct eng_step_result all = run(f, ENG_MODE_ALL);
+        struct eng_contact *contacts = copy_records(&all);
+        struct eng_step_result pairs = run(f, ENG_MODE_PAIRS);
+        assert_int_equal(pairs.count,
+                         pairs.counters.candidates_vf + pairs.counters.candidates_ee);
+        double bound = 2;
+        for (uint64_t i = 0; i < all.count; i++) {
+            const struct eng_contact *c = &contacts[i];
+            const struct eng_pair name = {c->kind, c->object_a, c->feature_a, c->object_b,
+                                          c->feature_b};
+            assert_non_null(
+                bsearch(&name, pairs.records, pairs.count, sizeof name, compare_pairs));
+            bound = c->toi_hi < bound ? c->toi_hi : bound;
+        }
+        struct eng_step_result first = run(f, ENG_MODE_FIRST);
+        const struct eng_contact *earliest = first.records;
+        uint64_t kept = 0;
+        for (uint64_t i = 0; i < all.count; i++) {
+            if (contacts[i].toi <= bound) {
+                assert_true(kept < first.count);
+                assert_memory_equal(&earliest[kept], &contacts[i], sizeof *contacts);
+                kept++;
+            }
+        }
+        assert_int_equal(first.count, kept);
+        assert_true(first.toi_first == all.toi_first);
+        struct eng_step_result any = run(f, ENG_MODE_ANY);
+        assert_int_equal(any.verdict, all.count > 0 ? ENG_VERDICT_YES : ENG_VERDICT_NO);
+        assert_int_equal(any.count, 0);
+        free(contacts);
+    }
+}
+
+/* If it failed: a finer tolerance would find other contacts. */
+static void step__tolerance_narrows_brackets_only(void **state)
+{
+    struct fixture *f = *state;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result coarse = run(f, ENG_MODE_ALL);
+    struct eng_contact *contacts = copy_records(&coarse);
+    settings.tolerance = 1e-12;
+    struct eng_step_result fine = run_with(f, &settings);
+    const struct eng_contact *narrow = fine.records;
+    assert_int_equal(fine.count, coarse.count);
+    for (uint64_t i = 0; i < fine.count; i++) {
+        assert_memory_equal(&narrow[i], &contacts[i], offsetof(struct eng_contact, toi));
+        assert_true(narrow[i].toi_hi - narrow[i].toi <= 1e-12);
+        assert_true(narrow[i].toi <= contacts[i].toi_hi);
+        assert_true(narrow[i].toi_hi >= contacts[i].toi);
+    }
+    free(contacts);
+}
+
+/* Every record of an incomplete answer is one of the complete answer. */
+static void check_subset(const struct eng_step_result *part,
+                         const struct eng_contact *contacts, uint64_t count)
+{
+    const struct eng_contact *records = part->records;
+    uint64_t at = 0;
+    for (uint64_t i = 0; i < part->count; i++) {
+        while (at < count && memcmp(&records[i], &contacts[at], sizeof *contacts) != 0) {
+            at++;
+        }
+        assert_true(at < count);
+        at++;
+    }
+}
+
+/* If it failed: a step that ran out of time, was called off or was cut would pass for
+ * whole, or the next step would start from the wrong place. */
+static void step__early_ends_say_why(void **state)
+{
+    struct fixture *f = *state;
+    struct eng_step_result all = run(f, ENG_MODE_ALL);
+    struct eng_contact *contacts = copy_records(&all);
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    atomic_bool cancel = false;
+    settings.deadline_ns = 1;
+    struct eng_step_result part = run_with(f, &settings);
+    assert_int_equal(part.incomplete, ENG_INCOMPLETE_DEADLINE);
+    check_subset(&part, contacts, all.count);
+    const double(*now)[3] = (const double(*)[3])f->scene->x[f->scene->now];
+    assert_memory_equal(now + f->scene->objects[f->soup].vertices.first, f->x1,
+                        sizeof f->x1);
+
+    settings.deadline_ns = eng_now_ns() + 3600u * (uint64_t)1000000000;
+    settings.cancel = &cancel;
+    part = run_with(f, &settings);
+    assert_int_equal(part.incomplete, ENG_COMPLETE);
+    assert_int_equal(part.hash_lo, all.hash_lo);
+    atomic_store(&cancel, true);
+    part = run_with(f, &settings);
+    assert_int_equal(part.incomplete, ENG_INCOMPLETE_CANCELLED);
+    check_subset(&part, contacts, all.count);
+    atomic_store(&cancel, false);
+
+    const uint64_t limits[] = {0, 1, 7, all.count - 1, all.count};
+    for (int i = 0; i < 5; i++) {
+        settings.contact_max = limits[i];
+        part = run_with(f, &settings);
+        assert_int_equal(part.count, limits[i]);
+        assert_int_equal(part.incomplete, limits[i] < all.count
+                                              ? ENG_INCOMPLETE_CONTACT_LIMIT
+                                              : ENG_COMPLETE);
+        check_subset(&part, contacts, all.count);
+    }
+    free(contacts);
+}
+
+/* Triangles with coordinates of every magnitude: each pair takes exact arithmetic
+ * long. */
+static struct eng_scene *hostile_scene(struct kit_random *random)
+{
+    struct eng_scene *scene = NULL;
+    double x[120][3];
+    uint32_t triangles[40][3];
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    for (uint32_t i = 0; i < 360; i++) {
+        double scale = kit_below(random, 2) ? 0x1p-1070 : 0x1p57;
+        x[i / 3][i % 3] = kit_integer(random, 3) * scale;
+        triangles[i / 9][i / 3 % 3] = i / 3;
+    }
+    add(scene, kit_mesh((const double(*)[3])x, 120, (const uint32_t(*)[3])triangles, 40),
+        1);
+    for (uint32_t i = 0; i < 360; i++) {
+        double scale = kit_below(random, 2) ? 0x1p-1070 : 0x1p57;
+        x[i / 3][i % 3] = kit_integer(random, 3) * scale;
+    }
+    eng_stage_begin(scene);
+    assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, 120, x), ENG_OK);
+    return scene;
+}
+
+/* If it failed: one client's odd numbers would hold up every other client for minutes. */
+static void step__deadline_is_seen_between_slow_tests(void **state)
+{
+    (void)state;
+    struct kit_random random = {91};
+    struct eng_scene *scene = hostile_scene(&random);
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    uint64_t begin_ns = eng_now_ns();
+    settings.deadline_ns = begin_ns + 20000000;
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.incomplete, ENG_INCOMPLETE_DEADLINE);
+    assert_true(eng_now_ns() - begin_ns < 5u * (uint64_t)1000000000);
+    eng_scene_free(scene);
+}
+
+/* If it failed: a scene without objects, or with nothing that can meet, would trip. */
+static void step__empty_scene_and_single_object_have_no_contacts(void **state)
+{
+    (void)state;
+    struct eng_scene *scene = NULL;
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    for (int objects = 0; objects < 2; objects++) {
+        for (int mode = ENG_MODE_ALL; mode <= ENG_MODE_PAIRS; mode++) {
+            struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+            struct eng_step_result result;
+            settings.mode = (enum eng_mode)mode;
+            assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+            assert_int_equal(result.incomplete, ENG_COMPLETE);
+            assert_true(mode == ENG_MODE_PAIRS || result.count == 0);
+            assert_true(result.toi_first == 2);
+            assert_int_equal(result.verdict,
+                             mode == ENG_MODE_ANY ? ENG_VERDICT_NO : ENG_VERDICT_NONE);
+        }
+        if (objects == 0) {
+            add(scene, kit_sheet(5, 0), 1); /* flat: neighbours share vertices only */
+        }
+    }
+    eng_scene_free(scene);
+}
+
+/* If it failed: cloth would pass through itself. */
+static void step__one_object_meets_itself(void **state)
+{
+    (void)state;
+    struct eng_scene *scene = NULL;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    const double corner[1][3] = {{0.6, 0.55, 0.5}};
+    const double below[1][3] = {{0.6, 0.55, -0.5}};
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    add(scene, kit_sheet(4, 0), 9);
+    eng_stage_begin(scene); /* vertex 0 is lifted over the sheet ... */
+    assert_int_equal(eng_stage_x0x1(scene, 0, ENG_F64, 0, 1, corner, corner), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.vf, 0);
+    eng_stage_begin(scene); /* ... and pushed through it */
+    assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, 1, below), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    const struct eng_contact *contact = result.records;
+    assert_true(result.vf > 0 && result.ee > 0);
+    assert_true(contact->kind == ENG_VF && contact->object_a == 9 &&
+                contact->object_b == 9);
+    assert_int_equal(contact->feature_a, 0);      /* the corner is the first vertex */
+    for (uint64_t i = 0; i < result.count; i++) { /* all when its triangle lies flat */
+        assert_true(contact[i].toi <= 0.5 && contact[i].toi_hi >= 0.5);
+    }
+    eng_scene_free(scene);
+}
+
+/* If it failed: adding or removing an object would cost or change the others. */
+static void step__objects_come_and_go_without_touching_others(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {92};
+    struct eng_step_result before = run(f, ENG_MODE_ALL);
+    struct eng_range range = f->scene->objects[f->soup].nodes;
+    size_t bytes = range.count * sizeof *f->scene->nodes;
+    struct eng_node *nodes = malloc(bytes);
+    assert_non_null(nodes);
+    memcpy(nodes, f->scene->nodes + range.first, bytes);
+    uint32_t others[6];
+    for (uint32_t i = 0; i < 6; i++) {
+        others[i] = add(f->scene, kit_soup(&random, 50), 100 + i);
+        struct eng_step_result with = run(f, ENG_MODE_ALL);
+        assert_true(with.count > before.count);
+        assert_int_equal(f->scene->objects[f->soup].nodes.first, range.first);
+        assert_memory_equal(f->scene->nodes + range.first, nodes, bytes);
+        assert_true(eng_tree_validate(f->scene));
+    }
+    for (uint32_t i = 0; i < 6; i++) {
+        assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), ENG_OK);
+        assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), ENG_E_INVAL);
+        run(f, ENG_MODE_ALL);
+        assert_memory_equal(f->scene->nodes + range.first, nodes, bytes);
+        assert_true(eng_tree_validate(f->scene));
+    }
+    struct eng_step_result after = run(f, ENG_MODE_ALL);
+    assert_int_equal(after.hash_hi, before.hash_hi);
+    assert_int_equal(after.hash_lo, before.hash_lo);
+    free(nodes);
+}
+
+/* If it failed: an id could name two objects, or a wrong index remove one. */
+static void step__ids_are_unique_and_come_free_again(void **state)
+{
+    struct fixture *f = *state;
+    uint32_t idx = 77;
+    struct eng_mesh *mesh = kit_sheet(1, 0);
+    struct eng_mesh *raw = NULL;
+    assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), ENG_E_INVAL);
+    assert_int_equal(eng_mesh_new(3, 1, &raw), ENG_OK);
+    assert_int_equal(eng_scene_add(f->scene, raw, 1, &idx), ENG_E_STATE);
+    assert_int_equal(idx, 77);
+    assert_int_equal(eng_scene_remove(f->scene, 77), ENG_E_INVAL);
+    assert_int_equal(eng_scene_remove(f->scene, UINT32_MAX), ENG_E_INVAL);
+    assert_int_equal(eng_scene_object_count(f->scene), 2);
+    assert_int_equal(eng_scene_remove(f->scene, f->soup), ENG_OK);
+    assert_int_equal(eng_scene_vertex_count(f->scene, f->soup), 0);
+    assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), ENG_OK);
+    assert_int_equal(idx, f->soup);
+    assert_int_equal(eng_scene_vertex_count(f->scene, idx), 4);
+    eng_mesh_release(mesh);
+    eng_mesh_release(raw);
+}
+
+/* If it failed: the order of records would depend on the order of arrival. */
+static void step__object_ids_decide_the_order(void **state)
+{
+    (void)state;
+    static const uint32_t ids[2][2] = {{1, 0x90000000u}, {0x90000000u, 1}};
+    for (int order = 0; order < 2; order++) {
+        struct eng_scene *scene = NULL;
+        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_step_result result;
+        assert_int_equal(eng_scene_new(&scene), ENG_OK);
+        add(scene, kit_sheet(2, 0), ids[order][0]);
+        add(scene, kit_sheet(3, 0), ids[order][1]); /* in the same plane: touching */
+        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        const struct eng_contact *contacts = result.records;
+        assert_true(result.ee > 20 && result.vf > 20);
+        assert_int_equal(result.initial, result.count);
+        for (uint64_t i = 0; i < result.count; i++) {
+            assert_int_not_equal(contacts[i].object_a, contacts[i].object_b);
+            if (contacts[i].kind == ENG_EE) {
+                assert_int_equal(contacts[i].object_a, 1);
+            } else if (i > 0) {
+                assert_true(contacts[i - 1].object_a <= contacts[i].object_a);
+            }
+        }
+        eng_scene_free(scene);
+    }
+}
+
+/* If it failed: instances of one mesh would share positions, or need their own copies. */
+static void step__two_instances_of_one_mesh_are_two_objects(void **state)
+{
+    (void)state;
+    struct eng_scene *scene = NULL;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    const double up[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, 1};
+    const double down[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, -1};
+    struct eng_mesh *mesh = kit_sheet(2, 0);
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    uint32_t a = add(scene, eng_mesh_acquire(mesh), 1);
+    uint32_t b = add(scene, mesh, 2); /* nobody but the scene holds the mesh now */
+    eng_stage_begin(scene);
+    assert_int_equal(eng_stage_rigid(scene, b, 0, 9, up, down), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_true(result.vf > 0 && result.ee > 0);
+    assert_true(result.toi_first <= 0.5 && result.toi_first >= 0.5 - 1e-6);
+    assert_int_equal(eng_scene_remove(scene, a), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.count, 0);
+    eng_scene_free(scene);
+}
+
+#define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(step__golden_hashes_hold),
+        TEST(step__counts_describe_the_records),
+        TEST(step__modes_agree),
+        TEST(step__tolerance_narrows_brackets_only),
+        TEST(step__early_ends_say_why),
+        cmocka_unit_test(step__deadline_is_seen_between_slow_tests),
+        cmocka_unit_test(step__empty_scene_and_single_object_have_no_contacts),
+        cmocka_unit_test(step__one_object_meets_itself),
+        TEST(step__objects_come_and_go_without_touching_others),
+        TEST(step__ids_are_unique_and_come_free_again),
+        cmocka_unit_test(step__object_ids_decide_the_order),
+        cmocka_unit_test(step__two_instances_of_one_mesh_are_two_objects),
+    };
+    return cmocka_run_group_tests_name("eng_step", tests, NULL, NULL);
+}

@@ -1,0 +1,224 @@
+/* tests/unit/test_eng_warm.c - a warm step allocates nothing.
+ *
+ * Room:     engine (step.h).
+ * Does:     count every call of malloc and its kin in this process, libraries included,
+ *           while a step that was done before is staged and done again.
+ * Does not: trust the engine's own counters.
+ * Threads:  one.
+ * Source:   design: "a step does not call malloc once warm".
+ */
+#include "eng_kit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "memory.h"
+#include "step.h"
+
+static size_t calls; /* of malloc and its kin since the start */
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define HAS_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define HAS_SANITIZER 1
+#endif
+#endif
+
+#ifdef HAS_SANITIZER
+
+/* The sanitizer owns malloc, and tells. */
+int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void *,
+                                                                size_t),
+                                              void (*on_free)(const volatile void *));
+
+static void on_malloc(const volatile void *block, size_t bytes)
+{
+    (void)block;
+    (void)bytes;
+    calls++;
+}
+
+static void on_free(const volatile void *block)
+{
+    (void)block;
+}
+
+static void start_counting(void)
+{
+    assert_true(__sanitizer_install_malloc_and_free_hooks(on_malloc, on_free) > 0);
+}
+
+#else
+
+/* These take the place of the C library's for every library of the process; its own names
+ * with two underscores remain. */
+#define EXPORT __attribute__((visibility("default")))
+
+void *__libc_malloc(size_t bytes);
+void *__libc_calloc(size_t count, size_t bytes);
+void *__libc_realloc(void *block, size_t bytes);
+void *__libc_memalign(size_t alignment, size_t bytes);
+
+EXPORT void *malloc(size_t bytes)
+{
+    calls++;
+    return __libc_malloc(bytes);
+}
+
+EXPORT void *calloc(size_t count, size_t bytes)
+{
+    calls++;
+    return __libc_calloc(count, bytes);
+}
+
+EXPORT void *realloc(void *block, size_t bytes)
+{
+    calls++;
+    return __libc_realloc(block, bytes);
+}
+
+EXPORT void *aligned_alloc(size_t alignment, size_t bytes)
+{
+    calls++;
+    return __libc_memalign(alignment, bytes);
+}
+
+static void start_counting(void)
+{
+}
+
+#endif
+
+/* If it failed: the counting below would count nothing. */
+static void warm__counting_counts(void **state)
+{
+    (void)state;
+    size_t before = calls;
+    void *volatile block = malloc(10);
+    block = realloc(block, 100000);
+    free(block);
+    block = calloc(3, 5);
+    free(block);
+    block = aligned_alloc(64, 128);
+    free(block);
+    assert_true(calls - before >= 4);
+    struct eng_scene *scene = NULL; /* holds numbers of GMP, another library */
+    uint64_t own = eng_alloc_count();
+    before = calls;
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_true(calls - before >= 40 + eng_alloc_count() - own);
+    eng_scene_free(scene);
+}
+
+#define SIDE     12u
+#define VERTICES ((SIDE + 1) * (SIDE + 1))
+
+struct fixture {
+    struct eng_scene *scene;
+    double x0[VERTICES][3];
+    double x1[VERTICES][3];
+    float up[VERTICES][3];
+    float down[VERTICES][3];
+};
+
+/* Three sheets: one stands, one falls through it in waves, one comes in its own plane, so
+ * that exact arithmetic has work too. */
+static int setup(void **state)
+{
+    static struct fixture f;
+    struct kit_random random = {95};
+    assert_int_equal(eng_scene_new(&f.scene), ENG_OK);
+    for (uint32_t i = 0; i < 3; i++) {
+        uint32_t idx;
+        struct eng_mesh *mesh = kit_sheet(SIDE, 0);
+        assert_int_equal(eng_scene_add(f.scene, mesh, i, &idx), ENG_OK);
+        eng_mesh_release(mesh);
+    }
+    for (uint32_t v = 0; v < VERTICES; v++) {
+        double x = (double)(v % (SIDE + 1)) / SIDE;
+        double y = (double)(v / (SIDE + 1)) / SIDE;
+        for (int k = 0; k < 3; k++) {
+            f.x0[v][k] = k == 0 ? x + 0.03 : k == 1 ? y + 0.07 : 0.1;
+            f.x1[v][k] = f.x0[v][k] - (k == 2 ? kit_between(&random, 0, 0.2) : 0);
+            f.up[v][k] = (float)(k == 0 ? x + 1.5 : k == 1 ? y : 0);
+            f.down[v][k] = f.up[v][k] - (k == 0 ? 1.25f : 0);
+        }
+    }
+    *state = &f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    eng_scene_free(f->scene);
+    return 0;
+}
+
+static struct eng_step_result run(struct fixture *f, enum eng_mode mode)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    int status = ENG_OK;
+    settings.mode = mode;
+    eng_stage_begin(f->scene);
+    status |= eng_stage_x0x1(f->scene, 1, ENG_F64, 0, VERTICES, f->x0, f->x1);
+    status |= eng_stage_x0x1(f->scene, 2, ENG_F32, 0, 100, f->up, f->down);
+    status |= eng_stage_x0x1(f->scene, 2, ENG_F32, 100, VERTICES - 100, f->up + 100,
+                             f->down + 100);
+    status |= eng_step(f->scene, &settings, &result);
+    assert_int_equal(status, ENG_OK);
+    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    return result;
+}
+
+/* If it failed: a step's time would depend on the state of the heap, and could fail in
+ * it. */
+static void warm__second_step_allocates_nothing(void **state)
+{
+    struct fixture *f = *state;
+    for (enum eng_mode mode = ENG_MODE_ALL; mode <= ENG_MODE_PAIRS; mode++) {
+        struct eng_step_result first = run(f, mode);
+        for (int again = 0; again < 3; again++) {
+            size_t before = calls;
+            struct eng_step_result second = run(f, mode);
+            size_t after = calls;
+            assert_int_equal(after - before, 0);
+            assert_int_equal(second.counters.allocs, 0);
+            assert_int_equal(second.counters.builds, 0);
+            assert_int_equal(second.hash_hi, first.hash_hi);
+            assert_int_equal(second.hash_lo, first.hash_lo);
+        }
+        assert_true(mode != ENG_MODE_ALL || first.count > 1000);
+        assert_true(mode != ENG_MODE_ALL || first.counters.exact > 100);
+    }
+}
+
+/* If it failed: aborting a step would cost memory. */
+static void warm__aborted_staging_allocates_nothing(void **state)
+{
+    struct fixture *f = *state;
+    run(f, ENG_MODE_ANY);
+    size_t before = calls;
+    for (int again = 0; again < 10; again++) {
+        eng_stage_begin(f->scene);
+        int status = eng_stage_x0x1(f->scene, 1, ENG_F64, 0, VERTICES, f->x0, f->x1);
+        eng_stage_abort(f->scene);
+        assert_int_equal(status, ENG_OK);
+    }
+    assert_int_equal(calls - before, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(warm__counting_counts),
+        cmocka_unit_test_setup_teardown(warm__second_step_allocates_nothing, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(warm__aborted_staging_allocates_nothing, setup,
+                                        teardown),
+    };
+    start_counting();
+    return cmocka_run_group_tests_name("eng_warm", tests, NULL, NULL);
+}
