@@ -1,0 +1,239 @@
+/* bench/report.c - samples, their order statistics, and how they are printed.
+ *
+ * Room:     bench.
+ * Does:     see report.h.
+ * Does not: average: a mean hides what a busy machine did to a few samples.
+ * Threads:  one.
+ */
+#include "report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__clang__)
+#define COMPILER __VERSION__
+#else
+#define COMPILER "gcc " __VERSION__
+#endif
+
+static struct {
+    const char *program;
+    bool json;
+    unsigned failed;
+    char cpu[128];
+} report;
+
+static void read_cpu(void)
+{
+    char line[512];
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    strcpy(report.cpu, "unknown");
+    while (file && fgets(line, sizeof line, file)) {
+        char *value = strchr(line, ':');
+        if (strncmp(line, "model name", 10) == 0 && value) {
+            value += 1 + strspn(value + 1, " \t");
+            value[strcspn(value, "\n")] = '\0';
+            snprintf(report.cpu, sizeof report.cpu, "%.*s", (int)sizeof report.cpu - 1,
+                     value);
+            break;
+        }
+    }
+    if (file) {
+        fclose(file);
+    }
+}
+
+bool bench_begin(const char *program, int argc, char **argv,
+                 struct bench_options *options, int *exit_status)
+{
+    memset(options, 0, sizeof *options);
+    report.program = program;
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--smoke") == 0) {
+            options->smoke = true;
+        } else if (strcmp(argv[i], "--json") == 0) {
+            options->json = true;
+        } else if (argv[i][0] != '-' && !options->wanted) {
+            options->wanted = argv[i];
+        } else {
+            *exit_status = strcmp(argv[i], "--help") == 0 ? 0 : 2;
+            fprintf(*exit_status ? stderr : stdout,
+                    "usage: %s [--json] [--smoke] [SCENE]\n", program);
+            return false;
+        }
+    }
+    report.json = options->json;
+    read_cpu();
+    if (!report.json) {
+        printf("%s: %s; %s; %s\n", program, COMPILER, BENCH_FLAGS, report.cpu);
+    }
+    return true;
+}
+
+int bench_end(void)
+{
+    return report.failed ? 1 : 0;
+}
+
+bool bench_is_wanted(const struct bench_options *options, const char *scene)
+{
+    return !options->wanted || strstr(scene, options->wanted) != NULL;
+}
+
+bool bench_check(bool holds, const char *scene, const char *what)
+{
+    if (!holds) {
+        report.failed++;
+        fprintf(stderr, "%s: %s: wrong: %s\n", report.program, scene, what);
+    }
+    return holds;
+}
+
+void *bench_alloc(size_t count, size_t bytes)
+{
+    void *block = count > SIZE_MAX / bytes ? NULL : malloc(count * bytes + 1);
+    if (!block) {
+        fprintf(stderr, "%s: no memory for %zu x %zu bytes\n", report.program, count,
+                bytes);
+        exit(2);
+    }
+    return block;
+}
+
+void bench_add(struct bench_samples *samples, double value)
+{
+    if (samples->count == samples->capacity) {
+        size_t capacity = samples->capacity ? samples->capacity * 2 : 64;
+        double *values = bench_alloc(capacity, sizeof *values);
+        if (samples->count > 0) {
+            memcpy(values, samples->values, samples->count * sizeof *values);
+        }
+        free(samples->values);
+        samples->values = values;
+        samples->capacity = capacity;
+    }
+    samples->values[samples->count++] = value;
+}
+
+void bench_clear(struct bench_samples *samples)
+{
+    samples->count = 0;
+}
+
+void bench_free(struct bench_samples *samples)
+{
+    free(samples->values);
+    memset(samples, 0, sizeof *samples);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double *x = a;
+    const double *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* The smallest value that `share` of all do not exceed. */
+static double quantile(const double *sorted, size_t count, double share)
+{
+    size_t rank = (size_t)(share * (double)count);
+    return sorted[rank < count ? rank : count - 1];
+}
+
+struct bench_summary bench_summarise(const struct bench_samples *samples)
+{
+    size_t count = samples->count;
+    if (count == 0) {
+        return (struct bench_summary){0, 0, 0, 0, 0};
+    }
+    double *sorted = bench_alloc(count, sizeof *sorted);
+    memcpy(sorted, samples->values, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, compare);
+    struct bench_summary summary = {sorted[0], quantile(sorted, count, 0.5),
+                                    quantile(sorted, count, 0.95),
+                                    quantile(sorted, count, 0.99), sorted[count - 1]};
+    free(sorted);
+    return summary;
+}
+
+void bench_heading(const char *text)
+{
+    if (!report.json) {
+        printf("\n%s\n%-18s %-26s %-8s %11s %11s %11s %11s %11s %6s %8s %s\n", text,
+               "scene", "what", "unit", "p50", "min", "max", "p95", "p99", "n", "ratio",
+               "to");
+        fflush(stdout);
+    }
+}
+
+/* A JSON string. */
+static void print_text(const char *key, const char *text)
+{
+    printf("\"%s\":\"", key);
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\') {
+            putchar('\\');
+        }
+        putchar((unsigned char)*text < ' ' ? ' ' : *text);
+    }
+    printf("\",");
+}
+
+static void print_json(const struct bench_row *row, const struct bench_summary *s,
+                       double ratio)
+{
+    putchar('{');
+    print_text("program", report.program);
+    print_text("scene", row->scene);
+    print_text("what", row->what);
+    print_text("unit", row->unit);
+    printf("\"p50\":%.9g,\"min\":%.9g,\"max\":%.9g,\"p95\":%.9g,\"p99\":%.9g,\"n\":%zu,",
+           s->p50, s->min, s->max, s->p95, s->p99, row->samples->count);
+    if (row->base_name) {
+        printf("\"ratio\":%.6g,", ratio);
+        print_text("to", row->base_name);
+    }
+    if (row->hash) {
+        printf("\"hash\":\"%016llx%016llx\",", (unsigned long long)row->hash[0],
+               (unsigned long long)row->hash[1]);
+    }
+    print_text("compiler", COMPILER);
+    print_text("flags", BENCH_FLAGS);
+    print_text("cpu", report.cpu);
+    printf("\"threads\":%u}\n", row->threads ? row->threads : 1);
+}
+
+void bench_row(const struct bench_row *row)
+{
+    struct bench_summary s = bench_summarise(row->samples);
+    double ratio = 0;
+    if (row->base_name) {
+        double base = bench_summarise(row->base).p50;
+        ratio = base > 0 ? s.p50 / base : 0;
+    }
+    if (report.json) {
+        print_json(row, &s, ratio);
+    } else {
+        printf("%-18s %-26s %-8s %11.5g %11.5g %11.5g %11.5g %11.5g %6zu", row->scene,
+               row->what, row->unit, s.p50, s.min, s.max, s.p95, s.p99,
+               row->samples->count);
+        if (row->base_name) {
+            printf(" %8.3f %s", ratio, row->base_name);
+        }
+        putchar('\n');
+    }
+    fflush(stdout);
+}
+
+void bench_number(const char *scene, const char *what, const char *unit, double value)
+{
+    struct bench_samples one = {&value, 1, 1};
+    bench_row(
+        &(struct bench_row){.scene = scene, .what = what, .unit = unit, .samples = &one});
+}
+
+void bench_skip(const char *scene, const char *reason)
+{
+    fprintf(stderr, "%s: %s: skipped: %s\n", report.program, scene, reason);
+}
