@@ -1,0 +1,255 @@
+/* bench/step.c - whole steps of a scene: phases, modes, rebuilding, swept boxes.
+ *
+ * Room:     bench; engine headers.
+ * Does:     in every frame do, one after the other, all that is compared, so that a busy
+ *           machine hits both sides of a ratio; check that the answers agree.
+ * Threads:  one; the engine uses as many as it says.
+ */
+#include "step.h"
+
+#include <string.h>
+
+#include "report.h"
+#include "resident.h"
+#include "traverse.h"
+
+#define MODES      4
+#define WARM_STEPS 2u
+#define STEPS_MAX  300u
+#define STEPS_MIN  5u
+#define SCENE_NS   8000000000u /* about as long for each scene */
+
+enum quantity {
+    INGEST,
+    REFIT,
+    TRAVERSAL,
+    TESTS,
+    MERGE,
+    STEP,
+    PER_CANDIDATE,
+    PER_SURVIVOR,
+    REBUILD,
+    FIRST,
+    ANY,
+    PAIRS,
+    WALK_MOVING,
+    WALK_SWEPT,
+    LEAVES_MOVING,
+    LEAVES_SWEPT,
+    CANDIDATES,
+    SURVIVORS,
+    EXACT,
+    CONTACTS,
+    QUANTITIES
+};
+
+static const struct {
+    const char *what;
+    const char *unit;
+    double scale; /* of the value that is kept */
+    int base;     /* -1: no ratio */
+} quantities[QUANTITIES] = {
+    [INGEST] = {"ingest", "ms", 1e-6, -1},
+    [REFIT] = {"refit", "ms", 1e-6, -1},
+    [TRAVERSAL] = {"traversal", "ms", 1e-6, WALK_MOVING},
+    [TESTS] = {"tests", "ms", 1e-6, -1},
+    [MERGE] = {"merge", "ms", 1e-6, -1},
+    [STEP] = {"step, all", "ms", 1e-6, REBUILD},
+    [PER_CANDIDATE] = {"tests per candidate", "ns", 1, -1},
+    [PER_SURVIVOR] = {"tests per survivor", "ns", 1, -1},
+    [REBUILD] = {"rebuild at every call", "ms", 1e-6, -1},
+    [FIRST] = {"step, first", "ms", 1e-6, STEP},
+    [ANY] = {"step, any", "ms", 1e-6, STEP},
+    [PAIRS] = {"step, pairs", "ms", 1e-6, STEP},
+    [WALK_MOVING] = {"walk, moving boxes", "ms", 1e-6, WALK_SWEPT},
+    [WALK_SWEPT] = {"walk, swept boxes", "ms", 1e-6, -1},
+    [LEAVES_MOVING] = {"leaf pairs, moving boxes", "pairs", 1, LEAVES_SWEPT},
+    [LEAVES_SWEPT] = {"leaf pairs, swept boxes", "pairs", 1, -1},
+    [CANDIDATES] = {"candidates", "pairs", 1, -1},
+    [SURVIVORS] = {"survivors", "pairs", 1, CANDIDATES},
+    [EXACT] = {"exact queries", "pairs", 1, -1},
+    [CONTACTS] = {"contacts", "records", 1, -1},
+};
+
+struct run {
+    const struct bench_scene *source;
+    struct bench_world
+        worlds[MODES]; /* resident, one a mode, so that none disturbs another */
+    struct bench_swept_tree swept;
+    struct bench_samples samples[QUANTITIES];
+    bool keep; /* false while warming up */
+    uint64_t hash[2];
+    uint32_t threads;
+};
+
+static void keep(struct run *run, enum quantity quantity, double value)
+{
+    if (run->keep) {
+        bench_add(&run->samples[quantity], value * quantities[quantity].scale);
+    }
+}
+
+static void keep_phases(struct run *run, const struct eng_step_result *result)
+{
+    const struct eng_step_counters *counters = &result->counters;
+    double candidates = (double)(counters->candidates_vf + counters->candidates_ee);
+    double survivors = (double)counters->survivors;
+    double tests_ns = (double)result->times.tests;
+    keep(run, INGEST, (double)result->times.ingest);
+    keep(run, REFIT, (double)result->times.refit);
+    keep(run, TRAVERSAL, (double)result->times.traversal);
+    keep(run, TESTS, tests_ns);
+    keep(run, MERGE, (double)result->times.merge);
+    keep(run, STEP, (double)result->times.step);
+    keep(run, PER_CANDIDATE, candidates > 0 ? tests_ns / candidates : 0);
+    keep(run, PER_SURVIVOR, survivors > 0 ? tests_ns / survivors : 0);
+    keep(run, CANDIDATES, candidates);
+    keep(run, SURVIVORS, survivors);
+    keep(run, EXACT, (double)counters->exact);
+    keep(run, CONTACTS, (double)result->count);
+}
+
+/* What a function that keeps nothing between calls would do: register, build, step, free.
+ * The start positions are the registered ones, which saves it their second copy. */
+static bool rebuild(struct run *run, uint32_t from, const struct eng_step_result *all)
+{
+    struct bench_world world;
+    struct eng_step_result result;
+    uint64_t begin_ns = bench_now_ns();
+    bench_world_init(&world, run->source, from);
+    bench_world_step(&world, from, ENG_MODE_ALL, &result);
+    bench_world_deinit(&world);
+    keep(run, REBUILD, (double)(bench_now_ns() - begin_ns));
+    return bench_check(result.count == all->count && result.hash_hi == all->hash_hi &&
+                           result.hash_lo == all->hash_lo,
+                       run->source->name, "a resident and a fresh scene differ");
+}
+
+/* The other modes against the answer of mode all. */
+static bool other_modes(struct run *run, uint32_t from, const struct eng_step_result *all)
+{
+    const char *name = run->source->name;
+    struct eng_step_result result;
+    bool good = true;
+    bench_world_step(&run->worlds[ENG_MODE_FIRST], from, ENG_MODE_FIRST, &result);
+    keep(run, FIRST, (double)result.times.step);
+    good &= bench_check(!(result.toi_first < all->toi_first) &&
+                            !(result.toi_first > all->toi_first),
+                        name, "mode first finds another earliest time");
+    bench_world_step(&run->worlds[ENG_MODE_ANY], from, ENG_MODE_ANY, &result);
+    keep(run, ANY, (double)result.times.step);
+    good &=
+        bench_check((result.verdict == ENG_VERDICT_YES) == (all->count > all->possible),
+                    name, "mode any has another verdict");
+    bench_world_step(&run->worlds[ENG_MODE_PAIRS], from, ENG_MODE_PAIRS, &result);
+    keep(run, PAIRS, (double)result.times.step);
+    good &= bench_check(result.count ==
+                            all->counters.candidates_vf + all->counters.candidates_ee,
+                        name, "mode pairs counts other candidates");
+    return good;
+}
+
+/* The tree of mode all as the step left it, walked with both kinds of boxes. */
+static bool walks(struct run *run, const struct eng_step_result *all)
+{
+    const struct eng_scene *scene = run->worlds[ENG_MODE_ALL].scene;
+    bench_swept_update(&run->swept, scene);
+    uint64_t begin_ns = bench_now_ns();
+    struct bench_count moving = bench_traverse_moving(scene);
+    uint64_t between_ns = bench_now_ns();
+    struct bench_count swept = bench_traverse_swept(scene, &run->swept);
+    keep(run, WALK_SWEPT, (double)(bench_now_ns() - between_ns));
+    keep(run, WALK_MOVING, (double)(between_ns - begin_ns));
+    keep(run, LEAVES_MOVING, (double)moving.leaf_pairs);
+    keep(run, LEAVES_SWEPT, (double)swept.leaf_pairs);
+    return bench_check(moving.leaf_pairs == all->counters.leaf_pairs &&
+                           moving.box_tests == all->counters.box_tests,
+                       run->source->name,
+                       "the walk counts other pairs than the engine") &&
+           bench_check(swept.leaf_pairs >= moving.leaf_pairs, run->source->name,
+                       "swept boxes overlap less than moving ones");
+}
+
+static bool one_frame(struct run *run, uint32_t from)
+{
+    struct eng_step_result all;
+    bench_world_step(&run->worlds[ENG_MODE_ALL], from, ENG_MODE_ALL, &all);
+    keep_phases(run, &all);
+    run->threads = all.threads;
+    run->hash[0] = all.hash_hi;
+    run->hash[1] = all.hash_lo;
+    return bench_check(all.incomplete == ENG_COMPLETE, run->source->name, "incomplete") &&
+           rebuild(run, from, &all) && other_modes(run, from, &all) && walks(run, &all);
+}
+
+static void print(const struct run *run)
+{
+    for (int q = 0; q < QUANTITIES; q++) {
+        struct bench_row row = {.scene = run->source->name,
+                                .what = quantities[q].what,
+                                .unit = quantities[q].unit,
+                                .samples = &run->samples[q],
+                                .threads = run->threads,
+                                .hash = run->hash};
+        if (quantities[q].base >= 0) {
+            row.base = &run->samples[quantities[q].base];
+            row.base_name = quantities[quantities[q].base].what;
+        }
+        bench_row(&row);
+    }
+}
+
+static void measure(const struct bench_scene *source, bool smoke)
+{
+    static struct run run; /* too large for a stack */
+    uint64_t begin_ns = bench_now_ns();
+    bool good = true;
+    memset(&run, 0, sizeof run);
+    run.source = source;
+    for (int mode = 0; mode < MODES; mode++) {
+        bench_world_init(&run.worlds[mode], source, 0);
+    }
+    for (uint32_t i = 0; i < STEPS_MAX && good; i++) {
+        bool is_time_up = smoke || bench_now_ns() - begin_ns > SCENE_NS;
+        if (i >= WARM_STEPS + STEPS_MIN && is_time_up) {
+            break;
+        }
+        run.keep = i >= WARM_STEPS;
+        good = one_frame(&run, i % (source->frame_count - 1));
+    }
+    if (good) {
+        print(&run);
+    }
+    for (int q = 0; q < QUANTITIES; q++) {
+        bench_free(&run.samples[q]);
+    }
+    bench_swept_deinit(&run.swept);
+    for (int mode = 0; mode < MODES; mode++) {
+        bench_world_deinit(&run.worlds[mode]);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    struct bench_options options;
+    int exit_status;
+    if (!bench_begin("step", argc, argv, &options, &exit_status)) {
+        return exit_status;
+    }
+    for (unsigned i = 0; i < bench_scene_total(); i++) {
+        struct bench_scene scene;
+        const char *name = bench_scene_name(i);
+        if (!bench_is_wanted(&options, name)) {
+            continue;
+        }
+        if (bench_scene_make(i, options.smoke, &scene)) {
+            bench_heading(name);
+            bench_number(name, "vertices", "", scene.vertex_count);
+            measure(&scene, options.smoke);
+            bench_scene_free(&scene);
+        } else {
+            bench_skip(name, options.smoke ? "too large" : "no frames in $PCCD_DATA");
+        }
+    }
+    return bench_end();
+}
