@@ -1,0 +1,72 @@
+/* bench/gather.c - what the kernels are measured on: the work of a real step.
+ *
+ * Room:     bench.
+ * Does:     see gather.h.
+ * Threads:  one.
+ */
+#include "gather.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+#include "step_memory.h"
+
+static const struct eng_object *object_of_id(const struct bench_world *world, uint32_t id)
+{
+    return eng_scene_object(world->scene, world->object_idx[id - 1]);
+}
+
+/* Every `stride`-th pair of one kind, so that all parts of the scene have their share. */
+static void take(struct bench_candidates *candidates, const struct bench_world *world,
+                 const struct eng_step_result *pairs, uint32_t query_max)
+{
+    bool is_vf = candidates->kind == ENG_VF;
+    const struct eng_pair *pair = pairs->records;
+    uint64_t total = is_vf ? pairs->vf : pairs->ee;
+    uint64_t stride = total / query_max + 1;
+    pair += is_vf ? 0 : pairs->vf; /* sorted by kind */
+    candidates->a = bench_alloc(query_max, sizeof *candidates->a);
+    candidates->b = bench_alloc(query_max, sizeof *candidates->b);
+    for (uint64_t i = 0; i < total && candidates->count < query_max; i += stride) {
+        const struct eng_object *a = object_of_id(world, pair[i].object_a);
+        const struct eng_object *b = object_of_id(world, pair[i].object_b);
+        uint32_t n = candidates->count++;
+        candidates->a[n] =
+            pair[i].feature_a + (is_vf ? a->vertices.first : a->edges.first);
+        candidates->b[n] =
+            pair[i].feature_b + (is_vf ? b->triangles.first : b->edges.first);
+    }
+}
+
+void bench_work_init(struct bench_work *work, const struct bench_scene *source,
+                     uint32_t query_max, uint32_t trace_max)
+{
+    struct eng_step_result pairs;
+    memset(work, 0, sizeof *work);
+    work->vf.kind = ENG_VF;
+    work->ee.kind = ENG_EE;
+    bench_world_init(&work->world, source, 0);
+    bench_world_step(&work->world, 0, ENG_MODE_PAIRS, &pairs);
+    take(&work->vf, &work->world, &pairs, query_max);
+    take(&work->ee, &work->world, &pairs, query_max);
+    /* Before the merge sorted a copy of them. */
+    work->found = work->world.scene->memory->worker.records;
+    work->found.data = bench_alloc(work->found.count, work->found.record_bytes);
+    memcpy(work->found.data, work->world.scene->memory->worker.records.data,
+           work->found.count * work->found.record_bytes);
+    work->trace.capacity = trace_max;
+    work->trace.nodes = bench_alloc(trace_max, sizeof *work->trace.nodes);
+    bench_traverse_trace(work->world.scene, &work->trace);
+}
+
+void bench_work_deinit(struct bench_work *work)
+{
+    free(work->vf.a);
+    free(work->vf.b);
+    free(work->ee.a);
+    free(work->ee.b);
+    free(work->trace.nodes);
+    free(work->found.data);
+    bench_world_deinit(&work->world);
+}

@@ -1,0 +1,38 @@
+/* bench/gather.h - what the kernels are measured on: the work of a real step.
+ *
+ * Room:     bench; engine headers.
+ * Does:     run one step of a scene and keep its candidates as queries, its tested node
+ *           pairs and its records in the order they were found.
+ * Threads:  one.
+ */
+#ifndef BENCH_GATHER_H
+#define BENCH_GATHER_H
+
+#include "query.h"
+#include "resident.h"
+#include "result.h"
+#include "traverse.h"
+
+/* Candidates of one kind as global indices, evenly taken from all; the queries are loaded
+ * when they are measured, as in a step. */
+struct bench_candidates {
+    enum eng_kind kind;
+    uint32_t count;
+    uint32_t *a;
+    uint32_t *b;
+};
+
+struct bench_work {
+    struct bench_world world;
+    struct bench_candidates vf;
+    struct bench_candidates ee;
+    struct bench_trace trace;
+    struct eng_records found; /* candidate pairs, unsorted; a copy */
+};
+
+/* At most `query_max` candidates of each kind and `trace_max` node pairs. */
+void bench_work_init(struct bench_work *work, const struct bench_scene *source,
+                     uint32_t query_max, uint32_t trace_max);
+void bench_work_deinit(struct bench_work *work);
+
+#endif

@@ -1,0 +1,475 @@
+/* bench/kernels.c - the engine's inner loops, each against a plain version of itself.
+ *
+ * Room:     bench; engine headers.
+ * Does:     filter with solver against the solver alone, exact queries, the box test
+ *           against scalar code, the sort against qsort, ingest against memcpy. Results
+ *           are compared before a time is printed.
+ * Threads:  one.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "filter.h"
+#include "gather.h"
+#include "ingest.h"
+#include "report.h"
+#include "solve.h"
+#include "test.h"
+
+#define QUERY_MAX    60000u
+#define TRACE_MAX    2000000u
+#define REPEATS      15u
+#define EXACT_MAX    2000u
+#define READY_MAX    32u /* groups of lanes: 12 KiB */
+#define READY_ROUNDS 50u
+#define TOLERANCE    1e-6
+
+static unsigned repeats; /* of every measurement, the first not counted */
+
+/* A value that the compiler has to produce. */
+static void use(uint64_t value)
+{
+    __asm__ volatile("" : : "r"(value) : "memory");
+}
+
+static void print(const char *scene, const char *what, const char *unit,
+                  const struct bench_samples *samples, const char *base_name,
+                  const struct bench_samples *base)
+{
+    bench_row(&(struct bench_row){.scene = scene,
+                                  .what = what,
+                                  .unit = unit,
+                                  .samples = samples,
+                                  .base_name = base_name,
+                                  .base = base});
+}
+
+/* ---- filter and solver ------------------------------------------------------------ */
+
+struct answers {
+    uint64_t survivors;
+    uint64_t contacts;
+    bool *hit;
+    struct eng_hit *hits;
+};
+
+static bool same_hits(const struct answers *a, const struct answers *b, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const struct eng_hit *x = &a->hits[i];
+        const struct eng_hit *y = &b->hits[i];
+        if (a->hit[i] != b->hit[i]) {
+            return false;
+        }
+        if (a->hit[i] && (x->flags != y->flags || memcmp(&x->toi, &y->toi, 16) != 0 ||
+                          memcmp(x->param, y->param, sizeof x->param) != 0 ||
+                          memcmp(x->normal, y->normal, sizeof x->normal) != 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void load(const struct eng_scene *scene, const struct bench_candidates *c,
+                 uint32_t i, struct eng_query *query)
+{
+    eng_query_load(scene, c->kind, c->a[i], c->b[i], query);
+}
+
+/* As daemon/engine/test.c does it; `answers` NULL: the filter alone. */
+static void with_filter(const struct eng_scene *scene, const struct bench_candidates *c,
+                        struct eng_exact *exact, struct answers *answers)
+{
+    struct eng_query queries[ENG_LANES];
+    struct eng_lanes lanes;
+    for (uint32_t i = 0; i + ENG_LANES <= c->count; i += ENG_LANES) {
+        for (unsigned lane = 0; lane < ENG_LANES; lane++) {
+            load(scene, c, i + lane, &queries[lane]);
+            eng_lanes_set(&lanes, lane, &queries[lane]);
+        }
+        uint32_t survivors = eng_filter(c->kind, &lanes);
+        use(survivors);
+        for (unsigned lane = 0; answers && lane < ENG_LANES; lane++) {
+            bool survives = survivors >> lane & 1u;
+            answers->survivors += survives;
+            answers->hit[i + lane] =
+                survives &&
+                eng_solve(&queries[lane], TOLERANCE, 1, exact, &answers->hits[i + lane]);
+            answers->contacts += answers->hit[i + lane];
+        }
+    }
+}
+
+/* Lanes that are filled once and stay in the first cache: what the arithmetic costs. */
+static double lanes_ready_ns(const struct eng_scene *scene,
+                             const struct bench_candidates *c)
+{
+    struct eng_lanes lanes[READY_MAX];
+    uint32_t count = c->count / ENG_LANES < READY_MAX ? c->count / ENG_LANES : READY_MAX;
+    for (uint32_t i = 0; i < count * ENG_LANES; i++) {
+        struct eng_query query;
+        load(scene, c, i, &query);
+        eng_lanes_set(&lanes[i / ENG_LANES], i % ENG_LANES, &query);
+    }
+    uint64_t begin_ns = bench_now_ns();
+    for (unsigned round = 0; round < READY_ROUNDS; round++) {
+        for (uint32_t i = 0; i < count; i++) {
+            use(eng_filter(c->kind, &lanes[i]));
+        }
+    }
+    return (double)(bench_now_ns() - begin_ns) / READY_ROUNDS / count / ENG_LANES;
+}
+
+static void solver_alone(const struct eng_scene *scene, const struct bench_candidates *c,
+                         struct eng_exact *exact, struct answers *answers)
+{
+    for (uint32_t i = 0; i < c->count; i++) {
+        struct eng_query query;
+        load(scene, c, i, &query);
+        answers->hit[i] = eng_solve(&query, TOLERANCE, 1, exact, &answers->hits[i]);
+    }
+}
+
+static void answers_init(struct answers *answers, uint32_t count)
+{
+    memset(answers, 0, sizeof *answers);
+    answers->hit = bench_alloc(count, sizeof *answers->hit);
+    answers->hits = bench_alloc(count, sizeof *answers->hits);
+}
+
+static void answers_deinit(struct answers *answers)
+{
+    free(answers->hit);
+    free(answers->hits);
+}
+
+static void measure_tests(const struct bench_work *work, struct bench_candidates *c,
+                          struct eng_exact *exact)
+{
+    const struct eng_scene *scene = work->world.scene;
+    const char *name = work->world.source->name;
+    bool is_vf = c->kind == ENG_VF;
+    struct bench_samples both = {0};
+    struct bench_samples alone = {0};
+    struct bench_samples filter = {0};
+    struct bench_samples ready = {0};
+    struct answers with;
+    struct answers without;
+    bool good = true;
+    c->count -= c->count % ENG_LANES;
+    if (c->count == 0) {
+        return;
+    }
+    answers_init(&with, c->count);
+    answers_init(&without, c->count);
+    for (unsigned r = 0; r < repeats && good; r++) {
+        with.survivors = 0;
+        with.contacts = 0;
+        uint64_t t0 = bench_now_ns();
+        with_filter(scene, c, exact, &with);
+        uint64_t t1 = bench_now_ns();
+        solver_alone(scene, c, exact, &without);
+        uint64_t t2 = bench_now_ns();
+        with_filter(scene, c, exact, NULL);
+        uint64_t t3 = bench_now_ns();
+        good = bench_check(same_hits(&with, &without, c->count), name,
+                           "the filter changes answers of the solver");
+        if (r > 0) {
+            bench_add(&both, (double)(t1 - t0) / c->count);
+            bench_add(&alone, (double)(t2 - t1) / c->count);
+            bench_add(&filter, (double)(t3 - t2) / c->count);
+            bench_add(&ready, lanes_ready_ns(scene, c));
+        }
+    }
+    if (good) {
+        double rejected = (double)(c->count - with.survivors);
+        double misses = (double)(c->count - with.contacts);
+        bench_number(name, is_vf ? "VF queries" : "EE queries", "", c->count);
+        bench_number(name, is_vf ? "VF misses rejected" : "EE misses rejected", "share",
+                     misses > 0 ? rejected / misses : 1);
+        print(name, is_vf ? "VF filter, lanes ready" : "EE filter, lanes ready", "ns",
+              &ready, "solver alone", &alone);
+        print(name, is_vf ? "VF filter" : "EE filter", "ns", &filter, "solver alone",
+              &alone);
+        print(name, is_vf ? "VF filter, solver" : "EE filter, solver", "ns", &both,
+              "solver alone", &alone);
+        print(name, is_vf ? "VF solver alone" : "EE solver alone", "ns", &alone, NULL,
+              NULL);
+    }
+    answers_deinit(&with);
+    answers_deinit(&without);
+    bench_free(&both);
+    bench_free(&alone);
+    bench_free(&filter);
+    bench_free(&ready);
+}
+
+/* Queries that the solver cannot decide by itself, put to exact arithmetic at once. */
+static void measure_exact(const struct bench_work *work, const struct bench_candidates *c,
+                          struct eng_exact *exact)
+{
+    const char *name = work->world.source->name;
+    struct bench_samples us = {0};
+    bool good = true;
+    for (uint32_t i = 0; i < c->count && us.count < EXACT_MAX && good; i++) {
+        struct eng_query query;
+        struct eng_hit hit;
+        load(work->world.scene, c, i, &query);
+        uint64_t before = exact->queries;
+        bool hits = eng_solve(&query, TOLERANCE, 1, exact, &hit);
+        if (exact->queries == before) {
+            continue;
+        }
+        uint64_t begin_ns = bench_now_ns();
+        bool meets = eng_exact_meets(exact, &query, 0, 1);
+        bench_add(&us, 1e-3 * (double)(bench_now_ns() - begin_ns));
+        good = bench_check(hits == meets, name, "the solver and exact arithmetic differ");
+    }
+    if (good && us.count > 0) {
+        print(name, c->kind == ENG_VF ? "VF exact, whole step" : "EE exact, whole step",
+              "us", &us, NULL, NULL);
+    }
+    bench_free(&us);
+}
+
+/* ---- box test --------------------------------------------------------------------- */
+
+/* The same predicate, one axis after the other, with an early end. */
+__attribute__((noinline)) static bool scalar_overlap(const struct eng_node *a,
+                                                     const struct eng_node *b)
+{
+    for (int k = 0; k < 3; k++) {
+        if ((a->lo0[k] > b->hi0[k] && a->lo1[k] > b->hi1[k]) ||
+            (b->lo0[k] > a->hi0[k] && b->lo1[k] > a->hi1[k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+__attribute__((noinline)) static bool vector_overlap(const struct eng_node *a,
+                                                     const struct eng_node *b)
+{
+    return eng_box_overlap(eng_box_of_const(a), eng_box_of_const(b));
+}
+
+/* Tests pairs 0 .. count-1 `rounds` times; the answers of the last round go to out. */
+__attribute__((always_inline)) static inline double box_ns(const struct bench_work *work,
+                                                           bool scalar, size_t count,
+                                                           unsigned rounds, bool *out)
+{
+    const struct eng_node *nodes = work->world.scene->nodes;
+    const uint32_t(*pairs)[2] = (const uint32_t(*)[2])work->trace.nodes;
+    uint64_t begin_ns = bench_now_ns();
+    for (unsigned round = 0; round < rounds; round++) {
+        for (size_t i = 0; i < count; i++) {
+            const struct eng_node *a = &nodes[pairs[i][0]];
+            const struct eng_node *b = &nodes[pairs[i][1]];
+            out[i] = scalar ? scalar_overlap(a, b) : vector_overlap(a, b);
+        }
+    }
+    return (double)(bench_now_ns() - begin_ns) / (double)count / rounds;
+}
+
+static void measure_boxes(const struct bench_work *work)
+{
+    static const struct {
+        const char *vector;
+        const char *scalar;
+        size_t count_max;
+    } rows[] = {
+        {"box test, in cache", "box test scalar, in cache", 256},
+        {"box test, as traversed", "box test scalar, as trav.", TRACE_MAX},
+    };
+    const char *name = work->world.source->name;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        size_t count = work->trace.count;
+        count = count < rows[i].count_max ? count : rows[i].count_max;
+        unsigned rounds = (unsigned)(200000 / count + 1);
+        struct bench_samples vector = {0};
+        struct bench_samples scalar = {0};
+        bool *out[2] = {bench_alloc(count, sizeof(bool)),
+                        bench_alloc(count, sizeof(bool))};
+        bool good = true;
+        for (unsigned r = 0; r < repeats && good; r++) {
+            double vector_ns = box_ns(work, false, count, rounds, out[0]);
+            double scalar_ns = box_ns(work, true, count, rounds, out[1]);
+            good = bench_check(memcmp(out[0], out[1], count * sizeof(bool)) == 0, name,
+                               "the vector and the scalar box test differ");
+            if (r > 0) {
+                bench_add(&vector, vector_ns);
+                bench_add(&scalar, scalar_ns);
+            }
+        }
+        if (good) {
+            print(name, rows[i].vector, "ns", &vector, "scalar", &scalar);
+            print(name, rows[i].scalar, "ns", &scalar, NULL, NULL);
+        }
+        free(out[0]);
+        free(out[1]);
+        bench_free(&vector);
+        bench_free(&scalar);
+    }
+}
+
+/* ---- sort ------------------------------------------------------------------------- */
+
+static int compare_pairs(const void *a, const void *b)
+{
+    const uint32_t *x = a; /* five words, the most significant first */
+    const uint32_t *y = b;
+    for (int i = 0; i < 5; i++) {
+        if (x[i] != y[i]) {
+            return x[i] < y[i] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+static void measure_sort(const struct bench_work *work)
+{
+    const char *name = work->world.source->name;
+    const struct eng_records *found = &work->found;
+    size_t bytes = found->count * sizeof(struct eng_pair);
+    struct eng_sorter sorter = {0};
+    struct eng_records sorted = {0};
+    struct eng_pair *copy = bench_alloc(found->count, sizeof *copy);
+    struct bench_samples radix = {0};
+    struct bench_samples quick = {0};
+    bool good = found->count > 0;
+    for (unsigned r = 0; r < repeats && good; r++) {
+        uint64_t t0 = bench_now_ns();
+        int status = eng_records_sort(&sorter, found, &sorted);
+        uint64_t t1 = bench_now_ns();
+        memcpy(copy, found->data, bytes);
+        qsort(copy, found->count, sizeof *copy, compare_pairs);
+        uint64_t t2 = bench_now_ns();
+        good = bench_check(status == ENG_OK && memcmp(sorted.data, copy, bytes) == 0,
+                           name, "eng_records_sort and qsort differ");
+        if (r > 0) {
+            bench_add(&radix, (double)(t1 - t0) / (double)found->count);
+            bench_add(&quick, (double)(t2 - t1) / (double)found->count);
+        }
+    }
+    if (good && found->count > 0) {
+        bench_number(name, "records", "", (double)found->count);
+        print(name, "sort a record", "ns", &radix, "qsort", &quick);
+        print(name, "qsort a record", "ns", &quick, NULL, NULL);
+    }
+    free(copy);
+    eng_sorter_deinit(&sorter);
+    eng_records_deinit(&sorted);
+    bench_free(&radix);
+    bench_free(&quick);
+}
+
+/* ---- ingest ----------------------------------------------------------------------- */
+
+static bool same_positions(const double (*out)[3], enum eng_format format, uint32_t count,
+                           const void *source)
+{
+    const float *f32 = source;
+    const double *f64 = source;
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        double x = format == ENG_F64 ? f64[i] : (double)f32[i];
+        if (memcmp(&out[i / 3][i % 3], &x, sizeof x) != 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void measure_ingest(const char *name, enum eng_format format, uint32_t count)
+{
+    size_t bytes = (size_t)count * (format == ENG_F64 ? 24 : 12);
+    unsigned char *source = bench_alloc(bytes, 1);
+    unsigned char *plain = bench_alloc(bytes, 1);
+    double(*out)[3] = bench_alloc(count, sizeof *out);
+    struct bench_samples ingest = {0};
+    struct bench_samples copy = {0};
+    bool good = true;
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        double x = (double)i * 0.25 - 1000;
+        float f = (float)x;
+        memcpy(source + (size_t)i * (format == ENG_F64 ? 8 : 4),
+               format == ENG_F64 ? (void *)&x : (void *)&f, format == ENG_F64 ? 8 : 4);
+    }
+    for (unsigned r = 0; r < 2 * repeats && good; r++) {
+        uint64_t t0 = bench_now_ns();
+        int status = eng_ingest_positions(out, format, count, source);
+        uint64_t t1 = bench_now_ns();
+        memcpy(plain, source, bytes);
+        use(plain[bytes / 2]);
+        uint64_t t2 = bench_now_ns();
+        good = bench_check(status == ENG_OK && same_positions((const double(*)[3])out,
+                                                              format, count, source),
+                           name, "ingest changes positions");
+        if (r > 0) { /* bytes per nanosecond are gigabytes per second */
+            bench_add(&ingest, (double)bytes / (double)(t1 - t0));
+            bench_add(&copy, (double)bytes / (double)(t2 - t1));
+        }
+    }
+    if (good) {
+        print(name, format == ENG_F64 ? "ingest double" : "ingest float", "GB/s", &ingest,
+              "memcpy", &copy);
+        print(name, "memcpy", "GB/s", &copy, NULL, NULL);
+    }
+    free(source);
+    free(plain);
+    free(out);
+    bench_free(&ingest);
+    bench_free(&copy);
+}
+
+static void measure_scene(const struct bench_scene *scene, bool smoke)
+{
+    static struct bench_work work;
+    struct eng_exact exact;
+    bench_heading(scene->name);
+    bench_work_init(&work, scene, smoke ? 500 : QUERY_MAX, smoke ? 5000 : TRACE_MAX);
+    eng_exact_init(&exact);
+    measure_tests(&work, &work.vf, &exact);
+    measure_tests(&work, &work.ee, &exact);
+    measure_exact(&work, &work.vf, &exact);
+    measure_exact(&work, &work.ee, &exact);
+    measure_boxes(&work);
+    measure_sort(&work);
+    eng_exact_deinit(&exact);
+    bench_work_deinit(&work);
+}
+
+int main(int argc, char **argv)
+{
+    static const struct {
+        const char *name;
+        uint32_t count;
+    } sizes[] = {
+        {"46 K vertices", 46000}, {"250 K vertices", 250000}, {"1 M vertices", 1000000}};
+    struct bench_options options;
+    int exit_status;
+    if (!bench_begin("kernels", argc, argv, &options, &exit_status)) {
+        return exit_status;
+    }
+    repeats = options.smoke ? 3 : REPEATS;
+    bench_heading("ingest");
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        if (bench_is_wanted(&options, sizes[i].name) && !(options.smoke && i > 0)) {
+            measure_ingest(sizes[i].name, ENG_F64, sizes[i].count);
+            measure_ingest(sizes[i].name, ENG_F32, sizes[i].count);
+        }
+    }
+    for (unsigned i = 0; i < bench_scene_total(); i++) {
+        struct bench_scene scene;
+        const char *name = bench_scene_name(i);
+        if (!bench_is_wanted(&options, name)) {
+            continue;
+        }
+        if (bench_scene_make(i, options.smoke, &scene)) {
+            measure_scene(&scene, options.smoke);
+            bench_scene_free(&scene);
+        } else {
+            bench_skip(name, options.smoke ? "too large" : "no frames in $PCCD_DATA");
+        }
+    }
+    return bench_end();
+}
