@@ -1,1 +1,50 @@
-# bench/local.mk - measurements; built by make bench, not by make check.
+# bench/local.mk - measurements: built and tried by make check, run by make bench.
+#
+# make bench                        tables of everything, a few minutes
+# make bench BENCH_ARGS=--json      one JSON line a row
+# make bench BENCH_ARGS=cloth-20k   one scene
+
+bench_names = bench/step bench/kernels bench/ipc
+check_PROGRAMS += $(bench_names)
+
+bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
+    -I$(top_srcdir)/bench
+bench_engine_cppflags = $(bench_cppflags) -I$(top_srcdir)/daemon/engine \
+    -I$(top_srcdir)/tests/support
+bench_engine_sources = \
+    bench/report.c \
+    bench/report.h \
+    bench/resident.c \
+    bench/resident.h \
+    bench/traverse.c \
+    bench/traverse.h \
+    bench/workload.c \
+    bench/workload.h \
+    tests/support/data.c \
+    tests/support/data.h \
+    tests/support/ply.c \
+    tests/support/ply.h \
+    tests/support/prng.h
+bench_engine_libs = libengine.la $(GMP_LIBS) $(LIBM)
+
+bench_step_SOURCES = bench/step.c $(bench_engine_sources)
+bench_step_CPPFLAGS = $(bench_engine_cppflags)
+bench_step_LDADD = $(bench_engine_libs)
+
+bench_kernels_SOURCES = bench/kernels.c bench/gather.c bench/gather.h $(bench_engine_sources)
+bench_kernels_CPPFLAGS = $(bench_engine_cppflags)
+bench_kernels_LDADD = $(bench_engine_libs)
+
+# The public header alone: what a client can see.
+bench_ipc_SOURCES = bench/ipc.c bench/report.c bench/report.h
+bench_ipc_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
+bench_ipc_LDADD = libpccd.la
+
+TESTS += bench/smoke.sh
+dist_check_SCRIPTS += bench/smoke.sh
+EXTRA_DIST += bench/README.md
+
+.PHONY: bench
+bench: $(bench_names) pccdd
+	@$(AM_TESTS_ENVIRONMENT) \
+	for program in $(bench_names); do ./$$program $(BENCH_ARGS) || exit 1; done
