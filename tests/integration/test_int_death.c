@@ -110,7 +110,7 @@ static void death__of_clients_leaves_nothing_behind(void **state)
             fail_msg("%s: %llu before, %llu after", held[i],
                      (unsigned long long)before[i], (unsigned long long)after);
     }
-    assert_int_equal(test_witness_fd_count(), fds_before);
+    assert_true(test_witness_fd_count() <= fds_before);
     test_witness_turn();
 }
 

