@@ -1,6 +1,8 @@
 # tests/local.mk - one fragment a folder; each adds its programs to check_PROGRAMS and TESTS.
 
 include $(top_srcdir)/tests/support/local.mk
+include $(top_srcdir)/tests/support/scenes.mk
+include $(top_srcdir)/tests/oracle/local.mk
 include $(top_srcdir)/tests/unit/local.mk
 include $(top_srcdir)/tests/property/local.mk
 include $(top_srcdir)/tests/truth/local.mk

@@ -7,9 +7,9 @@ liboracle_la_SOURCES = \
     tests/oracle/oracle.h \
     tests/oracle/oracle_scene.c \
     tests/oracle/oracle_scene.h \
-    tests/oracle/poly.c \
-    tests/oracle/poly.h \
-    tests/oracle/root.c \
-    tests/oracle/root.h
+    tests/oracle/oracle_poly.c \
+    tests/oracle/oracle_poly.h \
+    tests/oracle/oracle_root.c \
+    tests/oracle/oracle_root.h
 liboracle_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/tests/oracle
 liboracle_la_LIBADD = $(GMP_LIBS) $(LIBM)

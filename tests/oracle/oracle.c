@@ -17,7 +17,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "root.h"
+#include "oracle_root.h"
 
 #define SEGMENTS_MAX 4
 

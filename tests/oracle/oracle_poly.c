@@ -1,10 +1,10 @@
-/* poly.c - polynomials in t with integer coefficients, without rounding.
+/* oracle_poly.c - polynomials in t with integer coefficients, without rounding.
  *
  * Room:     tests/oracle.
  * Does:     plain school arithmetic: degrees are at most 4, coefficients may have
  * thousands of bits. Threads:  one thread for one polynomial.
  */
-#include "poly.h"
+#include "oracle_poly.h"
 
 #include <assert.h>
 

@@ -1,11 +1,11 @@
-/* root.c - real algebraic numbers in [0, 1].
+/* oracle_root.c - real algebraic numbers in [0, 1].
  *
  * Room:     tests/oracle.
  * Does:     bisection; it ends because the polynomials are square-free, so that roots are
  *           apart, and because a sign is looked for only where it is not zero.
  * Threads:  one thread for one root.
  */
-#include "root.h"
+#include "oracle_root.h"
 
 #include <assert.h>
 #include <math.h>

@@ -1,17 +1,17 @@
-/* root.h - real algebraic numbers in [0, 1].
+/* oracle_root.h - real algebraic numbers in [0, 1].
  *
- * Room:     tests/oracle. May include: poly.h.
+ * Room:     tests/oracle. May include: oracle_poly.h.
  * Does:     isolate the roots of a polynomial, narrow them, and find the exact sign of
  *           another polynomial at them.
  * Threads:  one thread for one root.
  * Source:   Descartes' rule of signs on Bernstein coefficients, with bisection.
  */
-#ifndef ORACLE_ROOT_H
-#define ORACLE_ROOT_H
+#ifndef ORACLE_ORACLE_ROOT_H
+#define ORACLE_ORACLE_ROOT_H
 
 #include <stdbool.h>
 
-#include "poly.h"
+#include "oracle_poly.h"
 
 /* Exact: the number a / 2^n. Else the only root of the square-free g strictly between
  * a / 2^n and (a + 1) / 2^n. */

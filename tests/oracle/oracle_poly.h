@@ -1,13 +1,13 @@
-/* poly.h - polynomials in t with integer coefficients, without rounding.
+/* oracle_poly.h - polynomials in t with integer coefficients, without rounding.
  *
  * Room:     tests/oracle. May include: the C library, GMP.
  * Does:     sums, products, greatest common divisors, square-free parts, signs at dyadic
  *           points and sign variations on dyadic intervals, up to degree 4.
- * Does not: find roots (root.h).
+ * Does not: find roots (oracle_root.h).
  * Threads:  one thread for one polynomial.
  */
-#ifndef ORACLE_POLY_H
-#define ORACLE_POLY_H
+#ifndef ORACLE_ORACLE_POLY_H
+#define ORACLE_ORACLE_POLY_H
 
 #include <gmp.h>
 

@@ -1,0 +1,337 @@
+/* test_eng_truth.c - the engine finds every contact of the published truth.
+ *
+ * Room:     tests/truth. May include: daemon/engine, tests/oracle, tests/support, cmocka.
+ * Does:     one step of each public scene, against the pairs that are known to collide; each
+ *           hand-made query as a scene of two triangles.
+ * Threads:  one.
+ * Source:   the README of the data folder.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "data.h"
+#include "oracle_scene.h"
+#include "ply.h"
+#include "step.h"
+
+#define HANDMADE_QUERIES 3779
+
+/* One record of so many is timed by the oracle, which takes a tenth of a millisecond. */
+#define TIMED_SHARE 8
+
+typedef const double (*points_t)[3];
+
+static struct eng_mesh *make_mesh(points_t x, uint32_t vertex_count,
+                                  const uint32_t (*triangles)[3], uint32_t triangle_count)
+{
+    struct eng_mesh *mesh = NULL;
+    uint32_t bad = 0;
+    assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), ENG_OK);
+    assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 0, vertex_count, x), ENG_OK);
+    assert_int_equal(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad),
+                     ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+    return mesh;
+}
+
+/* One object moved to x1 in one step. The scene is the caller's, and holds the records. */
+static struct eng_scene *run(struct eng_mesh *mesh, uint32_t vertex_count, points_t x1,
+                             struct eng_step_result *result)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_scene *scene = NULL;
+    uint32_t object_idx;
+    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), ENG_OK);
+    eng_stage_begin(scene);
+    assert_int_equal(eng_stage_x1(scene, object_idx, ENG_F64, 0, vertex_count, x1),
+                     ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, result), ENG_OK);
+    assert_int_equal(result->incomplete, ENG_COMPLETE);
+    return scene;
+}
+
+/* Skip the test if a file is not there. */
+static void must_find(const char *name, char path[DATA_PATH_MAX])
+{
+    if (!data_find(name, path)) {
+        skip();
+    }
+}
+
+static void read_frames(const struct data_scene *scene, struct ply frames[2])
+{
+    for (int end = 0; end < 2; end++) {
+        char path[DATA_PATH_MAX];
+        must_find(scene->frames[end], path);
+        assert_true(ply_read(path, &frames[end]));
+    }
+    assert_int_equal(frames[0].vertex_count, frames[1].vertex_count);
+}
+
+/* The colliding pairs of both lists as records name them, sorted. Freed by the caller. */
+static struct oracle_pair *read_truth(const struct data_scene *scene,
+                                      uint32_t vertex_count, uint32_t edge_count,
+                                      size_t *count)
+{
+    struct oracle_pair *truth = NULL;
+    *count = 0;
+    for (uint32_t kind = 0; kind < 2; kind++) {
+        char ids[DATA_PATH_MAX];
+        char flags[DATA_PATH_MAX];
+        struct data_pairs pairs;
+        must_find(scene->ids[kind], ids);
+        must_find(scene->truth[kind], flags);
+        assert_true(data_pairs_read(ids, flags, &pairs));
+        truth = realloc(truth, (*count + pairs.count + 1) * sizeof *truth);
+        assert_non_null(truth);
+        for (size_t i = 0; i < pairs.count; i++) {
+            uint32_t a = pairs.ids[i][0];
+            uint32_t b = pairs.ids[i][1];
+            if (!pairs.truth[i]) {
+                continue;
+            }
+            if (kind == ENG_VF) {
+                b -= vertex_count + edge_count;
+            } else {
+                uint32_t low = a < b ? a : b;
+                b = (a < b ? b : a) - vertex_count;
+                a = low - vertex_count;
+            }
+            truth[(*count)++] = (struct oracle_pair){kind, 0, a, 0, b};
+        }
+        data_pairs_deinit(&pairs);
+    }
+    qsort(truth, *count, sizeof *truth, oracle_pair_compare);
+    return truth;
+}
+
+/* What the comparison of a scene found. */
+struct tally {
+    size_t missing;
+    size_t extra;    /* records beside the lists */
+    size_t untrue;   /* of these, no contact by the definition */
+    size_t possible; /* records that are not proved */
+    size_t timed;
+};
+
+/* A record against exact arithmetic. */
+static bool confirm(const struct oracle_object *object, const uint32_t (*edges)[2],
+                    const struct eng_contact *contact, struct tally *tally)
+{
+    double moving[8][3];
+    if (contact->kind == ENG_VF) {
+        oracle_vf_points(object, contact->feature_a, object, contact->feature_b, moving);
+    } else {
+        oracle_ee_points(object, edges[contact->feature_a], object,
+                         edges[contact->feature_b], moving);
+    }
+    enum oracle_kind kind = contact->kind == ENG_VF ? ORACLE_VF : ORACLE_EE;
+    bool is_proved = (contact->flags & ENG_PROVED) != 0;
+    struct oracle_first *first = oracle_first_new(kind, (points_t)moving);
+    if (first) {
+        tally->timed++;
+        assert_true(oracle_first_compare(first, contact->toi) >= 0);
+        assert_true(!is_proved || oracle_first_compare(first, contact->toi_hi) <= 0);
+        assert_int_equal(oracle_touching_at(kind, (points_t)moving, 0),
+                         (contact->flags & ENG_INITIAL) != 0);
+    }
+    assert_true(first || !is_proved);
+    oracle_first_free(first);
+    return first != NULL;
+}
+
+/* Records and truth are sorted alike. */
+static void compare(const struct oracle_object *object, const uint32_t (*edges)[2],
+                    const struct eng_step_result *result, const struct oracle_pair *truth,
+                    size_t truth_count, struct tally *tally)
+{
+    const struct eng_contact *contacts = result->records;
+    size_t at = 0;
+    memset(tally, 0, sizeof *tally);
+    tally->possible = result->possible;
+    for (uint64_t i = 0; i < result->count; i++) {
+        struct oracle_pair name = {contacts[i].kind, contacts[i].object_a,
+                                   contacts[i].feature_a, contacts[i].object_b,
+                                   contacts[i].feature_b};
+        while (at < truth_count && oracle_pair_compare(&truth[at], &name) < 0) {
+            tally->missing++;
+            at++;
+        }
+        bool is_listed = at < truth_count && oracle_pair_compare(&truth[at], &name) == 0;
+        at += is_listed;
+        tally->extra += !is_listed;
+        if (!is_listed || i % TIMED_SHARE == 0) {
+            tally->untrue += !confirm(object, edges, &contacts[i], tally);
+        }
+    }
+    tally->missing += truth_count - at;
+}
+
+/* `extra_max`: records beside the lists that are allowed, in thousandths of the truth. */
+static void check_scene(enum data_scene_name name, size_t truth_expected,
+                        size_t extra_max)
+{
+    const struct data_scene *scene = &data_scenes[name];
+    struct ply frames[2];
+    struct eng_step_result result;
+    struct tally tally;
+    uint32_t edge_count;
+    size_t truth_count;
+    read_frames(scene, frames);
+    const uint32_t(*triangles)[3] = (const uint32_t(*)[3])frames[0].triangles;
+    struct oracle_object object = {0,
+                                   frames[0].vertex_count,
+                                   frames[0].triangle_count,
+                                   (points_t)frames[0].x,
+                                   (points_t)frames[1].x,
+                                   triangles};
+    uint32_t(*edges)[2] = oracle_edges(&object, &edge_count);
+    struct oracle_pair *truth =
+        read_truth(scene, object.vertex_count, edge_count, &truth_count);
+    struct eng_mesh *mesh =
+        make_mesh(object.x0, object.vertex_count, triangles, object.triangle_count);
+    assert_memory_equal(eng_mesh_edges(mesh), edges, edge_count * sizeof *edges);
+    struct eng_scene *engine = run(mesh, object.vertex_count, object.x1, &result);
+    compare(&object, (const uint32_t(*)[2])edges, &result, truth, truth_count, &tally);
+    print_message("# %s: %zu true, %zu missing; %zu records, %zu beside the lists "
+                  "(%zu of them no contact), %zu possible, %zu timed exactly\n",
+                  scene->name, truth_count, tally.missing, (size_t)result.count,
+                  tally.extra, tally.untrue, tally.possible, tally.timed);
+    eng_scene_free(engine);
+    eng_mesh_release(mesh);
+    free(truth);
+    free(edges);
+    ply_deinit(&frames[0]);
+    ply_deinit(&frames[1]);
+    assert_int_equal(truth_count, truth_expected);
+    assert_int_equal(tally.missing, 0);
+    assert_true(tally.extra * 1000 <= truth_count * extra_max);
+}
+
+/* If this failed, a real contact of cloth on a ball would be missed. */
+static void engine__finds_every_contact_of_cloth_ball(void **state)
+{
+    (void)state;
+    check_scene(DATA_CLOTH_BALL, 113854, 1);
+}
+
+/* If this failed, a real contact of thousands of balls would be missed. */
+static void engine__finds_every_contact_of_n_body(void **state)
+{
+    (void)state;
+    check_scene(DATA_N_BODY, 50490, 1);
+}
+
+/* If this failed, a real contact of nearly degenerate cloth would be missed. There are only
+ * 134 of them, so that a single extra one is more than a thousandth. */
+static void engine__finds_every_contact_of_cloth_funnel(void **state)
+{
+    (void)state;
+    check_scene(DATA_CLOTH_FUNNEL, 134, 50);
+}
+
+struct handmade {
+    size_t queries;
+    size_t truths;
+    size_t missing;
+    size_t proved_wrong;
+    size_t possible; /* records of the query itself that are not proved */
+    size_t untrue;   /* of these, no contact */
+};
+
+/* Two triangles: the query's features, each padded to a triangle with vertices of their own
+ * at the place of a vertex that they have. */
+static const uint32_t vf_triangles[2][3] = {{1, 2, 3}, {0, 4, 5}};
+static const int vf_points[6] = {0, 1, 2, 3, 0, 0};
+static const uint32_t ee_triangles[2][3] = {{0, 1, 4}, {2, 3, 5}};
+static const int ee_points[6] = {0, 1, 2, 3, 0, 2};
+
+/* The record of the query: vertex 0 and face 0, or edges 0-1 and 2-3. */
+static const struct eng_contact *find_record(bool is_vf, const struct eng_mesh *mesh,
+                                             const struct eng_step_result *result)
+{
+    const struct eng_contact *contacts = result->records;
+    const uint32_t(*edges)[2] = eng_mesh_edges(mesh);
+    for (uint64_t i = 0; i < result->count; i++) {
+        uint32_t a = contacts[i].feature_a;
+        uint32_t b = contacts[i].feature_b;
+        if (contacts[i].kind == (is_vf ? ENG_VF : ENG_EE) &&
+            (is_vf ? a == 0 && b == 0
+                   : edges[a][0] == 0 && edges[a][1] == 1 && edges[b][0] == 2 &&
+                         edges[b][1] == 3)) {
+            return &contacts[i];
+        }
+    }
+    return NULL;
+}
+
+static void run_handmade(void *context, bool is_vf, const char *path,
+                         const struct data_queries *queries)
+{
+    struct handmade *tally = context;
+    const uint32_t(*triangles)[3] = is_vf ? vf_triangles : ee_triangles;
+    const int *points = is_vf ? vf_points : ee_points;
+    assert_true(queries->has_truth);
+    for (size_t i = 0; i < queries->count; i++) {
+        double x[2][6][3];
+        struct eng_step_result result;
+        for (int k = 0; k < 12; k++) {
+            memcpy(x[k / 6][k % 6], queries->p[i][4 * (k / 6) + points[k % 6]],
+                   sizeof x[0][0]);
+        }
+        struct eng_mesh *mesh = make_mesh((points_t)x[0], 6, triangles, 2);
+        struct eng_scene *scene = run(mesh, 6, (points_t)x[1], &result);
+        const struct eng_contact *contact = find_record(is_vf, mesh, &result);
+        bool is_proved = contact && contact->flags & ENG_PROVED;
+        tally->queries++;
+        tally->truths += queries->truth[i];
+        tally->possible += contact && !is_proved;
+        tally->untrue += contact && !is_proved && !queries->truth[i];
+        if ((!contact && queries->truth[i]) || (is_proved && !queries->truth[i])) {
+            tally->missing += queries->truth[i];
+            tally->proved_wrong += is_proved;
+            print_message("# %s, query %zu: %s\n", path, i,
+                          contact ? "invented" : "missed");
+        }
+        eng_scene_free(scene);
+        eng_mesh_release(mesh);
+    }
+}
+
+/* If this failed, a query made to be hard would be missed, or a contact proved that is not
+ * there. */
+static void engine__answers_every_handmade_query(void **state)
+{
+    struct handmade tally = {0};
+    (void)state;
+    if (data_handmade(run_handmade, &tally) == 0) {
+        skip();
+    }
+    print_message(
+        "# %zu queries, %zu true, %zu missed, %zu invented; %zu possible, %zu of "
+        "them no contact\n",
+        tally.queries, tally.truths, tally.missing, tally.proved_wrong, tally.possible,
+        tally.untrue);
+    assert_int_equal(tally.queries, HANDMADE_QUERIES);
+    assert_int_equal(tally.missing, 0);
+    assert_int_equal(tally.proved_wrong, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(engine__answers_every_handmade_query),
+        cmocka_unit_test(engine__finds_every_contact_of_cloth_funnel),
+        cmocka_unit_test(engine__finds_every_contact_of_n_body),
+        cmocka_unit_test(engine__finds_every_contact_of_cloth_ball),
+    };
+    return cmocka_run_group_tests_name("eng_truth", tests, NULL, NULL);
+}
