@@ -3,8 +3,8 @@
  * Room:     server. See compute.h.
  * Does:     a mutex, a condition, a round of lanes and a list of finished jobs.
  * Does not: hold the lock while a job runs or while `done` or `notify` are called.
- * Threads:  [loop] and [compute]; the mutex is the only lock of the server, so there is no
- *           lock order to keep.
+ * Threads:  [loop] and [compute]; the mutex is the only lock of the server, so there is
+ *           no lock order to keep.
  */
 #include "compute.h"
 
@@ -74,8 +74,9 @@ static struct srv_job *take(struct srv_compute *compute)
     return job;
 }
 
-/* Append to the finished jobs; true when the list was empty: the loop must be told. A list
- * that was not empty has a notification under way that will find this job too. Locked. */
+/* Append to the finished jobs; true when the list was empty: the loop must be told. A
+ * list that was not empty has a notification under way that will find this job too.
+ * Locked. */
 static bool finish(struct srv_compute *compute, struct srv_job *job)
 {
     bool first = compute->done_first == NULL;
@@ -167,7 +168,8 @@ void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done)
 }
 
 /* Append to the lane, wake the thread. Locked. */
-static void append(struct srv_compute *compute, struct srv_lane *lane, struct srv_job *job)
+static void append(struct srv_compute *compute, struct srv_lane *lane,
+                   struct srv_job *job)
 {
     PCCD_ASSERT(job->state == SRV_JOB_IDLE && !compute->stop);
     job->next = NULL;

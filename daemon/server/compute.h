@@ -1,14 +1,15 @@
 /* compute.h - the one thread that computes.
  *
  * Room:     server. May include: the C library.
- * Does:     run jobs one after another on a thread of its own, the only one that ever starts
- *           a parallel region; hand them back in batches, one notification per batch.
+ * Does:     run jobs one after another on a thread of its own, the only one that ever
+ *           starts a parallel region; hand them back in batches, one notification per
+ *           batch.
  * Does not: know what a job computes, or own jobs: they are part of larger structs.
  * Threads:  functions say; `run` is called on [compute], `done` on [loop].
  *
  * Jobs wait in lanes, one lane per session. Within a lane the order is first in, first
- * out; between lanes the thread goes round, one job at a time, so that a session with many
- * jobs delays another by at most one of them.
+ * out; between lanes the thread goes round, one job at a time, so that a session with
+ * many jobs delays another by at most one of them.
  *
  *     IDLE --push--> QUEUED --taken--> RUNNING --finished--> DONE --drain--> IDLE
  *                      \--remove--> IDLE
@@ -59,7 +60,8 @@ struct srv_compute {
     uint32_t capacity; /* of those pushed by srv_compute_push */
     struct srv_job *done_first;
     struct srv_job *done_last;
-    void (*notify)(void *context); /* [compute]: the list of done jobs is no longer empty */
+    /* [compute]: the list of done jobs is no longer empty */
+    void (*notify)(void *context);
     void *notify_context;
 };
 
@@ -77,13 +79,13 @@ void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done);
 int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
                      struct srv_job *job);
 
-/* The same without a bound, for jobs that free something: there is at most one of them per
- * thing that was admitted. [loop] */
+/* The same without a bound, for jobs that free something: there is at most one of them
+ * per thing that was admitted. [loop] */
 void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
                            struct srv_job *job);
 
-/* Take a queued job out of its lane; its `run` and `done` are not called. false: it was not
- * queued any more. [loop] */
+/* Take a queued job out of its lane; its `run` and `done` are not called. false: it was
+ * not queued any more. [loop] */
 bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job);
 
 /* Call `done` of every finished job, in the order in which they finished. [loop] */

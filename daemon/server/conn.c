@@ -3,17 +3,17 @@
  * Room:     server. See conn.h.
  * Does:     the life of a connection:
  *
- *     OPEN --- fatal error answered ---> FLUSHING --- queue empty ---> LINGERING --> closed
- *      |                                    | peer gone, 1 s              peer's end, 1 s
- *      | send failed, too many replies      v
- *      `--------------------------> BROKEN --> closed
+ *     OPEN -- fatal error answered --> FLUSHING -- queue empty --> LINGERING --> closed
+ *      |                                  `-- peer gone, 1 s --> closed
+ *      |                                           (LINGERING: at the peer's end, 1 s)
+ *      `-- send failed, too many replies --> BROKEN --> closed
  *
  *     OPEN, from the client's end of file or hangup --> closed
  *
  *           Lingering matters: closing a socket with unread messages makes the peer see a
  *           reset before it sees the last reply.
- * Does not: close inside srv_conn_send: callers up the stack still hold the connection; it
- *           shuts the socket down instead and closes on the event that this raises.
+ * Does not: close inside srv_conn_send: callers up the stack still hold the connection;
+ *           it shuts the socket down instead and closes on the event that this raises.
  * Threads:  [loop]
  */
 #include "conn.h"
@@ -32,8 +32,8 @@
 #include "seqpacket.h"
 #include "session.h"
 
-#define HELLO_MS 10000u /* for a client to say hello */
-#define LINGER_MS 1000u /* for a client to read its last reply */
+#define HELLO_MS  10000u /* for a client to say hello */
+#define LINGER_MS 1000u  /* for a client to read its last reply */
 
 struct srv_reply {
     struct srv_reply *next;
@@ -71,7 +71,7 @@ static void watch(struct srv_conn *conn)
     }
 }
 
-/* ---- closing ----------------------------------------------------------------------------- */
+/* ---- closing ----------------------------------------------------------------------- */
 
 static void on_closed(uv_handle_t *handle)
 {
@@ -174,7 +174,7 @@ void srv_conn_established(struct srv_conn *conn)
     uv_timer_stop(&conn->timer);
 }
 
-/* ---- sending ----------------------------------------------------------------------------- */
+/* ---- sending ----------------------------------------------------------------------- */
 
 /* Keep a message that the socket does not take now. Takes the descriptors over. */
 static int queue_reply(struct srv_conn *conn, const struct proto_encoder *message,
@@ -252,7 +252,7 @@ static void flush(struct srv_conn *conn)
     linger_if_flushed(conn);
 }
 
-/* ---- receiving ----------------------------------------------------------------------------- */
+/* ---- receiving --------------------------------------------------------------------- */
 
 /* One message for dispatch. Returns whether there may be more; closes at end of file. */
 static bool read_one(struct srv_conn *conn)
@@ -260,8 +260,8 @@ static bool read_one(struct srv_conn *conn)
     struct srv_loop *loop = conn->loop;
     size_t bytes = 0;
     int fd_count = 0;
-    int status = proto_receive(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, &bytes, NULL,
-                               &fd_count);
+    int status = proto_receive(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, &bytes,
+                               NULL, &fd_count);
     if (status == PCCD_E_AGAIN) {
         return false;
     }
@@ -271,7 +271,8 @@ static bool read_one(struct srv_conn *conn)
         return false;
     }
     if (status == PCCD_E_BADMSG) {
-        srv_dispatch_violation(conn->session, PCCD_E_BADMSG, "a message is longer than 65536");
+        srv_dispatch_violation(conn->session, PCCD_E_BADMSG,
+                               "a message is longer than 65536");
         return false;
     }
     if (status != 0) {
@@ -323,14 +324,15 @@ static void on_poll(uv_poll_t *poll, int status, int events)
     } else if ((events & UV_READABLE) != 0 && conn->state == SRV_CONN_LINGERING) {
         discard(conn);
     } else if ((events & UV_DISCONNECT) != 0 && !reading) {
-        srv_conn_close(conn); /* while reading, the end of file comes after the messages */
+        /* While reading, the end of file comes after the messages. */
+        srv_conn_close(conn);
     }
     if (conn->fd >= 0) { /* freed later, by libuv's close callback */
         watch(conn);
     }
 }
 
-/* ---- creation ------------------------------------------------------------------------------ */
+/* ---- creation ---------------------------------------------------------------------- */
 
 int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid)
 {

@@ -1,7 +1,8 @@
 /* conn.h - the socket of one client.
  *
  * Room:     server. May include: libuv, the protocol's headers.
- * Does:     receive messages for dispatch.h and send replies, never waiting for the client.
+ * Does:     receive messages for dispatch.h and send replies, never waiting for the
+ *           client.
  * Does not: know what a message means.
  * Threads:  [loop]
  */
@@ -16,7 +17,8 @@
 #include "codec.h"
 
 /* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
- * is not read; answers of requests in flight still arrive, and beyond this it is dropped. */
+ * is not read; answers of requests in flight still arrive, and beyond this it is
+ * dropped. */
 #define SRV_REPLIES_HARD_MAX (2u * PROTO_REPLIES_QUEUED_MAX)
 
 enum srv_conn_state {
@@ -35,10 +37,10 @@ struct srv_conn {
     struct srv_session *session;
     int fd;
     enum srv_conn_state state;
-    int events;           /* being watched for */
-    uint32_t open_count;  /* libuv handles not closed yet */
+    int events;          /* being watched for */
+    uint32_t open_count; /* libuv handles not closed yet */
     uv_poll_t poll;
-    uv_timer_t timer;     /* for hello, then for the peer's end */
+    uv_timer_t timer; /* for hello, then for the peer's end */
     struct srv_reply *reply_first;
     struct srv_reply *reply_last;
     uint32_t reply_count;
@@ -48,8 +50,9 @@ struct srv_conn {
  * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
 int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid);
 
-/* Send a message, now or when the client reads. Takes over fds[fd_count] in any case. What
- * cannot be sent any more is dropped; the connection then closes soon, never inside. */
+/* Send a message, now or when the client reads. Takes over fds[fd_count] in any case.
+ * What cannot be sent any more is dropped; the connection then closes soon, never
+ * inside. */
 void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
                    const int *fds, int fd_count);
 

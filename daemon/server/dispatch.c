@@ -16,18 +16,19 @@
 #include "now.h"
 #include "session.h"
 
-/* ---- the table ----------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------- */
 
 #define ENTRY(ID, name, since, flags, text) [PROTO_METHOD_##ID] = srv_on_##ID,
 static int (*const handlers[PROTO_METHOD_COUNT])(struct srv_call *call) = {
     PROTO_METHODS(ENTRY)};
 #undef ENTRY
 
-/* ---- answers ------------------------------------------------------------------------------- */
+/* ---- answers ----------------------------------------------------------------------- */
 
 /* Send one answer. Takes fds over. A fatal error is the last thing the client hears. */
-static void answer(struct srv_session *session, uint32_t id, int method, const void *result,
-                   const struct proto_error *error, const int *fds, int fd_count)
+static void answer(struct srv_session *session, uint32_t id, int method,
+                   const void *result, const struct proto_error *error, const int *fds,
+                   int fd_count)
 {
     struct srv_loop *loop = session->loop;
     struct proto_encoder *encoder = loop->encoder;
@@ -40,7 +41,8 @@ static void answer(struct srv_session *session, uint32_t id, int method, const v
     }
     srv_metrics_add_error(&loop->metrics, error->code);
     srv_log(SRV_LOG_DEBUG, session->id, "%s: %s: %s",
-            method >= 0 && method < PROTO_MESSAGE_COUNT ? proto_messages[method].name : "?",
+            method >= 0 && method < PROTO_MESSAGE_COUNT ? proto_messages[method].name
+                                                        : "?",
             proto_status_name(error->code), error->text);
     if (error->fatal) {
         srv_conn_finish(session->conn);
@@ -87,7 +89,7 @@ void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text)
     }
 }
 
-/* ---- refusals, in their order ---------------------------------------------------------------- */
+/* ---- refusals, in their order ------------------------------------------------------ */
 
 static int refuse_beyond_quota(struct srv_call *call)
 {
@@ -158,17 +160,18 @@ static int refuse_busy(struct srv_call *call)
     }
     if (srv_session_request(call->session, call->id) != NULL) {
         return proto_error_set(&call->error, PCCD_E_STATE,
-                               "a request with message id %u is in flight already", call->id);
+                               "a request with message id %u is in flight already",
+                               call->id);
     }
     return 0;
 }
 
 static int (*const refusals[])(struct srv_call *call) = {
-    refuse_beyond_quota, refuse_unknown,      refuse_shutdown,
+    refuse_beyond_quota, refuse_unknown, refuse_shutdown,
     refuse_before_hello, refuse_busy,
 };
 
-/* ---- the way through --------------------------------------------------------------------------- */
+/* ---- the way through --------------------------------------------------------------- */
 
 /* Decode the parameters and call the handler, unless the request is refused. */
 static int handle(struct srv_call *call, const struct proto_envelope *envelope)

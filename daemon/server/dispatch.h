@@ -1,7 +1,8 @@
 /* dispatch.h - from a message to an answer.
  *
  * Room:     server. May include: call.h, request.h.
- * Does:     decode, refuse in a fixed order, call the handler, encode and send what it says.
+ * Does:     decode, refuse in a fixed order, call the handler, encode and send what it
+ *           says.
  * Does not: know a method: the table comes from the manifest.
  * Threads:  [loop]
  */

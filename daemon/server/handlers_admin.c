@@ -90,7 +90,7 @@ int srv_on_CANCEL(struct srv_call *call)
     return 0;
 }
 
-/* ---- shm.attach ------------------------------------------------------------------------------ */
+/* ---- shm.attach -------------------------------------------------------------------- */
 
 static int work_attach(struct srv_request *request)
 {

@@ -16,14 +16,14 @@
 #include "wire.h"
 
 #define TOLERANCE_DEFAULT 1e-6
-#define TOLERANCE_MIN 1e-12
-#define TOLERANCE_MAX 1.0
+#define TOLERANCE_MIN     1e-12
+#define TOLERANCE_MAX     1.0
 
 static_assert(sizeof(struct proto_FRAME_SUBMIT_result) ==
                   sizeof(struct proto_FRAME_FETCH_result),
               "submit and fetch answer alike");
 
-/* ---- pages ------------------------------------------------------------------------------------- */
+/* ---- pages ------------------------------------------------------------------------- */
 
 /* Copy the records from `first` on into the result region, as many as fit, and say in
  * *answer which those are. Returns 0 or a status with *error set. [compute] */
@@ -34,8 +34,8 @@ static int write_page(struct srv_scene *scene, struct srv_ring *ring, uint64_t f
     *answer = scene->answer;
     struct srv_page page;
     void *data = NULL;
-    int status = srv_ring_reserve(ring, answer->record_bytes, answer->total - first, &page,
-                                  &data, error);
+    int status = srv_ring_reserve(ring, answer->record_bytes, answer->total - first,
+                                  &page, &data, error);
     if (status != 0) {
         return status;
     }
@@ -54,7 +54,7 @@ static int write_page(struct srv_scene *scene, struct srv_ring *ring, uint64_t f
     return 0;
 }
 
-/* ---- submit ------------------------------------------------------------------------------------ */
+/* ---- submit ------------------------------------------------------------------------ */
 
 /* Arrival plus the client's budget; 0: none. */
 static uint64_t deadline_of(const struct srv_request *request)
@@ -76,8 +76,9 @@ static void describe(const struct eng_step_result *step,
         .incomplete = step->incomplete,
         .verdict = step->verdict,
         .total = step->count,
-        .record_bytes = step->mode == ENG_MODE_PAIRS ? (uint32_t)sizeof(struct pccd_pair)
-                                                     : (uint32_t)sizeof(struct pccd_contact),
+        .record_bytes = step->mode == ENG_MODE_PAIRS
+                            ? (uint32_t)sizeof(struct pccd_pair)
+                            : (uint32_t)sizeof(struct pccd_contact),
         .vf = step->vf,
         .ee = step->ee,
         .possible = step->possible,
@@ -137,7 +138,8 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     return 0;
 }
 
-/* A client whose result_head makes no sense hears so before anything has moved. [compute] */
+/* A client whose result_head makes no sense hears so before anything has moved.
+ * [compute] */
 static int check_head(struct srv_request *request)
 {
     struct srv_page page;
@@ -196,7 +198,8 @@ static int check_settings(struct srv_call *call)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
     if (submit->mode >= PCCD_MODE_COUNT) {
-        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown mode %u", submit->mode);
+        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown mode %u",
+                               submit->mode);
     }
     if (submit->method >= PCCD_METHOD_COUNT) {
         return proto_error_set(&call->error, PCCD_E_INVAL, "unknown method %u",
@@ -250,7 +253,7 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
     return srv_request_start(call, &plan);
 }
 
-/* ---- fetch ------------------------------------------------------------------------------------- */
+/* ---- fetch ------------------------------------------------------------------------- */
 
 static int work_fetch(struct srv_request *request)
 {
@@ -269,8 +272,8 @@ static int work_fetch(struct srv_request *request)
                                (unsigned long long)scene->answer.total);
     }
     struct proto_FRAME_SUBMIT_result answer;
-    int status = write_page(scene, request->plan.ring, fetch->cursor, &answer,
-                            &request->error);
+    int status =
+        write_page(scene, request->plan.ring, fetch->cursor, &answer, &request->error);
     if (status == 0) {
         answer.ns_queue = start_ns - request->arrival_ns;
         memcpy(&request->result.FRAME_FETCH, &answer, sizeof answer);
@@ -283,7 +286,8 @@ int srv_on_FRAME_FETCH(struct srv_call *call)
     uint32_t handle = call->params.FRAME_FETCH.scene;
     struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
     if (scene == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x", handle);
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               handle);
     }
     struct srv_ring *ring = NULL;
     int status = srv_request_ring(call, &ring);

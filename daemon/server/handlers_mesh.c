@@ -27,7 +27,7 @@ static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
     return mesh;
 }
 
-/* ---- create, destroy --------------------------------------------------------------------------- */
+/* ---- create, destroy --------------------------------------------------------------- */
 
 int srv_on_MESH_CREATE(struct srv_call *call)
 {
@@ -41,7 +41,8 @@ int srv_on_MESH_CREATE(struct srv_call *call)
                                PROTO_COUNT_MAX, request->vertex_count,
                                request->triangle_count);
     }
-    uint64_t triangles = srv_triangle_charge(request->vertex_count, request->triangle_count);
+    uint64_t triangles =
+        srv_triangle_charge(request->vertex_count, request->triangle_count);
     int status =
         srv_quota_charge(quota, session->user, SRV_QUOTA_MESHES, 1, &call->error);
     if (status != 0) {
@@ -85,7 +86,7 @@ int srv_on_MESH_DESTROY(struct srv_call *call)
     return 0;
 }
 
-/* ---- data --------------------------------------------------------------------------------------- */
+/* ---- data -------------------------------------------------------------------------- */
 
 /* Copy a chunk from `payload` into the engine's mesh. */
 static int copy_chunk(struct srv_request *request, struct eng_mesh *engine,
@@ -93,12 +94,11 @@ static int copy_chunk(struct srv_request *request, struct eng_mesh *engine,
 {
     const struct proto_MESH_DATA_request *data = &request->params.MESH_DATA;
     uint32_t bad_triangle = 0;
-    int status =
-        data->part == PART_VERTICES
-            ? eng_mesh_write_vertices(engine, (enum eng_format)data->format, data->first,
-                                      data->count, payload)
-            : eng_mesh_write_triangles(engine, data->first, data->count, payload,
-                                       &bad_triangle);
+    int status = data->part == PART_VERTICES
+                     ? eng_mesh_write_vertices(engine, (enum eng_format)data->format,
+                                               data->first, data->count, payload)
+                     : eng_mesh_write_triangles(engine, data->first, data->count, payload,
+                                                &bad_triangle);
     switch (status) {
     case ENG_OK:
         return 0;
@@ -131,10 +131,9 @@ static int work_data(struct srv_request *request)
     const uint8_t *payload = NULL;
     int status = srv_mesh_engine(request->plan.mesh, &engine);
     if (status != 0) {
-        return proto_error_set(&request->error, status,
-                               "no memory for %u vertices and %u triangles",
-                               request->plan.mesh->vertex_count,
-                               request->plan.mesh->triangle_count);
+        return proto_error_set(
+            &request->error, status, "no memory for %u vertices and %u triangles",
+            request->plan.mesh->vertex_count, request->plan.mesh->triangle_count);
     }
     status = srv_ring_open_slot(ring, data->slot, data->seq, &payload, &request->error);
     if (status != 0) {
@@ -152,7 +151,8 @@ static int work_data(struct srv_request *request)
     uint32_t vertices = 0;
     uint32_t triangles = 0;
     eng_mesh_received(engine, &vertices, &triangles);
-    request->result.MESH_DATA.received = data->part == PART_VERTICES ? vertices : triangles;
+    request->result.MESH_DATA.received =
+        data->part == PART_VERTICES ? vertices : triangles;
     return 0;
 }
 
@@ -168,10 +168,9 @@ static int check_chunk(struct srv_call *call, const struct srv_mesh *mesh,
     bool vertices = data->part == PART_VERTICES;
     uint32_t limit = vertices ? mesh->vertex_count : mesh->triangle_count;
     if (data->count < 1 || data->first >= limit || data->count > limit - data->first) {
-        return proto_error_set(&call->error, PCCD_E_INVAL,
-                               "%u %s from %u on; mesh 0x%x has %u", data->count,
-                               vertices ? "vertices" : "triangles", data->first, data->mesh,
-                               limit);
+        return proto_error_set(
+            &call->error, PCCD_E_INVAL, "%u %s from %u on; mesh 0x%x has %u", data->count,
+            vertices ? "vertices" : "triangles", data->first, data->mesh, limit);
     }
     uint64_t item_bytes = vertices ? srv_vertex_bytes(data->format) : sizeof(uint32_t[3]);
     if (data->count > ring->slot_stride / item_bytes) {
@@ -206,7 +205,7 @@ int srv_on_MESH_DATA(struct srv_call *call)
     return srv_request_start(call, &plan);
 }
 
-/* ---- commit --------------------------------------------------------------------------------------- */
+/* ---- commit ------------------------------------------------------------------------ */
 
 static int work_commit(struct srv_request *request)
 {
@@ -229,10 +228,9 @@ static int work_commit(struct srv_request *request)
     }
     if (failed != ENG_OK) {
         status = srv_wire_status(failed);
-        return proto_error_set(&request->error, status, "mesh 0x%x: %s",
-                               request->params.MESH_COMMIT.mesh,
-                               failed == ENG_E_STATE ? "is committed already"
-                                                     : proto_status_text(status));
+        return proto_error_set(
+            &request->error, status, "mesh 0x%x: %s", request->params.MESH_COMMIT.mesh,
+            failed == ENG_E_STATE ? "is committed already" : proto_status_text(status));
     }
     struct eng_mesh_info info;
     eng_mesh_get_info(engine, &info);
@@ -254,19 +252,20 @@ int srv_on_MESH_COMMIT(struct srv_call *call)
     if (mesh == NULL) {
         return PCCD_E_HANDLE;
     }
-    struct srv_plan plan = {.work = work_commit, .mesh = mesh, .ring = call->session->ring};
+    struct srv_plan plan = {
+        .work = work_commit, .mesh = mesh, .ring = call->session->ring};
     return srv_request_start(call, &plan);
 }
 
-/* ---- edges ---------------------------------------------------------------------------------------- */
+/* ---- edges ------------------------------------------------------------------------- */
 
 static int work_edges(struct srv_request *request)
 {
     const struct proto_MESH_EDGES_request *edges = &request->params.MESH_EDGES;
     const struct eng_mesh *engine = request->plan.mesh->engine;
     if (engine == NULL || !eng_mesh_is_committed(engine)) {
-        return proto_error_set(&request->error, PCCD_E_STATE, "mesh 0x%x is not committed",
-                               edges->mesh);
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "mesh 0x%x is not committed", edges->mesh);
     }
     struct eng_mesh_info info;
     eng_mesh_get_info(engine, &info);

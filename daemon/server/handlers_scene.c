@@ -35,7 +35,8 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
     if (scene == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
     }
-    int status = srv_handles_add(&session->scenes, scene, &call->result.SCENE_CREATE.scene);
+    int status =
+        srv_handles_add(&session->scenes, scene, &call->result.SCENE_CREATE.scene);
     if (status != 0) {
         srv_resource_drop(&scene->resource);
         return proto_error_set(&call->error, status, "a session has at most %u scenes",
@@ -57,7 +58,7 @@ int srv_on_SCENE_DESTROY(struct srv_call *call)
     return 0;
 }
 
-/* ---- add --------------------------------------------------------------------------------------- */
+/* ---- add --------------------------------------------------------------------------- */
 
 static int work_add(struct srv_request *request)
 {
@@ -66,7 +67,8 @@ static int work_add(struct srv_request *request)
     struct eng_scene *engine = NULL;
     uint32_t handle = request->plan.object;
     if (mesh == NULL || !eng_mesh_is_committed(mesh)) {
-        return proto_error_set(&request->error, PCCD_E_STATE, "mesh 0x%x is not committed",
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "mesh 0x%x is not committed",
                                request->params.SCENE_ADD.mesh);
     }
     int status = srv_scene_engine(scene, &engine);
@@ -81,7 +83,8 @@ static int work_add(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status, "mesh 0x%x into scene 0x%x: %s",
                                request->params.SCENE_ADD.mesh,
-                               request->params.SCENE_ADD.scene, proto_status_text(status));
+                               request->params.SCENE_ADD.scene,
+                               proto_status_text(status));
     }
     scene->placed[srv_handle_index(handle)] =
         (struct srv_placed){.handle = handle,
@@ -120,8 +123,8 @@ int srv_on_SCENE_ADD(struct srv_call *call)
                             .mesh = mesh,
                             .scene = scene};
     int status = srv_scene_admit(
-        scene, srv_triangle_charge(mesh->vertex_count, mesh->triangle_count), &plan.object,
-        &call->error);
+        scene, srv_triangle_charge(mesh->vertex_count, mesh->triangle_count),
+        &plan.object, &call->error);
     if (status != 0) {
         return status;
     }
@@ -132,7 +135,7 @@ int srv_on_SCENE_ADD(struct srv_call *call)
     return status;
 }
 
-/* ---- remove ------------------------------------------------------------------------------------ */
+/* ---- remove ------------------------------------------------------------------------ */
 
 static int work_remove(struct srv_request *request)
 {
@@ -166,7 +169,8 @@ int srv_on_SCENE_REMOVE(struct srv_call *call)
         return PCCD_E_HANDLE;
     }
     if (srv_handles_get(&scene->objects, object) == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "scene 0x%x has no object 0x%x",
+        return proto_error_set(&call->error, PCCD_E_HANDLE,
+                               "scene 0x%x has no object 0x%x",
                                call->params.SCENE_REMOVE.scene, object);
     }
     struct srv_plan plan = {.work = work_remove,

@@ -12,10 +12,11 @@
 #include "invariant.h"
 #include "pccd_types.h"
 
-#define NO_INDEX UINT32_MAX
+#define NO_INDEX       UINT32_MAX
 #define CAPACITY_FIRST 16u
 
-void srv_handles_init(struct srv_handles *handles, uint32_t max, uint32_t generation_first)
+void srv_handles_init(struct srv_handles *handles, uint32_t max,
+                      uint32_t generation_first)
 {
     PCCD_ASSERT(max >= 1 && max <= SRV_HANDLE_INDEX_MAX + 1u);
     *handles = (struct srv_handles){

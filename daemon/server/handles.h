@@ -1,9 +1,9 @@
 /* handles.h - numbers that stand for things, safe against reuse.
  *
  * Room:     server. May include: the protocol's headers.
- * Does:     map u32 handles to pointers: index in the low 20 bits, generation (1 .. 4095) in
- *           the high 12. A handle is never 0; a removed one stays unknown until its index
- *           has been reused 4095 times.
+ * Does:     map u32 handles to pointers: index in the low 20 bits, generation (1 .. 4095)
+ *           in the high 12. A handle is never 0; a removed one stays unknown until its
+ *           index has been reused 4095 times.
  * Does not: own what the pointers lead to.
  * Threads:  one at a time.
  */
@@ -12,8 +12,8 @@
 
 #include <stdint.h>
 
-#define SRV_HANDLE_INDEX_BITS 20u
-#define SRV_HANDLE_INDEX_MAX ((1u << SRV_HANDLE_INDEX_BITS) - 1u)
+#define SRV_HANDLE_INDEX_BITS     20u
+#define SRV_HANDLE_INDEX_MAX      ((1u << SRV_HANDLE_INDEX_BITS) - 1u)
 #define SRV_HANDLE_GENERATION_MAX 4095u
 
 struct srv_handle_slot {
@@ -24,12 +24,12 @@ struct srv_handle_slot {
 
 struct srv_handles {
     struct srv_handle_slot *slots;
-    uint32_t capacity;         /* slots allocated */
-    uint32_t used;             /* slots ever used: [0, used) are initialised */
-    uint32_t max;              /* items at most */
-    uint32_t count;            /* items now */
-    uint32_t free_first;       /* oldest free index: indices are reused in turn, so that */
-    uint32_t free_last;        /* generations last as long as they can */
+    uint32_t capacity;   /* slots allocated */
+    uint32_t used;       /* slots ever used: [0, used) are initialised */
+    uint32_t max;        /* items at most */
+    uint32_t count;      /* items now */
+    uint32_t free_first; /* oldest free index: indices are reused in turn, so that */
+    uint32_t free_last;  /* generations last as long as they can */
     uint32_t generation_first; /* of every index */
 };
 
@@ -40,7 +40,8 @@ static inline uint32_t srv_handle_index(uint32_t handle)
 
 /* `max` 1 .. 2^20. Tables whose `generation_first` (reduced to 1 .. 4095) differ do not
  * share handles until an index has been reused often. Allocates nothing yet. */
-void srv_handles_init(struct srv_handles *handles, uint32_t max, uint32_t generation_first);
+void srv_handles_init(struct srv_handles *handles, uint32_t max,
+                      uint32_t generation_first);
 void srv_handles_deinit(struct srv_handles *handles);
 
 /* A handle for `item` (not NULL). Returns 0, PCCD_E_LIMIT (`max` are in use) or

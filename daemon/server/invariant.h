@@ -1,7 +1,8 @@
 /* invariant.h - asserts on our own invariants, and which thread we are on.
  *
  * Room:     server. May include: the C library.
- * Does:     abort with file, line and condition when the daemon itself is wrong; always on.
+ * Does:     abort with file, line and condition when the daemon itself is wrong; always
+ *           on.
  * Does not: judge what a peer sent: that is answered, never asserted.
  * Threads:  [any].
  */

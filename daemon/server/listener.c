@@ -1,10 +1,11 @@
 /* listener.c - the socket that clients connect to.
  *
  * Room:     server. See listener.h.
- * Does:     binds itself, because libuv cuts long paths silently; accepts a bounded number
- *           of connections per event.
- * Does not: watch the socket while a connection could not be served: at the limit until one
- *           goes, after a refusal of the system for RETRY_MS. The backlog waits meanwhile.
+ * Does:     binds itself, because libuv cuts long paths silently; accepts a bounded
+ *           number of connections per event.
+ * Does not: watch the socket while a connection could not be served: at the limit until
+ *           one goes, after a refusal of the system for RETRY_MS. The backlog waits
+ *           meanwhile.
  * Threads:  [loop]
  */
 #include "listener.h"
@@ -23,11 +24,11 @@
 #include "loop.h"
 #include "pccd_types.h"
 
-#define BACKLOG 512
+#define BACKLOG          512
 #define ACCEPTS_PER_TURN 16
-#define RETRY_MS 100u
+#define RETRY_MS         100u
 
-/* ---- the path ------------------------------------------------------------------------------ */
+/* ---- the path ---------------------------------------------------------------------- */
 
 int srv_listener_prepare_folder(const char *socket_path)
 {
@@ -46,18 +47,19 @@ int srv_listener_prepare_folder(const char *socket_path)
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", folder, strerror(errno));
         return PCCD_E_SYSTEM;
     }
-    /* In a folder where others may rename, they could put their socket in place of ours. A
-     * link is judged by what it leads to, unless somebody else made it. */
+    /* In a folder where others may rename, they could put their socket in place of ours.
+     * A link is judged by what it leads to, unless somebody else made it. */
     bool ours = info.st_uid == geteuid() || info.st_uid == 0;
     if (ours && S_ISLNK(info.st_mode)) {
         ours = stat(folder, &info) == 0 && (info.st_uid == geteuid() || info.st_uid == 0);
     }
-    bool open_to_all = (info.st_mode & (S_IWGRP | S_IWOTH)) != 0 &&
-                       (info.st_mode & S_ISVTX) == 0;
+    bool open_to_all =
+        (info.st_mode & (S_IWGRP | S_IWOTH)) != 0 && (info.st_mode & S_ISVTX) == 0;
     if (!ours || !S_ISDIR(info.st_mode) || open_to_all) {
-        srv_log(SRV_LOG_ERROR, 0,
-                "%s must be a folder of this user or of root that nobody else can write to",
-                folder);
+        srv_log(
+            SRV_LOG_ERROR, 0,
+            "%s must be a folder of this user or of root that nobody else can write to",
+            folder);
         return PCCD_E_SYSTEM;
     }
     return 0;
@@ -108,7 +110,7 @@ static int open_socket(const char *path, int *fd)
     return 0;
 }
 
-/* ---- accepting ----------------------------------------------------------------------------- */
+/* ---- accepting --------------------------------------------------------------------- */
 
 static void on_readable(uv_poll_t *poll, int status, int events);
 
@@ -222,7 +224,7 @@ static void on_readable(uv_poll_t *poll, int status, int events)
     }
 }
 
-/* ---- life ---------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------- */
 
 int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
 {

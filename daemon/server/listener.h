@@ -27,8 +27,8 @@ struct srv_listener {
  * what was wrong is logged. Before the lock is taken. */
 int srv_listener_prepare_folder(const char *socket_path);
 
-/* Listen on loop->options->socket_path; a socket that is there is a dead daemon's, because
- * we hold the lock. Returns 0 or a status; what was wrong is logged. */
+/* Listen on loop->options->socket_path; a socket that is there is a dead daemon's,
+ * because we hold the lock. Returns 0 or a status; what was wrong is logged. */
 int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop);
 
 /* Stop listening and remove the socket. */

@@ -18,7 +18,8 @@
 
 static const char *const level_names[SRV_LOG_COUNT] = {"error", "warn", "info", "debug"};
 
-/* Relaxed: set once at start, read by both threads; order with other data is not needed. */
+/* Relaxed: set once at start, read by both threads; order with other data is not
+ * needed. */
 static _Atomic int level_max = SRV_LOG_INFO;
 
 void srv_log_set_level(enum srv_level level)
@@ -66,7 +67,9 @@ void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
     int written = vsnprintf(line + start, sizeof line - start, format, arguments);
     va_end(arguments);
     size_t room = sizeof line - start - 1;
-    size_t length = start + (written < 0 ? 0 : (size_t)written < room ? (size_t)written : room);
+    size_t length = start + (written < 0              ? 0
+                             : (size_t)written < room ? (size_t)written
+                                                      : room);
     for (size_t i = start; i < length; i++) {
         if ((unsigned char)line[i] < 0x20 || line[i] == 0x7f) {
             line[i] = '?';

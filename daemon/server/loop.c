@@ -3,11 +3,12 @@
  * Room:     server. See loop.h.
  * Does:     start and stop in order:
  *
- *     RUNNING -- signal, idle, private --> DRAINING -- nothing in flight, all replies sent
- *                                             |        --> CLOSING -- all sessions freed
- *                                             |                       --> CLOSED --> end
- *                                             `-- grace over: requests are cancelled; after
- *                                                 FORCE_MS more the process just ends
+ *     RUNNING -- signal, idle, private --> DRAINING
+ *     DRAINING -- nothing in flight, all replies sent --> CLOSING
+ *     CLOSING -- all sessions freed --> CLOSED --> end
+ *
+ *           When the grace time ends in DRAINING, requests are cancelled; FORCE_MS later
+ *           the process just ends.
  *
  * Does not: poll: an idle daemon is not woken by anything of its own.
  * Threads:  [loop]; on_notify is called on [compute].
@@ -28,9 +29,9 @@
 #include "session.h"
 
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
-#define FORCE_MS 5000u         /* for a cancelled request to let go */
+#define FORCE_MS        5000u  /* for a cancelled request to let go */
 
-/* ---- stopping ------------------------------------------------------------------------------ */
+/* ---- stopping ---------------------------------------------------------------------- */
 
 static void close_if_open(uv_handle_t *handle)
 {
@@ -132,7 +133,7 @@ static void on_signal(uv_signal_t *signal, int number)
     }
 }
 
-/* ---- clients ------------------------------------------------------------------------------- */
+/* ---- clients ----------------------------------------------------------------------- */
 
 static void on_idle(uv_timer_t *timer)
 {
@@ -176,7 +177,7 @@ void srv_loop_conn_closed(struct srv_loop *loop)
     srv_listener_room(&loop->listener);
 }
 
-/* ---- starting ------------------------------------------------------------------------------ */
+/* ---- starting ---------------------------------------------------------------------- */
 
 static void on_completions(uv_async_t *async)
 {
@@ -309,6 +310,9 @@ int srv_loop_run(const struct srv_options *options)
     srv_quota_deinit(&loop->quota);
     deinit_buffers(loop);
     free(loop);
+    if (status != 0) {
+        return 1;
+    }
     srv_log(SRV_LOG_INFO, 0, "ended");
-    return status == 0 ? 0 : 1;
+    return 0;
 }

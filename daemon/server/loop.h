@@ -36,12 +36,12 @@ struct srv_loop {
     struct srv_compute compute;
     struct srv_quota quota;
     struct srv_metrics metrics;
-    struct proto_decoder *decoder;   /* one message is decoded at a time */
-    struct proto_encoder *encoder;   /* and one encoded */
-    uint8_t *buffer;                 /* PROTO_MESSAGE_BYTES_MAX: the message being read */
-    struct proto_segment *segments;  /* [compute] PROTO_SEGMENTS_MAX: the step's table */
-    struct srv_conn *conns;          /* newest first */
-    struct srv_session *sessions;    /* newest first, closed ones included */
+    struct proto_decoder *decoder;  /* one message is decoded at a time */
+    struct proto_encoder *encoder;  /* and one encoded */
+    uint8_t *buffer;                /* PROTO_MESSAGE_BYTES_MAX: the message being read */
+    struct proto_segment *segments; /* [compute] PROTO_SEGMENTS_MAX: the step's table */
+    struct srv_conn *conns;         /* newest first */
+    struct srv_session *sessions;   /* newest first, closed ones included */
     uint32_t conn_count;
     uint32_t client_count;  /* open sessions */
     uint32_t refused_count; /* sessions that wait to hear they are refused */
@@ -55,13 +55,13 @@ struct srv_loop {
     uv_async_t completions;
     uv_signal_t sigterm;
     uv_signal_t sigint;
-    uv_timer_t idle;      /* until we go because nobody is here */
-    uv_timer_t grace;     /* until requests in flight are cancelled, then until we give up */
+    uv_timer_t idle;  /* until we go because nobody is here */
+    uv_timer_t grace; /* until requests in flight are cancelled, then until we give up */
     uv_prepare_t stopper; /* looks, before each wait, whether the next phase can begin */
 };
 
-/* Serve until a signal, the last client or the idle time ends it. The socket path's lock is
- * held by the caller. Returns the exit status of the program. */
+/* Serve until a signal, the last client or the idle time ends it. The socket path's lock
+ * is held by the caller. Returns the exit status of the program. */
 int srv_loop_run(const struct srv_options *options);
 
 /* Begin to stop: no new connections or requests. Further calls do nothing. */

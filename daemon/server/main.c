@@ -20,10 +20,10 @@
 #include "options.h"
 
 /* libgomp reads its environment in a constructor, so setting it here is too late for this
- * image. Waiting threads spin 2000 times, then sleep: more burns a core and collapses when
- * another process is busy, none costs the speed-up. Binding by the runtime would pin the
- * loop thread too. Both changes leave nothing to change for the next image, so that there
- * is at most one. */
+ * image. Waiting threads spin 2000 times, then sleep: more burns a core and collapses
+ * when another process is busy, none costs the speed-up. Binding by the runtime would pin
+ * the loop thread too. Both changes leave nothing to change for the next image, so that
+ * there is at most one. */
 static void prepare_environment(char **argv)
 {
     bool changed = false;
@@ -31,7 +31,8 @@ static void prepare_environment(char **argv)
         changed = setenv("GOMP_SPINCOUNT", "2000", 0) == 0;
     }
     if (getenv("OMP_PROC_BIND") != NULL || getenv("OMP_PLACES") != NULL) {
-        changed = (unsetenv("OMP_PROC_BIND") == 0 && unsetenv("OMP_PLACES") == 0) || changed;
+        changed =
+            (unsetenv("OMP_PROC_BIND") == 0 && unsetenv("OMP_PLACES") == 0) || changed;
     }
     if (changed) {
         execv("/proc/self/exe", argv);

@@ -40,7 +40,9 @@ enum {
 static const struct argp_option option_table[] = {
     {NULL, 0, NULL, 0, "Where and how long:", 1},
     {"socket", OPT_SOCKET, "PATH", 0,
-     "listen there (default: $XDG_RUNTIME_DIR/pccd/pccd.sock, or /tmp/pccd-UID/pccd.sock)", 1},
+     "listen there (default: $XDG_RUNTIME_DIR/pccd/pccd.sock, or "
+     "/tmp/pccd-UID/pccd.sock)",
+     1},
     {"private", OPT_PRIVATE, NULL, 0,
      "exit with the last client, or after 10 s if none comes", 1},
     {"idle-exit", OPT_IDLE_EXIT, "SECONDS", 0,
@@ -54,8 +56,8 @@ static const struct argp_option option_table[] = {
     {"threads", OPT_THREADS, "N", 0, "threads of a step (default: the CPUs at hand)", 2},
     {"contacts-max", OPT_CONTACTS, "N", 0,
      "records kept for one answer (default 16777216)", 2},
-    {"inflight-max", OPT_INFLIGHT, "N", 0, "steps of one client at a time, 1..16 (default 16)",
-     2},
+    {"inflight-max", OPT_INFLIGHT, "N", 0,
+     "steps of one client at a time, 1..16 (default 16)", 2},
     {"queue-max", OPT_QUEUE, "N", 0,
      "requests of all clients that wait to be computed (default 4096)", 2},
     {NULL, 0, NULL, 0, "Quotas of one user:", 3},
@@ -70,8 +72,8 @@ static const struct argp_option option_table[] = {
 };
 
 /* An option's argument as a number in [min, max]; ends the program otherwise. */
-static uint64_t number(const struct argp_state *state, const char *option, const char *text,
-                       uint64_t min, uint64_t max)
+static uint64_t number(const struct argp_state *state, const char *option,
+                       const char *text, uint64_t min, uint64_t max)
 {
     char *end = NULL;
     errno = 0;
@@ -155,7 +157,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case OPT_LOG_LEVEL:
         if (srv_log_level_by_name(text) < 0) {
-            argp_error(state, "--log-level: \"%s\" is none of error, warn, info, debug", text);
+            argp_error(state, "--log-level: \"%s\" is none of error, warn, info, debug",
+                       text);
         }
         options->log_level = (enum srv_level)srv_log_level_by_name(text);
         return 0;
@@ -181,8 +184,9 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
     static const struct argp argp = {
         .options = option_table,
         .parser = parse_option,
-        .doc = "Continuous collision detection of deforming triangle meshes, as a service "
-               "for the processes of this machine.",
+        .doc =
+            "Continuous collision detection of deforming triangle meshes, as a service "
+            "for the processes of this machine.",
     };
     *options = (struct srv_options){
         .threads_max = cpu_count(),
@@ -200,7 +204,8 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
     };
     argp_parse(&argp, argc, argv, 0, NULL, options);
     if (options->socket_path[0] == '\0' &&
-        proto_default_socket_path(options->socket_path, sizeof options->socket_path) != 0) {
+        proto_default_socket_path(options->socket_path, sizeof options->socket_path) !=
+            0) {
         fprintf(stderr, "pccdd: the default socket path is too long; use --socket\n");
         exit(1);
     }

@@ -18,16 +18,16 @@
 
 struct srv_options {
     char socket_path[SRV_SOCKET_PATH_BYTES];
-    uint32_t threads_max;        /* of a step */
-    uint32_t connections_max;    /* of all users; beyond it nobody is accepted */
-    uint32_t inflight_max;       /* requests of one client, 1 .. 16 */
-    uint32_t queue_max;          /* requests that wait for the compute thread */
-    uint64_t contacts_max;       /* records kept for one answer */
+    uint32_t threads_max;     /* of a step */
+    uint32_t connections_max; /* of all users; beyond it nobody is accepted */
+    uint32_t inflight_max;    /* requests of one client, 1 .. 16 */
+    uint32_t queue_max;       /* requests that wait for the compute thread */
+    uint64_t contacts_max;    /* records kept for one answer */
     uint64_t quota[SRV_QUOTA_COUNT];
-    uint32_t grace_s;            /* for requests in flight at shutdown */
-    uint32_t idle_exit_s;        /* 0: stay */
-    bool private_daemon;         /* go with the last client */
-    int ready_fd;                /* -1: none */
+    uint32_t grace_s;     /* for requests in flight at shutdown */
+    uint32_t idle_exit_s; /* 0: stay */
+    bool private_daemon;  /* go with the last client */
+    int ready_fd;         /* -1: none */
     enum srv_level log_level;
 };
 

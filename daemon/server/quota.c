@@ -12,8 +12,8 @@
 
 #include "invariant.h"
 
-static const char *const kind_names[SRV_QUOTA_COUNT] = {"clients", "bytes of shared memory",
-                                                        "meshes", "triangles"};
+static const char *const kind_names[SRV_QUOTA_COUNT] = {
+    "clients", "bytes of shared memory", "meshes", "triangles"};
 
 void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUNT])
 {

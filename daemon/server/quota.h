@@ -1,8 +1,9 @@
 /* quota.h - what one user may take.
  *
  * Room:     server. May include: the protocol's headers.
- * Does:     count clients, shared memory, meshes and triangles per user id; every amount is
- *           charged before what it stands for is allocated, and released after it is freed.
+ * Does:     count clients, shared memory, meshes and triangles per user id; every amount
+ *           is charged before what it stands for is allocated, and released after it is
+ *           freed.
  * Does not: allocate anything itself but its own entries, one per user with a charge.
  * Threads:  [loop].
  */
@@ -43,10 +44,11 @@ struct srv_quota_user *srv_quota_acquire(struct srv_quota *quota, uid_t uid);
 /* The entry goes with its last reference; nothing may be charged to it then. */
 void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user);
 
-/* Returns 0, or PCCD_E_QUOTA with *error naming user, amounts and limit; nothing is charged
- * then. */
+/* Returns 0, or PCCD_E_QUOTA with *error naming user, amounts and limit; nothing is
+ * charged then. */
 int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
-                     enum srv_quota_kind kind, uint64_t amount, struct proto_error *error);
+                     enum srv_quota_kind kind, uint64_t amount,
+                     struct proto_error *error);
 void srv_quota_refund(struct srv_quota *quota, struct srv_quota_user *user,
                       enum srv_quota_kind kind, uint64_t amount);
 

@@ -1,7 +1,8 @@
 /* region.c - pages of records in the result region.
  *
  * Room:     server. See region.h.
- * Does:     chooses between the stretch before the end of the ring and the one at its start.
+ * Does:     chooses between the stretch before the end of the ring and the one at its
+ *           start.
  * Does not: touch shared memory.
  * Threads:  [compute].
  */
@@ -53,6 +54,7 @@ int srv_region_reserve(struct srv_region *region, uint64_t head, uint32_t item_b
     bytes += (SRV_PAGE_ALIGN - bytes % SRV_PAGE_ALIGN) % SRV_PAGE_ALIGN;
     region->tail += bytes;
     PCCD_ASSERT(position + bytes <= region->capacity);
-    *page = (struct srv_page){.position = position, .count = count, .release = region->tail};
+    *page =
+        (struct srv_page){.position = position, .count = count, .release = region->tail};
     return 0;
 }

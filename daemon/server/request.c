@@ -146,8 +146,9 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
 /* Answer a request that has been taken out of its lane. */
 static void take_back(struct srv_request *request)
 {
-    request->status = proto_error_set(&request->error, PCCD_E_CANCELLED,
-                                      "request %u was cancelled before it ran", request->id);
+    request->status =
+        proto_error_set(&request->error, PCCD_E_CANCELLED,
+                        "request %u was cancelled before it ran", request->id);
     conclude(request);
     done(&request->job);
 }

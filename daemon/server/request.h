@@ -1,8 +1,8 @@
 /* request.h - a request on its way through the compute thread.
  *
  * Room:     server. May include: call.h, resource.h, ringio.h, compute.h.
- * Does:     keep a request's parameters and everything it uses until its answer is sent, or
- *           its client is gone.
+ * Does:     keep a request's parameters and everything it uses until its answer is sent,
+ *           or its client is gone.
  * Does not: know any method: handlers give the functions.
  * Threads:  functions say.
  */
@@ -26,9 +26,10 @@ struct srv_plan {
     struct srv_ring *ring;   /* NULL: uses none */
     struct srv_mesh *mesh;   /* likewise */
     struct srv_scene *scene; /* likewise */
-    struct srv_ring *attached; /* a ring that is not the session's yet; no reference taken */
-    uint32_t object;         /* handle in `scene` */
-    bool takes_slot;         /* a slot of the ring, to be returned exactly once */
+    struct srv_ring
+        *attached;   /* a ring that is not the session's yet; no reference taken */
+    uint32_t object; /* handle in `scene` */
+    bool takes_slot; /* a slot of the ring, to be returned exactly once */
 };
 
 struct srv_request {
@@ -62,9 +63,9 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
  * [compute] */
 void srv_request_return_slot(struct srv_request *request);
 
-/* Stop it: a queued step still runs, with its flag set, and answers what it found; another
- * queued request is answered with PCCD_E_CANCELLED at once; a running one sees the flag.
- * [loop] */
+/* Stop it: a queued step still runs, with its flag set, and answers what it found;
+ * another queued request is answered with PCCD_E_CANCELLED at once; a running one sees
+ * the flag. [loop] */
 void srv_request_cancel(struct srv_request *request);
 
 /* The client is gone: stop it without an answer. [loop] */

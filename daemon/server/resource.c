@@ -1,8 +1,8 @@
 /* resource.c - what a session holds and the compute thread uses.
  *
  * Room:     server. See resource.h.
- * Does:     reference counts on [loop]; the last reference queues the resource itself as a
- *           job in its session's lane, behind every job that still uses it.
+ * Does:     reference counts on [loop]; the last reference queues the resource itself as
+ *           a job in its session's lane, behind every job that still uses it.
  * Does not: free anything large on [loop]: returning pages takes milliseconds.
  * Threads:  [loop] and [compute], as marked.
  */
@@ -19,7 +19,7 @@
 
 #define PLACED_FIRST 16u
 
-/* ---- references ---------------------------------------------------------------------- */
+/* ---- references -------------------------------------------------------------------- */
 
 void srv_resource_init(struct srv_resource *resource, struct srv_session *session,
                        srv_job_fn free_engine, srv_job_fn free_rest)
@@ -47,7 +47,7 @@ void srv_resource_drop(struct srv_resource *resource)
     }
 }
 
-/* ---- meshes ---------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------ */
 
 static void mesh_free_engine(struct srv_job *job)
 {
@@ -92,7 +92,7 @@ int srv_mesh_engine(struct srv_mesh *mesh, struct eng_mesh **engine)
     return status;
 }
 
-/* ---- scenes ---------------------------------------------------------------------------- */
+/* ---- scenes ------------------------------------------------------------------------ */
 
 static void scene_free_engine(struct srv_job *job)
 {
@@ -117,7 +117,8 @@ static void scene_free_rest(struct srv_job *job)
     struct srv_scene *scene = (struct srv_scene *)job;
     struct srv_session *session = scene->resource.session;
     uint32_t cursor = 0;
-    for (struct srv_object *object; (object = srv_handles_pop(&scene->objects, &cursor));) {
+    for (struct srv_object *object;
+         (object = srv_handles_pop(&scene->objects, &cursor));) {
         object_free(session, object);
     }
     srv_handles_deinit(&scene->objects);
@@ -187,8 +188,8 @@ int srv_scene_admit(struct srv_scene *scene, uint64_t charge, uint32_t *object,
     srv_assert_loop();
     struct srv_session *session = scene->resource.session;
     struct srv_loop *loop = session->loop;
-    int status = srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge,
-                                  error);
+    int status =
+        srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge, error);
     if (status != 0) {
         return status;
     }

@@ -1,8 +1,9 @@
 /* resource.h - what a session holds and the compute thread uses.
  *
- * Room:     server. May include: compute.h, handles.h, the engine's and protocol's headers.
- * Does:     count the references of meshes, scenes and rings; when the last one goes, free
- *           the engine's part on the compute thread and the rest on the loop.
+ * Room:     server. May include: compute.h, handles.h, the engine's and protocol's
+ *           headers.
+ * Does:     count the references of meshes, scenes and rings; when the last one goes,
+ *           free the engine's part on the compute thread and the rest on the loop.
  * Does not: look anything up for a client (session.h).
  * Threads:  members and functions say.
  */
@@ -69,7 +70,8 @@ struct srv_scene {
     struct proto_FRAME_SUBMIT_result answer; /* but for the page */
 };
 
-/* `salt` makes the object handles of one session's scenes differ. NULL: no memory. [loop] */
+/* `salt` makes the object handles of one session's scenes differ. NULL: no memory.
+ * [loop] */
 struct srv_scene *srv_scene_new(struct srv_session *session, uint32_t salt);
 int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine); /* [compute] */
 
@@ -78,8 +80,8 @@ int srv_scene_reserve(struct srv_scene *scene, uint32_t handle);
 /* The object, or NULL: never placed, or removed. [compute] */
 struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
 
-/* A handle for a new object, its quota charged. Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT or
- * PCCD_E_NOMEM with *error set. [loop] */
+/* A handle for a new object, its quota charged. Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT
+ * or PCCD_E_NOMEM with *error set. [loop] */
 int srv_scene_admit(struct srv_scene *scene, uint64_t charge, uint32_t *object,
                     struct proto_error *error);
 /* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */

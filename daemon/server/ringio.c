@@ -18,7 +18,7 @@
 
 #define REQUEST_BYTES_MAX (1ull << 40) /* of one slot or of the result region */
 
-/* ---- life ------------------------------------------------------------------------------ */
+/* ---- life -------------------------------------------------------------------------- */
 
 static void ring_free_memory(struct srv_job *job)
 {
@@ -128,7 +128,7 @@ int srv_ring_create(struct srv_ring *ring, uint64_t epoch, struct proto_error *e
     return 0;
 }
 
-/* ---- slots ----------------------------------------------------------------------------- */
+/* ---- slots ------------------------------------------------------------------------- */
 
 int srv_ring_open_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
                        const uint8_t **payload, struct proto_error *error)
@@ -139,9 +139,10 @@ int srv_ring_open_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
     uint64_t stored =
         atomic_load_explicit(&ring->shared->slots[slot].seq, memory_order_acquire);
     if (stored != seq) {
-        return proto_error_set(error, PCCD_E_SLOT_STALE,
-                               "slot %u holds sequence number %llu, the request says %llu",
-                               slot, (unsigned long long)stored, (unsigned long long)seq);
+        return proto_error_set(
+            error, PCCD_E_SLOT_STALE,
+            "slot %u holds sequence number %llu, the request says %llu", slot,
+            (unsigned long long)stored, (unsigned long long)seq);
     }
     *payload = (const uint8_t *)ring->upload.base + sizeof(struct proto_upload) +
                slot * ring->slot_stride;
@@ -155,12 +156,13 @@ int srv_ring_check_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
     /* Adding 0 is a read that no earlier read of the payload can pass: the release half
      * orders those before it. A plain load has no such order, and a fence is not seen by
      * the thread sanitizer. The word keeps the client's value. */
-    uint64_t stored =
-        atomic_fetch_add_explicit(&ring->shared->slots[slot].seq, 0, memory_order_acq_rel);
+    uint64_t stored = atomic_fetch_add_explicit(&ring->shared->slots[slot].seq, 0,
+                                                memory_order_acq_rel);
     if (stored != seq) {
-        return proto_error_set(error, PCCD_E_SLOT_TORN,
-                               "slot %u went from sequence number %llu to %llu while read",
-                               slot, (unsigned long long)seq, (unsigned long long)stored);
+        return proto_error_set(
+            error, PCCD_E_SLOT_TORN,
+            "slot %u went from sequence number %llu to %llu while read", slot,
+            (unsigned long long)seq, (unsigned long long)stored);
     }
     return 0;
 }
@@ -179,7 +181,7 @@ void srv_ring_done(struct srv_ring *ring)
     atomic_fetch_add_explicit(&ring->shared->done_seq.value, 1, memory_order_seq_cst);
 }
 
-/* ---- segments ---------------------------------------------------------------------------- */
+/* ---- segments ---------------------------------------------------------------------- */
 
 /* A slot while it is being staged. */
 struct staging {
@@ -198,9 +200,11 @@ static bool is_inside(const struct staging *staging, uint64_t offset, uint64_t b
            offset <= staging->payload_bytes && bytes <= staging->payload_bytes - offset;
 }
 
-/* Everything of segment `at` that does not need the object. *bytes: of each of its parts. */
-static int check_segment(const struct staging *staging, const struct proto_segment *segment,
-                         uint32_t at, uint64_t *bytes)
+/* Everything of segment `at` that does not need the object. *bytes: of each of its
+ * parts. */
+static int check_segment(const struct staging *staging,
+                         const struct proto_segment *segment, uint32_t at,
+                         uint64_t *bytes)
 {
     struct proto_error *error = staging->error;
     if (segment->kind >= PROTO_SEGMENT_KIND_COUNT) {
@@ -216,7 +220,8 @@ static int check_segment(const struct staging *staging, const struct proto_segme
     if (segment->count == 0) {
         return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: no vertices", at);
     }
-    *bytes = rigid ? PROTO_RIGID_BYTES : segment->count * srv_vertex_bytes(segment->format);
+    *bytes =
+        rigid ? PROTO_RIGID_BYTES : segment->count * srv_vertex_bytes(segment->format);
     bool start_ok = segment->kind == PROTO_SEGMENT_X1
                         ? segment->offset0 == 0
                         : is_inside(staging, segment->offset0, *bytes);
@@ -225,15 +230,16 @@ static int check_segment(const struct staging *staging, const struct proto_segme
             error, PCCD_E_SEGMENT,
             "segment %u: offsets %llu and %llu with %llu bytes each do not fit in the "
             "slot's bytes %llu to %llu, or are no multiples of 8",
-            at, (unsigned long long)segment->offset0, (unsigned long long)segment->offset1,
-            (unsigned long long)*bytes, (unsigned long long)staging->table_bytes,
+            at, (unsigned long long)segment->offset0,
+            (unsigned long long)segment->offset1, (unsigned long long)*bytes,
+            (unsigned long long)staging->table_bytes,
             (unsigned long long)staging->payload_bytes);
     }
     return 0;
 }
 
-/* Copy the positions of a checked segment of `object` into the scene's staging. Returns an
- * engine status. */
+/* Copy the positions of a checked segment of `object` into the scene's staging. Returns
+ * an engine status. */
 static int copy_segment(const struct staging *staging, const struct srv_placed *object,
                         const struct proto_segment *segment)
 {
@@ -274,8 +280,8 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
     if (segment->first >= object->vertex_count ||
         segment->count > object->vertex_count - segment->first) {
         return proto_error_set(staging->error, PCCD_E_SEGMENT,
-                               "segment %u: %u vertices from %u on, object 0x%x has %u", at,
-                               segment->count, segment->first, segment->object,
+                               "segment %u: %u vertices from %u on, object 0x%x has %u",
+                               at, segment->count, segment->first, segment->object,
                                object->vertex_count);
     }
     status = srv_wire_status(copy_segment(staging, object, segment));
@@ -290,7 +296,8 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
     return 0;
 }
 
-int srv_ring_stage(struct srv_ring *ring, const struct proto_FRAME_SUBMIT_request *request,
+int srv_ring_stage(struct srv_ring *ring,
+                   const struct proto_FRAME_SUBMIT_request *request,
                    struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error)
 {
@@ -307,9 +314,10 @@ int srv_ring_stage(struct srv_ring *ring, const struct proto_FRAME_SUBMIT_reques
         return status;
     }
     if (staging.table_bytes > staging.payload_bytes) {
-        return proto_error_set(error, PCCD_E_SEGMENT,
-                               "a table of %u segments does not fit in a slot of %llu bytes",
-                               request->segments, (unsigned long long)ring->slot_stride);
+        return proto_error_set(
+            error, PCCD_E_SEGMENT,
+            "a table of %u segments does not fit in a slot of %llu bytes",
+            request->segments, (unsigned long long)ring->slot_stride);
     }
     memcpy(table, staging.payload, staging.table_bytes); /* the one read of the table */
     for (uint32_t at = 0; at < request->segments && status == 0; at++) {
@@ -321,7 +329,7 @@ int srv_ring_stage(struct srv_ring *ring, const struct proto_FRAME_SUBMIT_reques
     return torn != 0 ? torn : status;
 }
 
-/* ---- results ----------------------------------------------------------------------------- */
+/* ---- results ----------------------------------------------------------------------- */
 
 int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                      struct srv_page *page, void **data, struct proto_error *error)
@@ -333,10 +341,10 @@ int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted
     uint64_t head_before = ring->region.head;
     int status = srv_region_reserve(&ring->region, head, item_bytes, wanted, page);
     if (status != 0) {
-        return proto_error_set(error, status,
-                               "result_head is %llu; it was %llu, and %llu were handed out",
-                               (unsigned long long)head, (unsigned long long)head_before,
-                               (unsigned long long)ring->region.tail);
+        return proto_error_set(
+            error, status, "result_head is %llu; it was %llu, and %llu were handed out",
+            (unsigned long long)head, (unsigned long long)head_before,
+            (unsigned long long)ring->region.tail);
     }
     page->position += PROTO_SHM_PAGE;
     *data = (uint8_t *)ring->results.base + page->position;

@@ -1,8 +1,8 @@
 /* ringio.h - the daemon's side of the upload ring and of the result region.
  *
  * Room:     server. May include: resource.h, region.h, the protocol's headers.
- * Does:     create both memories; read slots as shm.h says (sequence check, one copy, second
- *           sequence check); hand out result pages; tell the client what is done.
+ * Does:     create both memories; read slots as shm.h says (sequence check, one copy,
+ *           second sequence check); hand out result pages; tell the client what is done.
  * Does not: believe a length, an offset or a count that stands in shared memory: lengths
  *           come with the message, and the segment table is copied once and then checked.
  * Threads:  functions say.
@@ -33,8 +33,8 @@ struct srv_ring {
  * has been charged already. NULL: no memory. [loop] */
 struct srv_ring *srv_ring_new(struct srv_session *session,
                               const struct proto_SHM_ATTACH_result *sizes);
-/* What a request comes to, in whole pages: all members of *sizes but inflight_max. Returns
- * 0, or PCCD_E_INVAL or PCCD_E_LIMIT with *error set. [any] */
+/* What a request comes to, in whole pages: all members of *sizes but inflight_max.
+ * Returns 0, or PCCD_E_INVAL or PCCD_E_LIMIT with *error set. [any] */
 int srv_ring_sizes(const struct proto_SHM_ATTACH_request *request,
                    struct proto_SHM_ATTACH_result *sizes, struct proto_error *error);
 /* Create, populate and seal the memories. On failure what exists goes with the ring.
@@ -52,7 +52,8 @@ int srv_ring_check_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
 /* Stage the step in a slot: copy and check the segment table, then copy the positions of
  * each segment into `scene`, which has its staging open. On failure the caller aborts it.
  * `table` has room for PROTO_SEGMENTS_MAX. *bytes is what was copied. [compute] */
-int srv_ring_stage(struct srv_ring *ring, const struct proto_FRAME_SUBMIT_request *request,
+int srv_ring_stage(struct srv_ring *ring,
+                   const struct proto_FRAME_SUBMIT_request *request,
                    struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error);
 

@@ -8,9 +8,9 @@
  *       |         | no hello in time     | end of file, violation, shutdown
  *       |         v                      v
  *       `--> REFUSED ----- answer -----> CLOSED --> freed
- *         (quota full)                   waits until request_count = 0 (cancelled ones come
- *                                        back) and reap_count = 0 (scenes, meshes and ring
- *                                        have been freed on the compute thread)
+ *         (quota full)
+ *           CLOSED waits until request_count = 0 (cancelled ones come back) and
+ *           reap_count = 0 (scenes, meshes and ring were freed on the compute thread).
  *
  * Does not: keep a session for a client that comes back.
  * Threads:  [loop]
@@ -25,7 +25,8 @@
 #include "loop.h"
 #include "request.h"
 
-struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn, uid_t uid)
+struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
+                                    uid_t uid)
 {
     srv_assert_loop();
     struct srv_session *session = calloc(1, sizeof *session);
@@ -75,7 +76,8 @@ void srv_session_open(struct srv_session *session, uint32_t version)
     srv_loop_client_joined(session->loop);
 }
 
-/* Drop the session's own references; what requests still use goes with the last of them. */
+/* Drop the session's own references; what requests still use goes with the last of
+ * them. */
 static void drop_everything(struct srv_session *session)
 {
     uint32_t cursor = 0;

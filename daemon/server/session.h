@@ -17,7 +17,7 @@
 #include "quota.h"
 
 #define SRV_REQUESTS_MAX 32u /* of one session in flight, steps among them */
-#define SRV_REFUSED_MAX 16u  /* sessions of all users that wait to hear they are refused */
+#define SRV_REFUSED_MAX  16u /* sessions, of all users, that wait to hear so */
 
 enum srv_session_state {
     SRV_SESSION_NEW = 0,     /* connected, no hello yet */
@@ -34,10 +34,10 @@ struct srv_session {
     struct srv_quota_user *user;
     uint64_t id;
     enum srv_session_state state;
-    bool counted;     /* charged as a client of its user */
-    bool attaching;   /* a ring is being created */
-    uint32_t version; /* of the protocol, after hello */
-    uint32_t scene_salt; /* scenes created: makes their object handles differ */
+    bool counted;              /* charged as a client of its user */
+    bool attaching;            /* a ring is being created */
+    uint32_t version;          /* of the protocol, after hello */
+    uint32_t scene_salt;       /* scenes created: makes their object handles differ */
     struct srv_handles scenes; /* of struct srv_scene */
     struct srv_handles meshes; /* of struct srv_mesh */
     struct srv_ring *ring;     /* NULL: none attached */
@@ -50,7 +50,8 @@ struct srv_session {
 
 /* A session for a new connection of user `uid`. It is REFUSED when the user's quota of
  * clients is full. NULL: no memory, or too many refused ones wait to hear so already. */
-struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn, uid_t uid);
+struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
+                                    uid_t uid);
 
 /* The connection is gone: stop its requests, drop everything it has. The session frees
  * itself as soon as the compute thread has let go of it. */

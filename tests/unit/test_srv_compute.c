@@ -26,7 +26,8 @@ struct fixture {
     sem_t blocked; /* posted when the gate job runs */
     sem_t gate;    /* it waits for this */
     _Atomic int notify_count;
-    int run[RUNS_MAX]; /* names in the order of running: compute thread, read after stop */
+    int run
+        [RUNS_MAX]; /* names in the order of running: compute thread, read after stop */
     int run_count;
     int done[RUNS_MAX];
     int done_count;
@@ -192,14 +193,16 @@ static void compute__queue_is_bounded_but_not_for_reaping(void **state)
     sem_post(&fixture->gate);
     drain(fixture, (int)CAPACITY + 2);
     name_job(&jobs[CAPACITY + 1], fixture, 1001, run_named);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[CAPACITY + 1].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[CAPACITY + 1].job),
+                     0);
     drain(fixture, (int)CAPACITY + 3);
     srv_compute_stop(&fixture->compute);
     assert_int_equal(fixture->run[CAPACITY], 1000);
     assert_int_equal(fixture->run[CAPACITY + 1], 1001);
 }
 
-/* A job taken back must neither run nor be reported, and the others must stay in order. */
+/* A job taken back must neither run nor be reported, and the others must stay in
+ * order. */
 static void compute__removed_jobs_do_not_run(void **state)
 {
     struct fixture *fixture = *state;

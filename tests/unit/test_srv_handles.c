@@ -15,7 +15,8 @@
 
 static char items[64];
 
-/* A handle that leads elsewhere would let a client change another object than it named. */
+/* A handle that leads elsewhere would let a client change another object than it
+ * named. */
 static void handles__get_returns_what_was_added(void **state)
 {
     (void)state;
@@ -51,7 +52,8 @@ static void handles__unknown_handles_are_null(void **state)
     srv_handles_deinit(&handles);
 }
 
-/* A removed handle must stay dead when its index is used again, until 4095 reuses later. */
+/* A removed handle must stay dead when its index is used again, until 4095 reuses
+ * later. */
 static void handles__removed_handle_stays_stale_through_4094_reuses(void **state)
 {
     (void)state;
@@ -76,7 +78,8 @@ static void handles__removed_handle_stays_stale_through_4094_reuses(void **state
     srv_handles_deinit(&handles);
 }
 
-/* Reusing the newest free index first would wear out its generations 1000 times as fast. */
+/* Reusing the newest free index first would wear out its generations 1000 times as
+ * fast. */
 static void handles__free_indices_are_reused_in_turn(void **state)
 {
     (void)state;
@@ -99,7 +102,8 @@ static void handles__free_indices_are_reused_in_turn(void **state)
     srv_handles_deinit(&handles);
 }
 
-/* Without a bound a client could fill the memory; after removal there must be room again. */
+/* Without a bound a client could fill the memory; after removal there must be room
+ * again. */
 static void handles__exhaustion_is_a_limit_and_passes(void **state)
 {
     (void)state;

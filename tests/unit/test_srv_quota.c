@@ -99,7 +99,8 @@ static void quota__users_are_apart_and_connections_of_one_share(void **state)
     assert_int_equal(quota.total[SRV_QUOTA_CLIENTS], 4);
     srv_quota_refund(&quota, alice, SRV_QUOTA_CLIENTS, 2);
     srv_quota_release(&quota, alice);
-    assert_int_equal(srv_quota_charge(&quota, alice_too, SRV_QUOTA_CLIENTS, 1, &error), 0);
+    assert_int_equal(srv_quota_charge(&quota, alice_too, SRV_QUOTA_CLIENTS, 1, &error),
+                     0);
     srv_quota_refund(&quota, alice_too, SRV_QUOTA_CLIENTS, 1);
     srv_quota_refund(&quota, bob, SRV_QUOTA_CLIENTS, 2);
     srv_quota_release(&quota, alice_too);

@@ -15,8 +15,8 @@
 
 #define CAPACITY 4096u
 
-static struct srv_page reserve(struct srv_region *region, uint64_t head, uint32_t item_bytes,
-                               uint64_t wanted)
+static struct srv_page reserve(struct srv_region *region, uint64_t head,
+                               uint32_t item_bytes, uint64_t wanted)
 {
     struct srv_page page = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
     assert_int_equal(srv_region_reserve(region, head, item_bytes, wanted, &page), 0);
@@ -61,7 +61,8 @@ static void region__page_moves_to_the_start_rather_than_wrap(void **state)
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     struct srv_page a = reserve(&region, 0, 64, 60);
-    struct srv_page b = reserve(&region, a.release, 64, 10); /* 4 at the end, 60 at the start */
+    /* 4 items fit at the end, 60 at the start. */
+    struct srv_page b = reserve(&region, a.release, 64, 10);
     assert_int_equal(b.position, 0);
     assert_int_equal(b.count, 10);
     assert_int_equal(b.release, CAPACITY + 640);
@@ -74,7 +75,7 @@ static void region__longer_stretch_is_taken_when_neither_holds_all(void **state)
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     struct srv_page a = reserve(&region, 0, 64, 10);
-    reserve(&region, 0, 64, 20);                               /* up to item 30 */
+    reserve(&region, 0, 64, 20);                              /* up to item 30 */
     struct srv_page c = reserve(&region, a.release, 64, 100); /* 34 behind, 10 in front */
     assert_int_equal(c.position, 30 * 64);
     assert_int_equal(c.count, 34);
@@ -115,7 +116,8 @@ static void region__impossible_heads_are_refused(void **state)
     assert_int_equal(reserve(&region, second, 64, 1).position, second); /* unharmed */
 }
 
-/* Over many turns no page may overlap one that has not been released, whatever the sizes. */
+/* Over many turns no page may overlap one that has not been released, whatever the
+ * sizes. */
 static void region__random_pages_never_overlap_unreleased_ones(void **state)
 {
     (void)state;
@@ -146,7 +148,8 @@ static void region__random_pages_never_overlap_unreleased_ones(void **state)
             live[count].end = end;
             live[count++].release = page.release;
         }
-        int released = count == LIVE_MAX || page.count == 0 ? 1 + (int)(seed >> 60) % 4 : 0;
+        int released =
+            count == LIVE_MAX || page.count == 0 ? 1 + (int)(seed >> 60) % 4 : 0;
         for (; released > 0 && count > 0; released--) {
             head = live[0].release;
             for (int i = 1; i < count; i++) {
