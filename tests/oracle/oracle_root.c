@@ -59,8 +59,8 @@ static void push(struct pending *pending, const mpz_t a, unsigned n, bool is_exa
     top->is_exact = is_exact;
 }
 
-/* Push the right half, the middle and the left half of an interval, where roots may be.
- */
+/* Push the right half, the middle and the left half of an interval, where roots may
+ * be. */
 static void push_halves(struct pending *pending, const struct poly *g, const mpz_t a,
                         unsigned n)
 {
@@ -142,8 +142,8 @@ void root_narrow(struct root *root)
     root->is_exact = poly_sign_at(&root->g, root->a, root->n) == 0;
 }
 
-/* Do s and g share the root? Their common divisor has at most one root in the interval.
- */
+/* Do s and g share the root? Their common divisor has at most one root in the
+ * interval. */
 static bool is_shared(const struct root *root, const struct poly *s)
 {
     struct poly common;

@@ -33,8 +33,8 @@ void root_set_end(struct root *root, int t);
  * that are initialised. Returns how many. */
 int root_isolate(const struct poly *f, struct root roots[POLY_DEGREE_MAX]);
 
-/* Halve the interval, or find that the root is its middle. Exact roots stay as they are.
- */
+/* Halve the interval, or find that the root is its middle. Exact roots stay as they
+ * are. */
 void root_narrow(struct root *root);
 
 /* Sign of s at the root. Narrows the root as far as it has to. */

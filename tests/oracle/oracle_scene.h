@@ -24,8 +24,8 @@ struct oracle_object {
 };
 
 /* VF: a vertex of object a and a face of object b. EE: (object_a, feature_a) comes before
- * (object_b, feature_b). Edges are the unique pairs of distinct vertices of the triangles,
- * lower index first, numbered by (higher, lower). */
+ * (object_b, feature_b). Edges are the unique pairs of distinct vertices of the
+ * triangles, lower index first, numbered by (higher, lower). */
 struct oracle_pair {
     uint32_t kind;
     uint32_t object_a;
@@ -40,7 +40,8 @@ struct oracle_contacts {
     uint64_t queries; /* put to the oracle */
 };
 
-/* Ends the process where memory ends. The caller frees *contacts with the function below. */
+/* Ends the process where memory ends. The caller frees *contacts with the function
+ * below. */
 void oracle_scene(const struct oracle_object *objects, uint32_t object_count,
                   struct oracle_contacts *contacts);
 void oracle_contacts_deinit(struct oracle_contacts *contacts);

@@ -1,10 +1,12 @@
 /* test_eng_against_oracle.c - the engine's answers are the exact ones.
  *
- * Room:     tests/property. May include: daemon/engine, tests/oracle, tests/support, cmocka.
+ * Room:     tests/property. May include: daemon/engine, tests/oracle, tests/support,
+ *           cmocka.
  * Does:     generated scenes of every kind, as one object, as several, and moved on over
  *           many steps, each compared with brute force in exact arithmetic.
  * Threads:  one.
- * Source:   PCCD_SEED repeats a run; PCCD_PROPERTY_SECONDS goes on with new seeds as long.
+ * Source:   PCCD_SEED repeats a run; PCCD_PROPERTY_SECONDS goes on with new seeds for
+ *           as long.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -92,7 +94,8 @@ static double some_tolerance(struct prng *prng)
     return tolerances[prng_below(prng, 5)];
 }
 
-/* If this failed, a contact would be missed, invented or mistimed, or modes would disagree. */
+/* If this failed, a contact would be missed, invented or mistimed, or modes would
+ * disagree. */
 static void engine__answers_exactly_for_one_object(void **state)
 {
     static const uint32_t sizes[] = {2, 7, 20, 60, 120};
@@ -221,8 +224,8 @@ static void compare_split(struct judge *whole, struct judge *parts,
     free(right);
 }
 
-/* If this failed, an answer would depend on how a scene is cut into objects, or on the order
- * in which they came. */
+/* If this failed, an answer would depend on how a scene is cut into objects, or on the
+ * order in which they came. */
 static void engine__does_not_depend_on_objects(void **state)
 {
     static const enum scenes_kind kinds[] = {SCENES_SOUP,    SCENES_TWO_SPHERES,
@@ -391,8 +394,8 @@ static void stage_something(struct judge *judge, struct judge_object *object,
     free(ends);
 }
 
-/* If this failed, resident state would drift from what the client sent: ranges, transforms,
- * objects that stand still, come and go. */
+/* If this failed, resident state would drift from what the client sent: ranges,
+ * transforms, objects that stand still, come and go. */
 static void engine__keeps_answering_exactly_over_steps(void **state)
 {
     struct rounds rounds = rounds_begin();

@@ -51,8 +51,8 @@ struct data_queries {
 bool data_queries_read(const char *path, struct data_queries *queries);
 void data_queries_deinit(struct data_queries *queries);
 
-/* All hand-made queries, in the order of their paths. `use` is called once a file. Returns
- * the number of files; 0 if the folder is absent. */
+/* All hand-made queries, in the order of their paths. `use` is called once a file.
+ * Returns the number of files; 0 if the folder is absent. */
 typedef void data_use_t(void *context, bool is_vf, const char *path,
                         const struct data_queries *queries);
 size_t data_handmade(data_use_t *use, void *context);

@@ -1,7 +1,8 @@
 /* ply.c - the binary PLY frames of the public scenes.
  *
  * Room:     tests/support.
- * Does:     a header line by line, then fixed-size vertices and "uchar int int int" faces.
+ * Does:     a header line by line, then fixed-size vertices and "uchar int int int"
+ *           faces.
  * Threads:  [any].
  */
 #include "ply.h"

@@ -1,8 +1,8 @@
 /* ply.h - the binary PLY frames of the public scenes.
  *
  * Room:     tests/support. May include: the C library.
- * Does:     read vertices (float or double, other properties passed over) and triangles of
- *           little- and big-endian files.
+ * Does:     read vertices (float or double, other properties passed over) and triangles
+ *           of little- and big-endian files.
  * Does not: read ascii files or polygons; the product's own reader is not used here, so
  *           that a mistake in it cannot hide.
  * Threads:  [any].

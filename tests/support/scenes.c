@@ -65,7 +65,8 @@ static void jitter(struct scenes_mesh *mesh, struct prng *prng, double reach)
     }
 }
 
-/* Triangles of about unit size, as many to a unit of volume as there are contacts to find. */
+/* Triangles of about unit size, as many to a unit of volume as there are contacts to
+ * find. */
 static void make_soup(struct scenes_mesh *mesh, uint32_t count, struct prng *prng,
                       double reach)
 {
@@ -140,8 +141,8 @@ static void make_cloth(struct scenes_mesh *mesh, uint32_t count, struct prng *pr
     }
 }
 
-/* A sphere of radius 1 around `centre`: poles and rings. Fills x0 and the triangles from the
- * given numbers on. */
+/* A sphere of radius 1 around `centre`: poles and rings. Fills x0 and the triangles from
+ * the given numbers on. */
 static void place_sphere(struct scenes_mesh *mesh, uint32_t vertex, uint32_t triangle,
                          uint32_t rings, double centre)
 {
@@ -244,7 +245,8 @@ static void make_sliding(struct scenes_mesh *mesh, uint32_t count, struct prng *
     }
 }
 
-/* Spoil a mesh: triangles that occur twice, repeat a vertex, or have no area or length. */
+/* Spoil a mesh: triangles that occur twice, repeat a vertex, or have no area or
+ * length. */
 static void spoil(struct scenes_mesh *mesh, struct prng *prng)
 {
     for (uint32_t i = 0; i < 1 + mesh->triangle_count / 8; i++) {
@@ -273,7 +275,8 @@ static void spoil(struct scenes_mesh *mesh, struct prng *prng)
     }
 }
 
-/* Needles: two corners far apart, the third beside one of them, all in about one direction. */
+/* Needles: two corners far apart, the third beside one of them, all in about one
+ * direction. */
 static void make_slivers(struct scenes_mesh *mesh, uint32_t count, struct prng *prng)
 {
     allocate(mesh, 3 * count, count);

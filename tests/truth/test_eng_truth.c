@@ -1,8 +1,8 @@
 /* test_eng_truth.c - the engine finds every contact of the published truth.
  *
  * Room:     tests/truth. May include: daemon/engine, tests/oracle, tests/support, cmocka.
- * Does:     one step of each public scene, against the pairs that are known to collide; each
- *           hand-made query as a scene of two triangles.
+ * Does:     one step of each public scene, against the pairs that are known to collide;
+ *           each hand-made query as a scene of two triangles.
  * Threads:  one.
  * Source:   the README of the data folder.
  */
@@ -41,7 +41,8 @@ static struct eng_mesh *make_mesh(points_t x, uint32_t vertex_count,
     return mesh;
 }
 
-/* One object moved to x1 in one step. The scene is the caller's, and holds the records. */
+/* One object moved to x1 in one step. The scene is the caller's, and holds the
+ * records. */
 static struct eng_scene *run(struct eng_mesh *mesh, uint32_t vertex_count, points_t x1,
                              struct eng_step_result *result)
 {
@@ -230,8 +231,8 @@ static void engine__finds_every_contact_of_n_body(void **state)
     check_scene(DATA_N_BODY, 50490, 1);
 }
 
-/* If this failed, a real contact of nearly degenerate cloth would be missed. There are only
- * 134 of them, so that a single extra one is more than a thousandth. */
+/* If this failed, a real contact of nearly degenerate cloth would be missed. There are
+ * only 134 of them, so that a single extra one is more than a thousandth. */
 static void engine__finds_every_contact_of_cloth_funnel(void **state)
 {
     (void)state;
@@ -247,8 +248,8 @@ struct handmade {
     size_t untrue;   /* of these, no contact */
 };
 
-/* Two triangles: the query's features, each padded to a triangle with vertices of their own
- * at the place of a vertex that they have. */
+/* Two triangles: the query's features, each padded to a triangle with vertices of their
+ * own at the place of a vertex that they have. */
 static const uint32_t vf_triangles[2][3] = {{1, 2, 3}, {0, 4, 5}};
 static const int vf_points[6] = {0, 1, 2, 3, 0, 0};
 static const uint32_t ee_triangles[2][3] = {{0, 1, 4}, {2, 3, 5}};
@@ -306,8 +307,8 @@ static void run_handmade(void *context, bool is_vf, const char *path,
     }
 }
 
-/* If this failed, a query made to be hard would be missed, or a contact proved that is not
- * there. */
+/* If this failed, a query made to be hard would be missed, or a contact proved that is
+ * not there. */
 static void engine__answers_every_handmade_query(void **state)
 {
     struct handmade tally = {0};

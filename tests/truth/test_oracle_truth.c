@@ -34,7 +34,8 @@ struct tally {
     unsigned role; /* which exchange of roles */
 };
 
-/* Exchanges that leave the truth as it is: corners of the face, ends and order of edges. */
+/* Exchanges that leave the truth as it is: corners of the face, ends and order of
+ * edges. */
 static void exchange(bool is_vf, unsigned role, double (*p)[3])
 {
     static const int vf[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 2, 1}, {0, 1, 3, 2}};
@@ -82,7 +83,8 @@ static void compare_handmade(struct tally tally)
     assert_int_equal(tally.wrong, 0);
 }
 
-/* If this failed, the oracle would be wrong about touching, sliding or coplanar motion. */
+/* If this failed, the oracle would be wrong about touching, sliding or coplanar
+ * motion. */
 static void oracle__agrees_with_every_handmade_query(void **state)
 {
     (void)state;
@@ -105,8 +107,8 @@ static void oracle__agrees_when_roles_are_exchanged(void **state)
     }
 }
 
-/* If this failed, the answer would depend on the unit of length, though scaling by a power of
- * two loses no bit of these coordinates. */
+/* If this failed, the answer would depend on the unit of length, though scaling by a
+ * power of two loses no bit of these coordinates. */
 static void oracle__agrees_at_every_scale(void **state)
 {
     (void)state;
@@ -214,8 +216,8 @@ static void oracle__agrees_with_the_pairs_of_cloth_funnel(void **state)
     compare_scene(&data_scenes[DATA_CLOTH_FUNNEL]);
 }
 
-/* If this failed, frames and lists would be read in another way than they were written: the
- * published rationals are an independent copy of the same numbers. */
+/* If this failed, frames and lists would be read in another way than they were written:
+ * the published rationals are an independent copy of the same numbers. */
 static void oracle__agrees_with_published_rationals(void **state)
 {
     size_t wrong = 0;

@@ -1,8 +1,8 @@
 /* test_oracle.c - the exact oracle on cases that were worked out by hand.
  *
  * Room:     tests/unit. May include: tests/oracle, tests/support, cmocka.
- * Does:     touches at the ends of the step, grazes, coplanar motion, degenerate features,
- *           exact times, and laws that any answer obeys.
+ * Does:     touches at the ends of the step, grazes, coplanar motion, degenerate
+ *           features, exact times, and laws that any answer obeys.
  * Does not: need any data (tests/truth does).
  * Threads:  one.
  */
@@ -56,7 +56,8 @@ static void expect(enum oracle_kind kind, const double p[8][3], struct expected 
         assert_true(mpq_cmp(time, hi) <= 0);
         mpq_sub(hi, hi, lo);
         assert_true(mpq_get_d(hi) <= 0x1p-80);
-        /* At that moment there is a contact, and none in the first 1023/1024 of the way. */
+        /* At that moment there is a contact, and none in the first 1023/1024 of the
+         * way. */
         assert_true(oracle_contact_in(kind, p, time, time));
         if (mpq_sgn(time) > 0) {
             mpq_set_ui(lo, 0, 1);
@@ -104,7 +105,8 @@ static void oracle_vf__counts_touching_at_the_very_end(void **state)
     assert_false(oracle_touching_at(ORACLE_VF, above, 1));
 }
 
-/* If this failed, contacts that are there from the start or never go away would be lost. */
+/* If this failed, contacts that are there from the start or never go away would be
+ * lost. */
 static void oracle_vf__counts_static_touching(void **state)
 {
     (void)state;
@@ -257,7 +259,8 @@ static void oracle_ee__follows_coplanar_motion(void **state)
     expect(ORACLE_EE, starts_crossed, at(0, 1));
 }
 
-/* If this failed, an irrational time would be compared with a double as if it were one. */
+/* If this failed, an irrational time would be compared with a double as if it were
+ * one. */
 static void oracle_first__compares_irrational_times(void **state)
 {
     (void)state;
@@ -304,8 +307,9 @@ static void random_query(struct prng *prng, double p[8][3])
     }
 }
 
-/* If this failed, the two ways to an answer (the first contact of the whole step; the motion
- * cut at a time and put together again) would disagree somewhere on degenerate input. */
+/* If this failed, the two ways to an answer (the first contact of the whole step; the
+ * motion cut at a time and put together again) would disagree somewhere on degenerate
+ * input. */
 static void oracle__answers_parts_like_the_whole(void **state)
 {
     struct prng prng = {prng_seed()};
@@ -343,7 +347,8 @@ static void oracle__answers_parts_like_the_whole(void **state)
     mpq_clears(zero, cut, one, NULL);
 }
 
-/* If this failed, brute force would pass over a pair, test neighbours, or misname edges. */
+/* If this failed, brute force would pass over a pair, test neighbours, or misname
+ * edges. */
 static void oracle_scene__lists_every_pair_once(void **state)
 {
     (void)state;
@@ -359,8 +364,9 @@ static void oracle_scene__lists_every_pair_once(void **state)
     assert_int_equal(count, 6);
     assert_memory_equal(edges, expected, sizeof expected);
     free(edges);
-    /* Edge 3-5 passes over the face; nothing touches but edge 3-4 through its inside, which
-     * is neither VF nor EE. Moved so that vertex 4 starts on the face and 3-4 leaves it. */
+    /* Edge 3-5 passes over the face; nothing touches but edge 3-4 through its inside,
+     * which is neither VF nor EE. Moved so that vertex 4 starts on the face and 3-4
+     * leaves it. */
     oracle_scene(&object, 1, &contacts);
     assert_int_equal(contacts.count, 0);
     oracle_contacts_deinit(&contacts);
