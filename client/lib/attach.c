@@ -2,8 +2,9 @@
  *
  * Room:     client/lib. May include: attach.h, page.h, rpc.h, proto.
  * Does:     shm.attach, the mappings, and the writer's side of the slot protocol of
- * shm.h. Does not: lay out payloads (frame.c, mesh.c) or release pages (page.c). Threads:
- * [owner].
+ *           shm.h.
+ * Does not: lay out payloads (frame.c, mesh.c) or release pages (page.c).
+ * Threads:  [owner].
  */
 #include "attach.h"
 

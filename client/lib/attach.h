@@ -2,7 +2,8 @@
  *
  * Room:     client/lib, private. May include: client.h.
  * Does:     attach, map and grow the shared memory; hand out slots and write their
- * sequence numbers. Threads:  [owner].
+ *           sequence numbers.
+ * Threads:  [owner].
  */
 #ifndef CLI_ATTACH_H
 #define CLI_ATTACH_H

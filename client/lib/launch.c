@@ -2,9 +2,10 @@
  *
  * Room:     client/lib. May include: launch.h, the C library.
  * Does:     find the program, start it with clean descriptors and signals, wait for the
- * one byte on its --ready-fd, stop and reap the private one. Does not: decide who serves
- * a path: the daemon's lock file does. Threads:  [owner]. Source:   posix_spawn, because
- * fork copies the page tables of a large program.
+ *           one byte on its --ready-fd, stop and reap the private one.
+ * Does not: decide who serves a path: the daemon's lock file does.
+ * Threads:  [owner].
+ * Source:   posix_spawn, because fork copies the page tables of a large program.
  */
 #include <dirent.h>
 #include <errno.h>

@@ -2,8 +2,9 @@
  *
  * Room:     client/lib. May include: attach.h, page.h, rpc.h.
  * Does:     copy vertices and triangles into slots, several in flight, and have the
- * daemon derive the rest. Does not: check the data: the daemon does, once, on its own
- * copy. Threads:  [owner].
+ *           daemon derive the rest.
+ * Does not: check the data: the daemon does, once, on its own copy.
+ * Threads:  [owner].
  */
 #include <string.h>
 

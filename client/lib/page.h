@@ -2,7 +2,8 @@
  *
  * Room:     client/lib, private. May include: client.h.
  * Does:     keep the pages that came and give them back in the order they came, in
- * whatever order the user releases them. Threads:  [owner].
+ *           whatever order the user releases them.
+ * Threads:  [owner].
  */
 #ifndef CLI_PAGE_H
 #define CLI_PAGE_H

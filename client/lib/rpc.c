@@ -2,9 +2,10 @@
  *
  * Room:     client/lib. May include: rpc.h, page.h, proto.
  * Does:     the only place that reads and writes the socket. Replies come in any order
- * and are matched by id; every wait has a deadline; the end of the connection fails every
- * call that is in flight. Does not: know what the methods mean, but for the pages that
- * some replies bring. Threads:  [owner].
+ *           and are matched by id; every wait has a deadline; the end of the connection
+ *           fails every call that is in flight.
+ * Does not: know what the methods mean, but for the pages that some replies bring.
+ * Threads:  [owner].
  */
 #include "rpc.h"
 

@@ -2,7 +2,8 @@
  *
  * Room:     client/lib, private. May include: client.h.
  * Does:     send a request, match replies to calls by id in any order, wait with a
- * deadline. Threads:  [owner].
+ *           deadline.
+ * Threads:  [owner].
  */
 #ifndef CLI_RPC_H
 #define CLI_RPC_H

@@ -2,8 +2,8 @@
  *
  * Room:     client/lib. May include: step.h, attach.h, page.h, rpc.h.
  * Does:     submit, poll, wait, fetch, cancel, release, and the calls that do it all in
- * one. A step is a call of the table in client.h whose `step` is not 0; it stays there
- *           until its answer is taken.
+ *           one. A step is a call of the table in client.h whose `step` is not 0; it
+ *           stays there until its answer is taken.
  * Does not: interpret records: they lie in the daemon's memory, read-only.
  * Threads:  [owner].
  */
