@@ -262,6 +262,16 @@ static void live(struct diary *diary)
     }
     step(scene, ENG_MODE_PAIRS, 5, diary);
     step(scene, ENG_MODE_ALL, 6, diary);
+    for (uint32_t i = 0; i < 20; i++) {
+        if (eng_scene_object(scene, idx[i])) {
+            assert_int_equal(eng_scene_remove(scene, idx[i]), ENG_OK);
+        }
+    }
+    step(scene, ENG_MODE_ANY, 7, diary);
+    assert_int_equal(scene->vertex_ranges.end, 0); /* no index was lost on the way */
+    assert_int_equal(scene->edge_ranges.end, 0);
+    assert_int_equal(scene->triangle_ranges.end, 0);
+    assert_int_equal(scene->node_ranges.end, 0);
     eng_mesh_release(mesh);
     eng_scene_free(scene);
 }
@@ -316,26 +326,30 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
     }
     countdown = 0;
     mesh = make_sheet();
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
-    for (uint64_t n = 1;; n++) {
+    int status = ENG_E_NOMEM;
+    for (uint64_t n = 1; status != ENG_OK; n++) {
         uint32_t idx = 77;
+        uint64_t before = allocations;
+        assert_int_equal(eng_scene_new(&scene), ENG_OK);
+        uint64_t made = allocations - before;
         countdown = n;
-        int status = eng_scene_add(scene, mesh, 1, &idx);
-        if (status == ENG_OK) {
-            countdown = 0;
-            assert_true(n > 5);
-            break;
+        status = eng_scene_add(scene, mesh, 1, &idx);
+        if (status != ENG_OK) {
+            assert_int_equal(status, ENG_E_NOMEM);
+            assert_int_equal(allocations - before, made + n - 1); /* each in its turn */
+            assert_int_equal(idx, 77);
+            assert_int_equal(eng_scene_object_count(scene), 0);
+            assert_int_equal(scene->vertex_ranges.end, 0); /* the ranges came back */
+            assert_int_equal(scene->edge_ranges.end, 0);
+            assert_int_equal(scene->triangle_ranges.end, 0);
+            assert_int_equal(scene->node_ranges.end, 0);
+        } else {
+            assert_true(n > 10);
         }
-        assert_int_equal(status, ENG_E_NOMEM);
-        assert_int_equal(idx, 77);
-        assert_int_equal(eng_scene_object_count(scene), 0);
-        assert_int_equal(scene->vertex_ranges.end, 0); /* the ranges came back */
-        assert_int_equal(scene->edge_ranges.end, 0);
-        assert_int_equal(scene->triangle_ranges.end, 0);
-        assert_int_equal(scene->node_ranges.end, 0);
+        countdown = 0;
+        eng_scene_free(scene);
     }
     eng_mesh_release(mesh);
-    eng_scene_free(scene);
     assert_int_equal(held_blocks, 0);
 }
 

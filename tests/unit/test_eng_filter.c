@@ -139,6 +139,23 @@ static void filter__degenerate_contacts_pass(void **state)
     }
 }
 
+/* If it failed: where products underflow, the sign of their rounding would decide. */
+static void filter__flat_contacts_pass_where_products_underflow(void **state)
+{
+    (void)state;
+    struct kit_random random = {55};
+    for (int round = 0; round < 100000; round++) {
+        struct eng_query query;
+        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        for (int i = 0; i < 8; i++) { /* a plane that no axis knows */
+            double *x = query.x[i / 4][i % 4];
+            x[2] = x[0] + 3 * x[1];
+        }
+        kit_place(&query, ldexp(1, -350 - (int)kit_below(&random, 15)), 0);
+        assert_true(passes(&query));
+    }
+}
+
 static void check_rejected(enum eng_kind kind, const double x0[4][3],
                            const double x1[4][3])
 {
@@ -182,6 +199,7 @@ int main(void)
         cmocka_unit_test(filter__planted_contacts_pass_at_every_scale),
         cmocka_unit_test(filter__planted_contacts_pass_far_from_the_origin),
         cmocka_unit_test(filter__degenerate_contacts_pass),
+        cmocka_unit_test(filter__flat_contacts_pass_where_products_underflow),
         cmocka_unit_test(filter__obvious_misses_are_rejected),
     };
     return cmocka_run_group_tests_name("eng_filter", tests, NULL, NULL);

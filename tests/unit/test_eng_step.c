@@ -211,6 +211,69 @@ static void step__modes_agree(void **state)
     }
 }
 
+#define RAIN 200u
+
+/* Small triangles at random heights over the square, each alone in its column; the order in
+ * which they land is not that in which they are numbered. */
+static void make_rain(struct kit_random *random, double (*x)[3], uint32_t (*triangles)[3])
+{
+    for (uint32_t t = 0; t < RAIN; t++) {
+        double height = kit_between(random, 0.5, 2);
+        for (uint32_t k = 0; k < 3; k++) {
+            double *corner = x[3 * t + k];
+            corner[0] = (t % 20 + (k == 1 ? 0.7 : 0.2)) / 20;
+            corner[1] = (double)(t / 20 + (k == 2 ? 0.7 : 0.2)) / 10;
+            corner[2] = height + 0.01 * k;
+            triangles[t][k] = 3 * t + k;
+        }
+    }
+}
+
+/* If it failed: what culls later contacts would cull the earliest, or not all that share
+ * its time. */
+static void step__first_is_found_whatever_is_found_before(void **state)
+{
+    (void)state;
+    struct kit_random random = {93};
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    const double here[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double below[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -4};
+    for (int round = 0; round < 8; round++) {
+        struct eng_scene *scene = NULL;
+        double x[3 * RAIN][3];
+        uint32_t triangles[RAIN][3];
+        double lowest = 2;
+        make_rain(&random, x, triangles);
+        for (uint32_t v = 0; v < 3 * RAIN; v++) {
+            lowest = x[v][2] < lowest ? x[v][2] : lowest;
+        }
+        assert_int_equal(eng_scene_new(&scene), ENG_OK);
+        add(scene, kit_sheet(1 + (uint32_t)round % 3, 0), 1);
+        add(scene,
+            kit_mesh((const double(*)[3])x, 3 * RAIN, (const uint32_t(*)[3])triangles,
+                     RAIN),
+            2);
+        settings.mode = ENG_MODE_FIRST;
+        eng_stage_begin(scene);
+        assert_int_equal(eng_stage_rigid(scene, 1, 0, 3 * RAIN, here, below), ENG_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        assert_true(result.counters.candidates_vf + result.counters.candidates_ee > 1024);
+        assert_true(result.count > 0);
+        assert_true(result.toi_first <= lowest / 4 &&
+                    result.toi_first > lowest / 4 - 1e-6);
+        /* Back on the sheet, all at rest: every contact is the first. */
+        add(scene, kit_sheet(2, 0), 3);
+        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        uint64_t first_count = result.count;
+        settings.mode = ENG_MODE_ALL;
+        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        assert_true(result.initial > 0);
+        assert_int_equal(first_count, result.initial);
+        eng_scene_free(scene);
+    }
+}
+
 /* If it failed: a finer tolerance would find other contacts. */
 static void step__tolerance_narrows_brackets_only(void **state)
 {
@@ -497,6 +560,7 @@ int main(void)
         TEST(step__golden_hashes_hold),
         TEST(step__counts_describe_the_records),
         TEST(step__modes_agree),
+        cmocka_unit_test(step__first_is_found_whatever_is_found_before),
         TEST(step__tolerance_narrows_brackets_only),
         TEST(step__early_ends_say_why),
         cmocka_unit_test(step__deadline_is_seen_between_slow_tests),
