@@ -213,8 +213,8 @@ static void step__modes_agree(void **state)
 
 #define RAIN 200u
 
-/* Small triangles at random heights over the square, each alone in its column; the order in
- * which they land is not that in which they are numbered. */
+/* Small triangles at random heights over the square, each alone in its column; they land
+ * in another order than that of their numbers. */
 static void make_rain(struct kit_random *random, double (*x)[3], uint32_t (*triangles)[3])
 {
     for (uint32_t t = 0; t < RAIN; t++) {
