@@ -4,11 +4,15 @@ noinst_LTLIBRARIES += libengine.la
 
 libengine_la_SOURCES = \
     daemon/engine/aabb.h \
+    daemon/engine/answer.c \
+    daemon/engine/answer.h \
     daemon/engine/build.c \
     daemon/engine/build.h \
     daemon/engine/clock.h \
     daemon/engine/closest.c \
     daemon/engine/closest.h \
+    daemon/engine/deque.c \
+    daemon/engine/deque.h \
     daemon/engine/direction.c \
     daemon/engine/direction.h \
     daemon/engine/exact.c \
@@ -43,8 +47,9 @@ libengine_la_SOURCES = \
     daemon/engine/result.h \
     daemon/engine/scene.c \
     daemon/engine/scene.h \
-    daemon/engine/schedule.c \
     daemon/engine/schedule.h \
+    daemon/engine/schedule_serial.c \
+    daemon/engine/schedule_steal.c \
     daemon/engine/solve.c \
     daemon/engine/solve.h \
     daemon/engine/stage.c \
@@ -52,9 +57,11 @@ libengine_la_SOURCES = \
     daemon/engine/status.h \
     daemon/engine/step.c \
     daemon/engine/step.h \
+    daemon/engine/step_memory.c \
     daemon/engine/step_memory.h \
     daemon/engine/taskunit.c \
     daemon/engine/taskunit.h \
+    daemon/engine/team.h \
     daemon/engine/test.c \
     daemon/engine/test.h \
     daemon/engine/topology.h \

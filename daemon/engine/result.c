@@ -103,44 +103,66 @@ static struct eng_pair key_of(const struct eng_records *records, uint64_t i)
     return pair;
 }
 
-/* Sort the records of one kind behind out->count. */
-static void sort_kind(struct eng_sorter *sorter, const struct eng_records *in,
-                      struct eng_records *out, uint32_t kind)
+/* Where a record is, in the index of a sort item. */
+#define LIST_SHIFT 48
+#define RECORD_MASK ((UINT64_C(1) << LIST_SHIFT) - 1)
+
+/* Append the keys of the records of one kind of one list. */
+static size_t collect(struct eng_radix_item *items, size_t count,
+                      const struct eng_records *list, uint64_t list_idx, uint32_t kind)
 {
-    size_t count = 0;
-    for (uint64_t i = 0; i < in->count; i++) {
-        struct eng_pair key = key_of(in, i);
+    for (uint64_t i = 0; i < list->count; i++) {
+        struct eng_pair key = key_of(list, i);
         if (key.kind == kind) {
-            struct eng_radix_item *item = &sorter->items[count++];
+            struct eng_radix_item *item = &items[count++];
             item->hi = (uint64_t)key.object_a << 32 | key.feature_a;
             item->lo = (uint64_t)key.object_b << 32 | key.feature_b;
-            item->index = i;
+            item->index = list_idx << LIST_SHIFT | i;
         }
+    }
+    return count;
+}
+
+/* Sort the records of one kind behind out->count. */
+static void sort_kind(struct eng_sorter *sorter, struct eng_records *const *lists,
+                      uint32_t list_count, struct eng_records *out, uint32_t kind)
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < list_count; i++) {
+        count = collect(sorter->items, count, lists[i], i, kind);
     }
     const struct eng_radix_item *sorted =
         eng_radix_sort(sorter->items, sorter->spare, count);
     for (size_t i = 0; i < count; i++) {
+        const struct eng_records *list = lists[sorted[i].index >> LIST_SHIFT];
         memcpy(out->data + (out->count + i) * out->record_bytes,
-               in->data + sorted[i].index * in->record_bytes, in->record_bytes);
+               list->data + (sorted[i].index & RECORD_MASK) * out->record_bytes,
+               out->record_bytes);
     }
     out->count += count;
 }
 
-int eng_records_sort(struct eng_sorter *sorter, const struct eng_records *in,
-                     struct eng_records *out)
+int eng_records_sort(struct eng_sorter *sorter, struct eng_records *const *lists,
+                     uint32_t list_count, struct eng_records *out)
 {
-    eng_records_begin(out, in->record_bytes, in->limit);
-    int status = reserve_sorter(sorter, in->count);
-    if (status == ENG_OK && in->count > out->capacity) {
-        status = reserve(out, in->count + in->count / 2);
+    uint64_t total = 0;
+    bool overflowed = false;
+    for (uint32_t i = 0; i < list_count; i++) {
+        total += lists[i]->count;
+        overflowed |= lists[i]->overflowed;
+    }
+    eng_records_begin(out, lists[0]->record_bytes, lists[0]->limit);
+    int status = reserve_sorter(sorter, total);
+    if (status == ENG_OK && total > out->capacity) {
+        status = reserve(out, total + total / 2);
     }
     if (status != ENG_OK) {
         return status;
     }
-    sort_kind(sorter, in, out, ENG_VF);
-    sort_kind(sorter, in, out, ENG_EE);
-    assert(out->count == in->count);
-    out->overflowed = in->overflowed;
+    sort_kind(sorter, lists, list_count, out, ENG_VF);
+    sort_kind(sorter, lists, list_count, out, ENG_EE);
+    assert(out->count == total);
+    out->overflowed = overflowed;
     return ENG_OK;
 }
 

@@ -36,11 +36,11 @@ struct eng_sorter {
 
 void eng_sorter_deinit(struct eng_sorter *sorter);
 
-/* Sort `in` by (kind, object a, feature a, object b, feature b) into `out`, which takes over
- * record_bytes and count. Every record begins with the five words of struct eng_pair, for
- * contacts with `flags` in between. ENG_E_NOMEM: both unchanged. */
-int eng_records_sort(struct eng_sorter *sorter, const struct eng_records *in,
-                     struct eng_records *out);
+/* Sort the records of all lists together by (kind, object a, feature a, object b,
+ * feature b) into `out`; all have the same record_bytes; list_count is 1 .. 65536. Every record begins with the five words of struct eng_pair, for
+ * contacts with `flags` in between. ENG_E_NOMEM: all unchanged. */
+int eng_records_sort(struct eng_sorter *sorter, struct eng_records *const *lists,
+                     uint32_t list_count, struct eng_records *out);
 
 /* XXH3-128 of `bytes`: hash[0] high, hash[1] low. */
 void eng_hash(const void *data, size_t bytes, uint64_t hash[2]);

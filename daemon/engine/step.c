@@ -1,15 +1,15 @@
 /* daemon/engine/step.c - one step of a scene.
  *
  * Room:     engine.
- * Does:     put the phases in order, time them, and describe the answer.
- * Threads:  [compute].
+ * Does:     put the phases in order, divide them among threads, time them.
+ * Threads:  [compute]; it opens one parallel region per step.
  * Source:   paper sections 4 to 6.
  */
 #include "step.h"
 
-#include <math.h>
-#include <string.h>
+#include <omp.h>
 
+#include "answer.h"
 #include "build.h"
 #include "clock.h"
 #include "memory.h"
@@ -18,38 +18,13 @@
 #include "stage.h"
 #include "step_memory.h"
 
-struct eng_step_memory *eng_step_memory_new(void)
-{
-    struct eng_step_memory *memory = eng_alloc(1, sizeof *memory);
-    if (memory) {
-        memset(memory, 0, sizeof *memory);
-        eng_worker_init(&memory->worker);
-    }
-    return memory;
-}
+/* Triangles below which a step runs on the compute thread alone: waking a team costs 40 to
+ * 70 us, what this many triangles take is about as long. */
+#define SERIAL_TRIANGLES_MAX 1000u
 
-void eng_step_memory_free(struct eng_step_memory *memory)
-{
-    if (memory) {
-        eng_worker_deinit(&memory->worker);
-        eng_sorter_deinit(&memory->sorter);
-        eng_records_deinit(&memory->sorted);
-        eng_free(memory);
-    }
-}
-
-void eng_step_memory_forget(struct eng_step_memory *memory)
-{
-    memory->sorted.count = 0;
-}
-
-uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
-{
-    return sizeof *memory + memory->worker.records.capacity_bytes +
-           memory->sorted.capacity_bytes +
-           2 * memory->sorter.capacity * sizeof *memory->sorter.items +
-           memory->worker.units.capacity * sizeof *memory->worker.units.nodes;
-}
+/* Subtrees to refit for each thread: the paper takes two and measures a factor of four on
+ * eight threads; more and smaller ones end closer together. */
+#define SUBTREES_PER_THREAD 8u
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
@@ -59,114 +34,101 @@ static bool settings_are_valid(const struct eng_step_settings *settings)
            settings->tolerance <= 1;
 }
 
-/* Mode first: of what was found before the bound had shrunk to its last value, keep what may
- * attain the earliest time. */
-static void keep_earliest(struct eng_records *records)
+static uint32_t threads_for(const struct eng_scene *scene,
+                            const struct eng_step_settings *settings)
 {
-    struct eng_contact *contacts = (void *)records->data;
-    double bound = 2;
-    for (uint64_t i = 0; i < records->count; i++) {
-        if ((contacts[i].flags & ENG_PROVED) && contacts[i].toi_hi < bound) {
-            bound = contacts[i].toi_hi;
-        }
+    if (scene->root == ENG_NO_NODE ||
+        scene->nodes[scene->root].count < SERIAL_TRIANGLES_MAX) {
+        return 1;
     }
-    uint64_t kept = 0;
-    for (uint64_t i = 0; i < records->count; i++) {
-        if (contacts[i].toi <= bound) {
-            contacts[kept++] = contacts[i];
-        }
-    }
-    records->count = kept;
-}
-
-/* Counts over the sorted records. */
-static void summarise(struct eng_step_result *result)
-{
-    if (result->mode == ENG_MODE_PAIRS) {
-        const struct eng_pair *pairs = result->records;
-        for (uint64_t i = 0; i < result->count; i++) {
-            result->vf += pairs[i].kind == ENG_VF;
-        }
-    } else {
-        const struct eng_contact *contacts = result->records;
-        for (uint64_t i = 0; i < result->count; i++) {
-            result->vf += contacts[i].kind == ENG_VF;
-            result->possible += !(contacts[i].flags & ENG_PROVED);
-            result->initial += (contacts[i].flags & ENG_INITIAL) != 0;
-            result->toi_first = fmin(result->toi_first, contacts[i].toi);
-        }
-    }
-    result->ee = result->count - result->vf;
-}
-
-static enum eng_verdict verdict_of(const struct eng_worker *worker)
-{
-    if (worker->proved_seen > 0) {
-        return ENG_VERDICT_YES;
-    }
-    if (worker->stop->reason != ENG_COMPLETE) {
-        return ENG_VERDICT_NONE;
-    }
-    return worker->possible_seen > 0 ? ENG_VERDICT_POSSIBLE : ENG_VERDICT_NO;
-}
-
-/* Sort and hash what the worker found. */
-static int merge(struct eng_step_memory *memory, struct eng_step_result *result)
-{
-    uint64_t hash[2];
-    struct eng_records *found = &memory->worker.records;
-    if (result->mode == ENG_MODE_ANY) {
-        uint32_t verdict = verdict_of(&memory->worker);
-        result->verdict = verdict;
-        if (verdict == ENG_VERDICT_YES) {
-            result->incomplete = ENG_COMPLETE; /* decided, whatever came after */
-        }
-        memory->sorted.count = 0;
-        eng_hash(&verdict, sizeof verdict, hash);
-    } else {
-        if (result->mode == ENG_MODE_FIRST) {
-            keep_earliest(found);
-        }
-        int status = eng_records_sort(&memory->sorter, found, &memory->sorted);
-        if (status != ENG_OK) {
-            return status;
-        }
-        result->records = memory->sorted.data;
-        result->count = memory->sorted.count;
-        eng_hash(memory->sorted.data, result->count * result->record_bytes, hash);
-        summarise(result);
-    }
-    result->hash_hi = hash[0];
-    result->hash_lo = hash[1];
-    return ENG_OK;
-}
-
-static void detect(struct eng_worker *worker, struct eng_step_result *result)
-{
-    uint64_t begin_ns = eng_now_ns();
-    eng_schedule_serial(worker);
-    result->times.tests = worker->tests_ns;
-    result->times.traversal = eng_now_ns() - begin_ns - worker->tests_ns;
-    result->counters = worker->counters;
-    result->counters.exact = worker->exact.queries;
-    if (worker->stop->reason != ENG_COMPLETE) {
-        result->incomplete = worker->stop->reason;
-    } else if (worker->records.overflowed) {
-        result->incomplete = ENG_INCOMPLETE_CONTACT_LIMIT;
-    }
+    return settings->threads < ENG_THREADS_MAX ? settings->threads : ENG_THREADS_MAX;
 }
 
 /* Everything that can fail for want of memory, before anything moves. */
 static int prepare(struct eng_scene *scene, const struct eng_step_settings *settings,
-                   struct eng_stop *stop)
+                   struct eng_stop *stop, struct eng_team *team)
 {
-    if (scene->top_is_stale) {
-        int status = eng_build_top(scene);
-        if (status != ENG_OK) {
-            return status;
-        }
+    struct eng_step_memory *memory = scene->memory;
+    int status = scene->top_is_stale ? eng_build_top(scene) : ENG_OK;
+    team->scene = scene;
+    team->workers = memory->workers;
+    team->count = threads_for(scene, settings);
+    team->plan = &memory->plan;
+    atomic_init(&team->next_subtree, 0);
+    if (status == ENG_OK) {
+        status = eng_step_memory_reserve(memory, team->count);
     }
-    return eng_worker_begin(&scene->memory->worker, scene, settings, stop);
+    if (status == ENG_OK) {
+        status = eng_refit_plan(&memory->plan, scene, SUBTREES_PER_THREAD * team->count);
+    }
+    for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
+        status = eng_worker_begin(memory->workers[i], scene, settings, stop);
+        memory->workers[i]->thread = i;
+    }
+    return status;
+}
+
+/* Refit and detection by one thread. */
+static void run_alone(struct eng_team *team, struct eng_step_result *result)
+{
+    uint64_t begin_ns = eng_now_ns();
+    eng_refit(team->scene);
+    uint64_t refit_ns = eng_now_ns();
+    result->times.refit = refit_ns - begin_ns;
+    eng_schedule_serial(team, team->workers[0]);
+    team->workers[0]->busy_ns = eng_now_ns() - refit_ns;
+}
+
+/* The same by a team. Its size may turn out smaller than asked for: a share of work belongs
+ * to each thread that is there, so the team's count is set before anything is divided. */
+static void run_together(struct eng_team *team, struct eng_step_result *result)
+{
+    uint64_t begin_ns = eng_now_ns();
+    uint64_t refit_ns = 0;
+#pragma omp parallel num_threads((int)team->count)
+    {
+#pragma omp single
+        {
+            team->count = (uint32_t)omp_get_num_threads();
+            eng_schedule_steal_begin(team);
+        }
+        eng_refit_by_team(team);
+        uint32_t thread = (uint32_t)omp_get_thread_num();
+        if (thread == 0) {
+            refit_ns = eng_now_ns();
+        }
+        eng_schedule_steal(team, team->workers[thread]);
+    }
+    result->times.refit = refit_ns - begin_ns;
+}
+
+/* Wall time of detection, divided into traversal and tests as the threads' time is. */
+static void divide_time(const struct eng_team *team, uint64_t wall_ns,
+                        struct eng_step_times *times)
+{
+    double busy_ns = 1;
+    double tests_ns = 0;
+    for (uint32_t i = 0; i < team->count; i++) {
+        busy_ns += (double)team->workers[i]->busy_ns;
+        tests_ns += (double)team->workers[i]->tests_ns;
+    }
+    times->tests = (uint64_t)((double)wall_ns * (tests_ns / busy_ns));
+    times->tests = times->tests < wall_ns ? times->tests : wall_ns;
+    times->traversal = wall_ns - times->tests;
+}
+
+static void add_counters(const struct eng_team *team, struct eng_step_counters *sum)
+{
+    for (uint32_t i = 0; i < team->count; i++) {
+        const struct eng_worker *worker = team->workers[i];
+        sum->task_units += worker->counters.task_units;
+        sum->box_tests += worker->counters.box_tests;
+        sum->leaf_pairs += worker->counters.leaf_pairs;
+        sum->candidates_vf += worker->counters.candidates_vf;
+        sum->candidates_ee += worker->counters.candidates_ee;
+        sum->survivors += worker->counters.survivors;
+        sum->exact += worker->exact.queries;
+    }
 }
 
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
@@ -175,9 +137,13 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     uint64_t begin_ns = eng_now_ns();
     uint64_t allocs = eng_alloc_count();
     uint64_t builds = scene->builds;
-    struct eng_step_memory *memory = scene->memory;
-    struct eng_stop stop = {settings->cancel, settings->deadline_ns, ENG_COMPLETE, false};
-    int status = settings_are_valid(settings) ? prepare(scene, settings, &stop) : ENG_E_INVAL;
+    struct eng_stop stop;
+    struct eng_team team;
+    int status = ENG_E_INVAL;
+    if (settings_are_valid(settings)) {
+        eng_stop_init(&stop, settings);
+        status = prepare(scene, settings, &stop, &team);
+    }
     if (status != ENG_OK) {
         eng_stage_abort(scene);
         return status;
@@ -189,23 +155,25 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     struct eng_step_result r = {.mode = settings->mode,
                                 .method = ENG_METHOD_PAPER,
                                 .verdict = ENG_VERDICT_NONE,
-                                .record_bytes = memory->worker.records.record_bytes,
-                                .toi_first = 2,
-                                .threads = 1};
+                                .record_bytes = team.workers[0]->records.record_bytes,
+                                .toi_first = 2};
     r.times.ingest = scene->stage_ns;
-    uint64_t refit_ns = eng_now_ns();
-    eng_refit(scene);
-    r.times.refit = eng_now_ns() - refit_ns;
+    uint64_t detect_ns = eng_now_ns();
+    if (team.count == 1) {
+        run_alone(&team, &r);
+    } else {
+        run_together(&team, &r);
+    }
 #ifdef PCCD_VALIDATE
     assert(eng_tree_validate(scene));
 #endif
-    detect(&memory->worker, &r);
     uint64_t merge_ns = eng_now_ns();
-    if (merge(memory, &r) != ENG_OK) {
-        /* No memory to sort: an empty page that says it is not the whole answer. */
-        eng_step_memory_forget(memory);
-        r.incomplete = ENG_INCOMPLETE_CONTACT_LIMIT;
-    }
+    divide_time(&team, merge_ns - detect_ns - r.times.refit, &r.times);
+    add_counters(&team, &r.counters);
+    r.threads = team.count;
+    r.incomplete =
+        (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
+    eng_answer(scene->memory, &team, &r);
     r.times.merge = eng_now_ns() - merge_ns;
     r.times.step = eng_now_ns() - begin_ns + scene->stage_ns;
     r.counters.builds = scene->builds - builds;

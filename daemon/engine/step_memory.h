@@ -1,6 +1,6 @@
 /* daemon/engine/step_memory.h - what one step leaves for the next.
  *
- * Room:     engine. May include: worker.h.
+ * Room:     engine. May include: refit.h, worker.h.
  * Does:     keep worker, queues, records and sort scratch of a scene, so that a warm step
  *           allocates nothing.
  * Threads:  [compute].
@@ -8,16 +8,24 @@
 #ifndef ENG_STEP_MEMORY_H
 #define ENG_STEP_MEMORY_H
 
+#include "refit.h"
 #include "worker.h"
 
+#define ENG_THREADS_MAX 256u
+
 struct eng_step_memory {
-    struct eng_worker worker;
+    struct eng_worker *workers[ENG_THREADS_MAX]; /* made when first needed */
+    uint32_t worker_count;
+    struct eng_refit_plan plan;
     struct eng_sorter sorter;
     struct eng_records sorted; /* the last answer */
 };
 
 struct eng_step_memory *eng_step_memory_new(void); /* NULL: no memory */
 void eng_step_memory_free(struct eng_step_memory *memory);
+
+/* Workers for that many threads, 1 .. ENG_THREADS_MAX. ENG_E_NOMEM: those at hand stay. */
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads);
 
 /* Drop the last answer: its names may no longer mean the same. */
 void eng_step_memory_forget(struct eng_step_memory *memory);

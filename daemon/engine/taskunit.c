@@ -118,22 +118,67 @@ static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 }
 
 /* Refine both nodes of a pair; a leaf stands for itself. */
-static void refine(struct eng_worker *worker, uint32_t n, uint32_t m)
+static uint32_t refine(const struct eng_node *nodes, uint32_t n, uint32_t m,
+                       uint32_t n_out[4], uint32_t m_out[4])
 {
-    const struct eng_node *node_n = &worker->scene->nodes[n];
-    const struct eng_node *node_m = &worker->scene->nodes[m];
-    if (node_n->left == ENG_LEAF) {
-        test_pair(worker, n, node_m->left);
-        test_pair(worker, n, node_m->right);
-    } else if (node_m->left == ENG_LEAF) {
-        test_pair(worker, node_n->left, m);
-        test_pair(worker, node_n->right, m);
-    } else {
-        test_pair(worker, node_n->left, node_m->left);
-        test_pair(worker, node_n->left, node_m->right);
-        test_pair(worker, node_n->right, node_m->left);
-        test_pair(worker, node_n->right, node_m->right);
+    uint32_t ns[2] = {n, n};
+    uint32_t ms[2] = {m, m};
+    uint32_t n_count = 1;
+    uint32_t m_count = 1;
+    if (nodes[n].left != ENG_LEAF) {
+        ns[0] = nodes[n].left;
+        ns[1] = nodes[n].right;
+        n_count = 2;
     }
+    if (nodes[m].left != ENG_LEAF) {
+        ms[0] = nodes[m].left;
+        ms[1] = nodes[m].right;
+        m_count = 2;
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < n_count; i++) {
+        for (uint32_t j = 0; j < m_count; j++) {
+            n_out[count] = ns[i];
+            m_out[count++] = ms[j];
+        }
+    }
+    return count;
+}
+
+void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    struct eng_pair_queue *pairs = &worker->pairs;
+    test_pair(worker, n, m);
+    for (uint64_t refined = 1; pairs->count > 0 && !eng_stop_is_set(worker->stop);
+         refined++) {
+        uint32_t n_out[4];
+        uint32_t m_out[4];
+        pairs->count--;
+        uint32_t count = refine(worker->scene->nodes, pairs->n[pairs->count],
+                                pairs->m[pairs->count], n_out, m_out);
+        for (uint32_t i = 0; i < count; i++) {
+            test_pair(worker, n_out[i], m_out[i]);
+        }
+        if (refined % PAIRS_PER_LOOK == 0) {
+            eng_worker_should_stop(worker);
+        }
+    }
+    pairs->count = 0;
+}
+
+uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
+                             uint32_t n_out[4], uint32_t m_out[4])
+{
+    const struct eng_node *nodes = worker->scene->nodes;
+    worker->counters.box_tests++;
+    if (!overlap(worker, &nodes[n], &nodes[m])) {
+        return 0;
+    }
+    if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
+        leaf_pair(worker, &nodes[n], &nodes[m]);
+        return 0;
+    }
+    return refine(nodes, n, m, n_out, m_out);
 }
 
 static void push_unit(struct eng_task_queue *units, uint32_t node)
@@ -153,16 +198,7 @@ void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_ch
         push_unit(&worker->units, nodes[node].left);
         push_unit(&worker->units, nodes[node].right);
     }
-    struct eng_pair_queue *pairs = &worker->pairs;
-    test_pair(worker, nodes[node].left, nodes[node].right);
-    for (uint64_t refined = 1; pairs->count > 0 && !worker->stop->stopped; refined++) {
-        pairs->count--;
-        refine(worker, pairs->n[pairs->count], pairs->m[pairs->count]);
-        if (refined % PAIRS_PER_LOOK == 0) {
-            eng_worker_should_stop(worker);
-        }
-    }
-    pairs->count = 0;
+    eng_taskunit_pairs(worker, nodes[node].left, nodes[node].right);
 }
 
 void eng_taskunit_flush(struct eng_worker *worker)

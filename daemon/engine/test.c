@@ -55,30 +55,20 @@ static struct eng_pair name_of(const struct eng_scene *scene, enum eng_kind kind
                              b - object_b->edges.first};
 }
 
-/* Mode first: contacts that begin after a proved contact has certainly begun are not
- * wanted. The bound only shrinks. */
-static void tighten(struct eng_worker *worker, const struct eng_hit *hit)
-{
-    if ((hit->flags & ENG_PROVED) && hit->toi_hi < worker->time_bound) {
-        worker->time_bound = hit->toi_hi;
-        worker->box_bound = eng_round_up(hit->toi_hi);
-    }
-}
-
 static void keep(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint32_t b,
                  const struct eng_hit *hit)
 {
     if (worker->settings->mode == ENG_MODE_ANY) {
         if (hit->flags & ENG_PROVED) {
             worker->proved_seen++;
-            worker->stop->stopped = true;
+            atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
         } else {
             worker->possible_seen++;
         }
         return;
     }
-    if (worker->settings->mode == ENG_MODE_FIRST) {
-        tighten(worker, hit);
+    if (worker->settings->mode == ENG_MODE_FIRST && (hit->flags & ENG_PROVED)) {
+        eng_worker_tighten(worker, hit->toi_hi);
     }
     struct eng_contact *contact = eng_records_add(&worker->records);
     if (!contact) {
@@ -156,7 +146,7 @@ void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
     if (worker->settings->mode == ENG_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else {
-        for (uint32_t i = 0; i < chunk->count && !worker->stop->stopped; i += ENG_LANES) {
+        for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i += ENG_LANES) {
             test_lanes(worker, kind, chunk, i);
         }
     }

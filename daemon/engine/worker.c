@@ -10,11 +10,11 @@
 #include "clock.h"
 #include "memory.h"
 
-int eng_worker_init(struct eng_worker *worker)
+void eng_worker_init(struct eng_worker *worker)
 {
     memset(worker, 0, sizeof *worker);
     eng_exact_init(&worker->exact);
-    return ENG_OK;
+    eng_deque_init(&worker->deque);
 }
 
 void eng_worker_deinit(struct eng_worker *worker)
@@ -68,6 +68,8 @@ int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
     worker->possible_seen = 0;
     worker->proved_seen = 0;
     worker->tests_ns = 0;
+    worker->busy_ns = 0;
+    worker->steals = 0;
     memset(&worker->counters, 0, sizeof worker->counters);
     eng_records_begin(&worker->records,
                       settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)
@@ -76,18 +78,65 @@ int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
     return ENG_OK;
 }
 
+void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings)
+{
+    const double whole_step = 1;
+    uint64_t bits;
+    memcpy(&bits, &whole_step, sizeof bits);
+    stop->cancel = settings->cancel;
+    stop->deadline_ns = settings->deadline_ns;
+    atomic_init(&stop->reason, ENG_COMPLETE);
+    atomic_init(&stop->stopped, false);
+    atomic_init(&stop->time_bound, bits);
+}
+
+static void stop_for(struct eng_stop *stop, enum eng_incomplete reason)
+{
+    atomic_store_explicit(&stop->reason, reason, memory_order_relaxed);
+    atomic_store_explicit(&stop->stopped, true, memory_order_relaxed);
+}
+
+double eng_stop_time_bound(const struct eng_stop *stop)
+{
+    uint64_t bits = atomic_load_explicit(&stop->time_bound, memory_order_relaxed);
+    double bound;
+    memcpy(&bound, &bits, sizeof bound);
+    return bound;
+}
+
+/* Take over the bound that others have found. */
+static void look_at_bound(struct eng_worker *worker)
+{
+    double bound = eng_stop_time_bound(worker->stop);
+    if (bound < worker->time_bound) {
+        worker->time_bound = bound;
+        worker->box_bound = eng_round_up(bound);
+    }
+}
+
 bool eng_worker_should_stop(struct eng_worker *worker)
 {
     struct eng_stop *stop = worker->stop;
-    if (stop->stopped) {
+    look_at_bound(worker);
+    if (eng_stop_is_set(stop)) {
         return true;
     }
     if (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) {
-        stop->reason = ENG_INCOMPLETE_CANCELLED;
-        stop->stopped = true;
+        stop_for(stop, ENG_INCOMPLETE_CANCELLED);
     } else if (stop->deadline_ns != 0 && eng_now_ns() >= stop->deadline_ns) {
-        stop->reason = ENG_INCOMPLETE_DEADLINE;
-        stop->stopped = true;
+        stop_for(stop, ENG_INCOMPLETE_DEADLINE);
     }
-    return stop->stopped;
+    return eng_stop_is_set(stop);
+}
+
+void eng_worker_tighten(struct eng_worker *worker, double time)
+{
+    uint64_t mine;
+    memcpy(&mine, &time, sizeof mine);
+    uint64_t bound = atomic_load_explicit(&worker->stop->time_bound, memory_order_relaxed);
+    while (mine < bound && !atomic_compare_exchange_weak_explicit(
+                               &worker->stop->time_bound, &bound, mine,
+                               memory_order_relaxed, memory_order_relaxed)) {
+    }
+    look_at_bound(worker);
 }

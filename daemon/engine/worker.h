@@ -1,6 +1,6 @@
 /* daemon/engine/worker.h - what one thread of a step owns.
  *
- * Room:     engine. May include: exact.h, filter.h, result.h, world.h.
+ * Room:     engine. May include: deque.h, exact.h, filter.h, result.h, world.h.
  * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
  *           scratch of the solver and the records found: the one interface through which
  *           schedule, traversal, filter, solver and results meet. A step's workers share
@@ -10,6 +10,7 @@
 #ifndef ENG_WORKER_H
 #define ENG_WORKER_H
 
+#include "deque.h"
 #include "exact.h"
 #include "filter.h"
 #include "result.h"
@@ -46,20 +47,32 @@ struct eng_task_queue {
     uint32_t tail;
 };
 
-/* Why and until when all workers go on. */
+/* What the workers of a step share besides the scene. */
 struct eng_stop {
     const atomic_bool *cancel;
     uint64_t deadline_ns;
-    enum eng_incomplete reason; /* set by the worker that saw it */
-    bool stopped;               /* by deadline, cancel or a proved contact in mode any */
+    atomic_int reason;   /* enum eng_incomplete, set by the worker that saw it */
+    atomic_bool stopped; /* by deadline, cancel or a proved contact in mode any */
+    /* Mode first: no contact after this time is wanted; else 1. The bits of a double: for
+     * positive numbers they have the order of the numbers, so a minimum is an integer's. */
+    atomic_uint_fast64_t time_bound;
 };
+
+/* Every access is relaxed: these are hints that only save work, and the end of the parallel
+ * region orders them before anybody reads the outcome. */
+static inline bool eng_stop_is_set(const struct eng_stop *stop)
+{
+    return atomic_load_explicit(&stop->stopped, memory_order_relaxed);
+}
 
 struct eng_worker {
     const struct eng_scene *scene;
     const struct eng_step_settings *settings;
     struct eng_stop *stop;
-    double time_bound; /* mode first: no contact after it is wanted; else 1 */
+    uint32_t thread;   /* place in the team */
+    double time_bound; /* the shared one as last seen */
     float box_bound;   /* the same, rounded up */
+    struct eng_deque deque; /* work stealing: tasks that others may take */
     struct eng_task_queue units;
     struct eng_pair_queue pairs;
     struct eng_chunk vf;
@@ -70,16 +83,26 @@ struct eng_worker {
     uint64_t possible_seen; /* mode any */
     uint64_t proved_seen;
     uint64_t tests_ns;
+    uint64_t busy_ns; /* in traversal and tests, without waiting for work */
+    uint64_t steals;
 };
 
-int eng_worker_init(struct eng_worker *worker);
+void eng_worker_init(struct eng_worker *worker);
 void eng_worker_deinit(struct eng_worker *worker);
 
 /* Get ready for a step. ENG_E_NOMEM: the task queue cannot hold the scene's nodes. */
 int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
                      const struct eng_step_settings *settings, struct eng_stop *stop);
 
+/* The bound as it stands; after the region: the final one. */
+double eng_stop_time_bound(const struct eng_stop *stop);
+
+void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings);
+
 /* Should the worker stop? Looks at the clock and at the cancel flag. */
 bool eng_worker_should_stop(struct eng_worker *worker);
+
+/* Mode first: a proved contact has certainly begun at `time`. */
+void eng_worker_tighten(struct eng_worker *worker, double time);
 
 #endif

@@ -1,4 +1,4 @@
-/* daemon/engine/schedule.c - who performs which task unit.
+/* daemon/engine/schedule_serial.c - all task units by one thread.
  *
  * Room:     engine.
  * Threads:  [compute].
@@ -8,15 +8,16 @@
 
 #include "taskunit.h"
 
-void eng_schedule_serial(struct eng_worker *worker)
+void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker)
 {
+    (void)team;
     uint32_t root = worker->scene->root;
     struct eng_task_queue *units = &worker->units;
     if (root == ENG_NO_NODE) {
         return;
     }
     eng_taskunit_perform(worker, root, true);
-    while (units->head != units->tail && !worker->stop->stopped) {
+    while (units->head != units->tail && !eng_stop_is_set(worker->stop)) {
         uint32_t node = units->nodes[units->head++ & (units->capacity - 1)];
         eng_taskunit_perform(worker, node, true);
     }

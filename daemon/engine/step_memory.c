@@ -1,0 +1,65 @@
+/* daemon/engine/step_memory.c - what one step leaves for the next.
+ *
+ * Room:     engine.
+ * Threads:  [compute].
+ */
+#include "step_memory.h"
+
+#include <string.h>
+
+#include "memory.h"
+
+struct eng_step_memory *eng_step_memory_new(void)
+{
+    struct eng_step_memory *memory = eng_alloc(1, sizeof *memory);
+    if (memory) {
+        memset(memory, 0, sizeof *memory);
+    }
+    return memory;
+}
+
+void eng_step_memory_free(struct eng_step_memory *memory)
+{
+    if (!memory) {
+        return;
+    }
+    for (uint32_t i = 0; i < memory->worker_count; i++) {
+        eng_worker_deinit(memory->workers[i]);
+        eng_free(memory->workers[i]);
+    }
+    eng_refit_plan_deinit(&memory->plan);
+    eng_sorter_deinit(&memory->sorter);
+    eng_records_deinit(&memory->sorted);
+    eng_free(memory);
+}
+
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
+{
+    while (memory->worker_count < threads) {
+        struct eng_worker *worker = eng_alloc(1, sizeof *worker);
+        if (!worker) {
+            return ENG_E_NOMEM;
+        }
+        eng_worker_init(worker);
+        memory->workers[memory->worker_count++] = worker;
+    }
+    return ENG_OK;
+}
+
+void eng_step_memory_forget(struct eng_step_memory *memory)
+{
+    memory->sorted.count = 0;
+}
+
+uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
+{
+    uint64_t bytes = sizeof *memory + memory->sorted.capacity_bytes +
+                     2 * memory->sorter.capacity * sizeof *memory->sorter.items +
+                     memory->plan.capacity * sizeof *memory->plan.nodes;
+    for (uint32_t i = 0; i < memory->worker_count; i++) {
+        const struct eng_worker *worker = memory->workers[i];
+        bytes += sizeof *worker + worker->records.capacity_bytes +
+                 worker->units.capacity * sizeof *worker->units.nodes;
+    }
+    return bytes;
+}
