@@ -9,16 +9,20 @@
 
 /* Mode first: of what was found before the bound had shrunk to its last value, keep what may
  * attain the earliest time. */
-static void keep_earliest(struct eng_records *records, double bound)
+static void keep_earliest(struct eng_found *found, double bound)
 {
-    struct eng_contact *contacts = (void *)records->data;
-    uint64_t kept = 0;
-    for (uint64_t i = 0; i < records->count; i++) {
-        if (contacts[i].toi <= bound) {
-            contacts[kept++] = contacts[i];
+    found->count = 0;
+    for (struct eng_block *block = found->first; block; block = block->next) {
+        struct eng_contact *contacts = (void *)block->data;
+        uint32_t kept = 0;
+        for (uint32_t i = 0; i < block->count; i++) {
+            if (contacts[i].toi <= bound) {
+                contacts[kept++] = contacts[i];
+            }
         }
+        block->count = kept;
+        found->count += kept;
     }
-    records->count = kept;
 }
 
 /* Counts over the sorted records. */
@@ -72,19 +76,21 @@ static void decide(const struct eng_team *team, struct eng_step_result *result,
 static int collect(struct eng_step_memory *memory, const struct eng_team *team,
                    struct eng_step_result *result, uint64_t hash[2])
 {
-    struct eng_records *lists[ENG_THREADS_MAX];
+    struct eng_found *lists[ENG_THREADS_MAX];
+    bool overflowed;
     double bound = eng_stop_time_bound(team->workers[0]->stop);
     for (uint32_t i = 0; i < team->count; i++) {
-        lists[i] = &team->workers[i]->records;
+        lists[i] = &team->workers[i]->found;
         if (result->mode == ENG_MODE_FIRST) {
             keep_earliest(lists[i], bound);
         }
     }
-    int status = eng_records_sort(&memory->sorter, lists, team->count, &memory->sorted);
+    int status = eng_records_sort(&memory->sorter, lists, team->count, &memory->sorted,
+                                  &overflowed);
     if (status != ENG_OK) {
         return status;
     }
-    if (memory->sorted.overflowed && result->incomplete == ENG_COMPLETE) {
+    if (overflowed && result->incomplete == ENG_COMPLETE) {
         result->incomplete = ENG_INCOMPLETE_CONTACT_LIMIT;
     }
     result->records = memory->sorted.data;

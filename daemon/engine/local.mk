@@ -34,6 +34,8 @@ libengine_la_SOURCES = \
     daemon/engine/motion.h \
     daemon/engine/poly.c \
     daemon/engine/poly.h \
+    daemon/engine/pool.c \
+    daemon/engine/pool.h \
     daemon/engine/query.h \
     daemon/engine/radix.c \
     daemon/engine/radix.h \

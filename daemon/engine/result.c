@@ -14,13 +14,43 @@
 
 static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20, "records");
 
-void eng_records_begin(struct eng_records *records, uint32_t record_bytes, uint64_t limit)
+void eng_found_begin(struct eng_found *found, struct eng_pool *pool, uint32_t record_bytes,
+                     uint64_t limit)
 {
-    records->record_bytes = record_bytes;
-    records->capacity = records->capacity_bytes / record_bytes;
-    records->count = 0;
-    records->limit = limit;
-    records->overflowed = false;
+    *found = (struct eng_found){.pool = pool,
+                                .record_bytes = record_bytes,
+                                .per_block = sizeof found->first->data / record_bytes,
+                                .limit = limit};
+}
+
+/* The block that takes the next record, or NULL: no memory. */
+static struct eng_block *open_block(struct eng_found *found)
+{
+    if (found->last && found->last->count < found->per_block) {
+        return found->last;
+    }
+    struct eng_block *block = eng_pool_take(found->pool);
+    if (!block) {
+        return NULL;
+    }
+    if (found->last) {
+        found->last->next = block;
+    } else {
+        found->first = block;
+    }
+    found->last = block;
+    return block;
+}
+
+void *eng_found_add(struct eng_found *found)
+{
+    struct eng_block *block = found->count < found->limit ? open_block(found) : NULL;
+    if (!block) {
+        found->overflowed = true;
+        return NULL;
+    }
+    found->count++;
+    return block->data + (size_t)block->count++ * found->record_bytes;
 }
 
 void eng_records_deinit(struct eng_records *records)
@@ -29,36 +59,20 @@ void eng_records_deinit(struct eng_records *records)
     memset(records, 0, sizeof *records);
 }
 
-/* Room for `capacity` records; the old ones are kept. */
-static int reserve(struct eng_records *records, uint64_t capacity)
+static int reserve(struct eng_records *records, uint64_t count)
 {
-    if (capacity <= records->capacity) {
+    if (count * records->record_bytes <= records->capacity_bytes) {
         return ENG_OK;
     }
-    unsigned char *data = eng_realloc(records->data, capacity, records->record_bytes);
+    uint64_t capacity = count + count / 2;
+    unsigned char *data = eng_alloc(capacity, records->record_bytes);
     if (!data) {
         return ENG_E_NOMEM;
     }
+    eng_free(records->data);
     records->data = data;
-    records->capacity = capacity;
     records->capacity_bytes = capacity * records->record_bytes;
     return ENG_OK;
-}
-
-void *eng_records_add(struct eng_records *records)
-{
-    if (records->count == records->capacity) {
-        uint64_t capacity = records->capacity ? records->capacity * 2 : 1024;
-        if (records->count >= records->limit || reserve(records, capacity) != ENG_OK) {
-            records->overflowed = true;
-            return NULL;
-        }
-    }
-    if (records->count >= records->limit) {
-        records->overflowed = true;
-        return NULL;
-    }
-    return records->data + records->count++ * records->record_bytes;
 }
 
 void eng_sorter_deinit(struct eng_sorter *sorter)
@@ -89,11 +103,10 @@ static int reserve_sorter(struct eng_sorter *sorter, uint64_t count)
 }
 
 /* The five words of the order, wherever the record keeps them. */
-static struct eng_pair key_of(const struct eng_records *records, uint64_t i)
+static struct eng_pair key_of(const unsigned char *record, uint32_t record_bytes)
 {
-    const unsigned char *record = records->data + i * records->record_bytes;
     struct eng_pair pair;
-    if (records->record_bytes == sizeof pair) {
+    if (record_bytes == sizeof pair) {
         memcpy(&pair, record, sizeof pair);
     } else {
         memcpy(&pair.kind, record + offsetof(struct eng_contact, kind), sizeof pair.kind);
@@ -103,58 +116,57 @@ static struct eng_pair key_of(const struct eng_records *records, uint64_t i)
     return pair;
 }
 
-/* Where a record is, in the index of a sort item. */
-#define LIST_SHIFT 48
-#define RECORD_MASK ((UINT64_C(1) << LIST_SHIFT) - 1)
-
-/* Append the keys of the records of one kind of one list. */
+/* Append the keys of the records of one kind; an item's index is the record's address. */
 static size_t collect(struct eng_radix_item *items, size_t count,
-                      const struct eng_records *list, uint64_t list_idx, uint32_t kind)
+                      const struct eng_found *found, uint32_t kind)
 {
-    for (uint64_t i = 0; i < list->count; i++) {
-        struct eng_pair key = key_of(list, i);
-        if (key.kind == kind) {
-            struct eng_radix_item *item = &items[count++];
-            item->hi = (uint64_t)key.object_a << 32 | key.feature_a;
-            item->lo = (uint64_t)key.object_b << 32 | key.feature_b;
-            item->index = list_idx << LIST_SHIFT | i;
+    for (const struct eng_block *block = found->first; block; block = block->next) {
+        for (uint32_t i = 0; i < block->count; i++) {
+            const unsigned char *record = block->data + (size_t)i * found->record_bytes;
+            struct eng_pair key = key_of(record, found->record_bytes);
+            if (key.kind == kind) {
+                struct eng_radix_item *item = &items[count++];
+                item->hi = (uint64_t)key.object_a << 32 | key.feature_a;
+                item->lo = (uint64_t)key.object_b << 32 | key.feature_b;
+                item->index = (uintptr_t)record;
+            }
         }
     }
     return count;
 }
 
 /* Sort the records of one kind behind out->count. */
-static void sort_kind(struct eng_sorter *sorter, struct eng_records *const *lists,
+static void sort_kind(struct eng_sorter *sorter, struct eng_found *const *lists,
                       uint32_t list_count, struct eng_records *out, uint32_t kind)
 {
     size_t count = 0;
     for (uint32_t i = 0; i < list_count; i++) {
-        count = collect(sorter->items, count, lists[i], i, kind);
+        count = collect(sorter->items, count, lists[i], kind);
     }
     const struct eng_radix_item *sorted =
         eng_radix_sort(sorter->items, sorter->spare, count);
+    unsigned char *to = out->data + out->count * out->record_bytes;
     for (size_t i = 0; i < count; i++) {
-        const struct eng_records *list = lists[sorted[i].index >> LIST_SHIFT];
-        memcpy(out->data + (out->count + i) * out->record_bytes,
-               list->data + (sorted[i].index & RECORD_MASK) * out->record_bytes,
-               out->record_bytes);
+        memcpy(to, (const void *)(uintptr_t)sorted[i].index, out->record_bytes);
+        to += out->record_bytes;
     }
     out->count += count;
 }
 
-int eng_records_sort(struct eng_sorter *sorter, struct eng_records *const *lists,
-                     uint32_t list_count, struct eng_records *out)
+int eng_records_sort(struct eng_sorter *sorter, struct eng_found *const *lists,
+                     uint32_t list_count, struct eng_records *out, bool *overflowed)
 {
     uint64_t total = 0;
-    bool overflowed = false;
+    *overflowed = false;
     for (uint32_t i = 0; i < list_count; i++) {
         total += lists[i]->count;
-        overflowed |= lists[i]->overflowed;
+        *overflowed |= lists[i]->overflowed;
     }
-    eng_records_begin(out, lists[0]->record_bytes, lists[0]->limit);
+    out->record_bytes = lists[0]->record_bytes;
+    out->count = 0;
     int status = reserve_sorter(sorter, total);
-    if (status == ENG_OK && total > out->capacity) {
-        status = reserve(out, total + total / 2);
+    if (status == ENG_OK) {
+        status = reserve(out, total);
     }
     if (status != ENG_OK) {
         return status;
@@ -162,7 +174,10 @@ int eng_records_sort(struct eng_sorter *sorter, struct eng_records *const *lists
     sort_kind(sorter, lists, list_count, out, ENG_VF);
     sort_kind(sorter, lists, list_count, out, ENG_EE);
     assert(out->count == total);
-    out->overflowed = overflowed;
+    if (out->count > lists[0]->limit) {
+        out->count = lists[0]->limit;
+        *overflowed = true;
+    }
     return ENG_OK;
 }
 

@@ -61,8 +61,9 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     if (status == ENG_OK) {
         status = eng_refit_plan(&memory->plan, scene, SUBTREES_PER_THREAD * team->count);
     }
+    eng_pool_reset(&memory->pool, team->count);
     for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
-        status = eng_worker_begin(memory->workers[i], scene, settings, stop);
+        status = eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
         memory->workers[i]->thread = i;
     }
     return status;
@@ -155,7 +156,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     struct eng_step_result r = {.mode = settings->mode,
                                 .method = ENG_METHOD_PAPER,
                                 .verdict = ENG_VERDICT_NONE,
-                                .record_bytes = team.workers[0]->records.record_bytes,
+                                .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
     uint64_t detect_ns = eng_now_ns();
@@ -174,6 +175,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
     eng_answer(scene->memory, &team, &r);
+    eng_pool_reset(&scene->memory->pool, team.count); /* ready for the next step */
     r.times.merge = eng_now_ns() - merge_ns;
     r.times.step = eng_now_ns() - begin_ns + scene->stage_ns;
     r.counters.builds = scene->builds - builds;

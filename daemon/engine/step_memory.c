@@ -14,6 +14,7 @@ struct eng_step_memory *eng_step_memory_new(void)
     struct eng_step_memory *memory = eng_alloc(1, sizeof *memory);
     if (memory) {
         memset(memory, 0, sizeof *memory);
+        eng_pool_init(&memory->pool);
     }
     return memory;
 }
@@ -28,6 +29,7 @@ void eng_step_memory_free(struct eng_step_memory *memory)
         eng_free(memory->workers[i]);
     }
     eng_refit_plan_deinit(&memory->plan);
+    eng_pool_deinit(&memory->pool);
     eng_sorter_deinit(&memory->sorter);
     eng_records_deinit(&memory->sorted);
     eng_free(memory);
@@ -54,12 +56,12 @@ void eng_step_memory_forget(struct eng_step_memory *memory)
 uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
 {
     uint64_t bytes = sizeof *memory + memory->sorted.capacity_bytes +
+                     eng_pool_bytes(&memory->pool) +
                      2 * memory->sorter.capacity * sizeof *memory->sorter.items +
                      memory->plan.capacity * sizeof *memory->plan.nodes;
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         const struct eng_worker *worker = memory->workers[i];
-        bytes += sizeof *worker + worker->records.capacity_bytes +
-                 worker->units.capacity * sizeof *worker->units.nodes;
+        bytes += sizeof *worker + worker->units.capacity * sizeof *worker->units.nodes;
     }
     return bytes;
 }

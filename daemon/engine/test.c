@@ -70,7 +70,7 @@ static void keep(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint
     if (worker->settings->mode == ENG_MODE_FIRST && (hit->flags & ENG_PROVED)) {
         eng_worker_tighten(worker, hit->toi_hi);
     }
-    struct eng_contact *contact = eng_records_add(&worker->records);
+    struct eng_contact *contact = eng_found_add(&worker->found);
     if (!contact) {
         return;
     }
@@ -92,7 +92,7 @@ static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
                             const struct eng_chunk *chunk)
 {
     for (uint32_t i = 0; i < chunk->count; i++) {
-        struct eng_pair *pair = eng_records_add(&worker->records);
+        struct eng_pair *pair = eng_found_add(&worker->found);
         if (!pair) {
             return;
         }
@@ -116,7 +116,7 @@ static void test_lanes(struct eng_worker *worker, enum eng_kind kind,
         eng_lanes_set(&lanes, lane, &queries[i]);
     }
     uint32_t survivors = eng_filter(kind, &lanes);
-    for (unsigned lane = 0; lane < n && !worker->stop->stopped; lane++) {
+    for (unsigned lane = 0; lane < n && !eng_stop_is_set(worker->stop); lane++) {
         struct eng_hit hit;
         if (!(survivors >> lane & 1u)) {
             continue;

@@ -20,7 +20,6 @@ void eng_worker_init(struct eng_worker *worker)
 void eng_worker_deinit(struct eng_worker *worker)
 {
     eng_exact_deinit(&worker->exact);
-    eng_records_deinit(&worker->records);
     eng_free(worker->units.nodes);
     worker->units.nodes = NULL;
 }
@@ -47,7 +46,8 @@ static int reserve_units(struct eng_task_queue *units, uint32_t leaf_count)
 }
 
 int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
-                     const struct eng_step_settings *settings, struct eng_stop *stop)
+                     const struct eng_step_settings *settings, struct eng_stop *stop,
+                     struct eng_pool *pool)
 {
     uint32_t leaf_count = scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
     int status = reserve_units(&worker->units, leaf_count);
@@ -71,10 +71,10 @@ int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
     worker->busy_ns = 0;
     worker->steals = 0;
     memset(&worker->counters, 0, sizeof worker->counters);
-    eng_records_begin(&worker->records,
-                      settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)
-                                                       : sizeof(struct eng_contact),
-                      settings->contact_max);
+    eng_found_begin(&worker->found, pool,
+                    settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)
+                                                     : sizeof(struct eng_contact),
+                    settings->contact_max);
     return ENG_OK;
 }
 

@@ -77,7 +77,7 @@ struct eng_worker {
     struct eng_pair_queue pairs;
     struct eng_chunk vf;
     struct eng_chunk ee;
-    struct eng_records records;
+    struct eng_found found;
     struct eng_exact exact;
     struct eng_step_counters counters;
     uint64_t possible_seen; /* mode any */
@@ -92,7 +92,8 @@ void eng_worker_deinit(struct eng_worker *worker);
 
 /* Get ready for a step. ENG_E_NOMEM: the task queue cannot hold the scene's nodes. */
 int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
-                     const struct eng_step_settings *settings, struct eng_stop *stop);
+                     const struct eng_step_settings *settings, struct eng_stop *stop,
+                     struct eng_pool *pool);
 
 /* The bound as it stands; after the region: the final one. */
 double eng_stop_time_bound(const struct eng_stop *stop);
