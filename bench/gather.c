@@ -39,6 +39,38 @@ static void take(struct bench_candidates *candidates, const struct bench_world *
     }
 }
 
+static uint64_t gcd(uint64_t a, uint64_t b)
+{
+    while (b != 0) {
+        uint64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* The records as the worker found them: its blocks are given back after a step, so they
+ * are found again in an order that is not sorted. */
+static void copy_found(struct bench_work *work, const struct eng_step_result *pairs)
+{
+    const struct eng_pair *sorted = pairs->records;
+    eng_pool_init(&work->pool);
+    eng_found_begin(&work->found, &work->pool, sizeof *sorted, pairs->count);
+    /* A stride that has no common factor with the count visits every record once. */
+    uint64_t stride = pairs->count / 2 + 1;
+    while (stride > 1 && gcd(stride, pairs->count) != 1) {
+        stride++;
+    }
+    for (uint64_t i = 0, at = 0; i < pairs->count; i++) {
+        struct eng_pair *copy = eng_found_add(&work->found);
+        if (!copy) {
+            break;
+        }
+        *copy = sorted[at];
+        at = (at + stride) % pairs->count;
+    }
+}
+
 void bench_work_init(struct bench_work *work, const struct bench_scene *source,
                      uint32_t query_max, uint32_t trace_max)
 {
@@ -50,11 +82,7 @@ void bench_work_init(struct bench_work *work, const struct bench_scene *source,
     bench_world_step(&work->world, 0, ENG_MODE_PAIRS, &pairs);
     take(&work->vf, &work->world, &pairs, query_max);
     take(&work->ee, &work->world, &pairs, query_max);
-    /* Before the merge sorted a copy of them. */
-    work->found = work->world.scene->memory->worker.records;
-    work->found.data = bench_alloc(work->found.count, work->found.record_bytes);
-    memcpy(work->found.data, work->world.scene->memory->worker.records.data,
-           work->found.count * work->found.record_bytes);
+    copy_found(work, &pairs);
     work->trace.capacity = trace_max;
     work->trace.nodes = bench_alloc(trace_max, sizeof *work->trace.nodes);
     bench_traverse_trace(work->world.scene, &work->trace);
@@ -67,6 +95,6 @@ void bench_work_deinit(struct bench_work *work)
     free(work->ee.a);
     free(work->ee.b);
     free(work->trace.nodes);
-    free(work->found.data);
+    eng_pool_deinit(&work->pool);
     bench_world_deinit(&work->world);
 }

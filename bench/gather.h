@@ -27,7 +27,8 @@ struct bench_work {
     struct bench_candidates vf;
     struct bench_candidates ee;
     struct bench_trace trace;
-    struct eng_records found; /* candidate pairs, unsorted; a copy */
+    struct eng_pool pool;   /* of `found` */
+    struct eng_found found; /* candidate pairs, unsorted; a copy */
 };
 
 /* At most `query_max` candidates of each kind and `trace_max` node pairs. */

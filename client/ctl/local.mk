@@ -34,6 +34,9 @@ libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLA
 
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
+# Of our own libraries it takes the static ones: build/pccdctl is then the program itself, not
+# a script that starts it, and finds the daemon beside it as an installed one does.
+pccdctl_LDFLAGS = $(AM_LDFLAGS) -static
 pccdctl_LDADD = libctl.la libpccd.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
 
 # The manual page, where scdoc is installed.

@@ -60,6 +60,25 @@ static int find_program(const char *name, char *program)
     return PCCD_E_NODAEMON;
 }
 
+/* pccdd in the folder of the running program: how a build folder has it, an installation,
+ * and a product that brings its own. Returns 0 or PCCD_E_NODAEMON. */
+static int find_beside(char *program)
+{
+    char candidate[PROGRAM_BYTES];
+    ssize_t bytes = readlink("/proc/self/exe", candidate, sizeof(candidate) - 1);
+    char *slash;
+
+    if (bytes <= 0)
+        return PCCD_E_NODAEMON;
+    candidate[bytes] = '\0';
+    slash = strrchr(candidate, '/');
+    if (slash == NULL ||
+        (size_t)(slash - candidate) + sizeof("/pccdd") > sizeof(candidate))
+        return PCCD_E_NODAEMON;
+    memcpy(slash, "/pccdd", sizeof("/pccdd"));
+    return find_program(candidate, program);
+}
+
 static int choose_program(struct pccd_client *client, const char *asked, char *program)
 {
     const char *name = asked != NULL ? asked : getenv("PCCD_DAEMON");
@@ -70,14 +89,13 @@ static int choose_program(struct pccd_client *client, const char *asked, char *p
         return cli_fail(client, PCCD_E_NODAEMON, "cannot run \"%.200s\": %s", name,
                         strerror(errno));
     }
-    if (find_program(CLI_DAEMON_PATH, program) == 0 ||
+    if (find_beside(program) == 0 || find_program(CLI_DAEMON_PATH, program) == 0 ||
         find_program("pccdd", program) == 0)
         return 0;
-    return cli_fail(
-        client, PCCD_E_NODAEMON,
-        "no daemon to start: neither %s nor pccdd in $PATH; PCCD_DAEMON=PROGRAM "
-        "names one",
-        CLI_DAEMON_PATH);
+    return cli_fail(client, PCCD_E_NODAEMON,
+                    "no daemon to start: no pccdd beside this program, at %s or in $PATH; "
+                    "PCCD_DAEMON=PROGRAM names one",
+                    CLI_DAEMON_PATH);
 }
 
 /* Move a descriptor out of the way of 0 .. READY_FD. */

@@ -21,7 +21,9 @@ libpccd_la_SOURCES = \
     client/lib/stats.c \
     client/lib/step.c \
     client/lib/step.h
-libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
+# -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
+libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
+    -iquote $(top_srcdir)/client/lib \
     -DCLI_DAEMON_PATH='"$(bindir)/pccdd"'
 libpccd_la_LIBADD = libproto.la
 libpccd_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \

@@ -70,7 +70,8 @@ struct pccd_options {
     size_t struct_bytes;   /* sizeof(struct pccd_options); 0 reads as that */
     const char *url;       /* "unix:PATH"; NULL: $PCCD_URL, else the user's own socket */
     const char *daemon;    /* program to start when nobody listens on the user's own
-                              socket; NULL: $PCCD_DAEMON, else the installed pccdd */
+                              socket; NULL: $PCCD_DAEMON, else pccdd beside the
+                              running program, installed, or in $PATH */
     const char *name;      /* of this client, for the daemon's log; NULL: the program's */
     int timeout_ms;        /* of every call that waits, 1 .. 3600000; 0 = 30000 */
     bool no_autostart;     /* never start a daemon */

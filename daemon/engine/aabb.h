@@ -6,13 +6,15 @@
  * Threads:  [any]; inline only.
  *
  * Every record that has boxes begins with the 64 bytes of struct eng_box: four groups of
- * three floats, the fourth word of each group is free for the record's own links. A group is
- * one vector of four lanes; lane 3 holds an integer, is compared along and then ignored.
+ * three floats, the fourth word of each group is free for the record's own links. A group
+ * is one vector of four lanes; lane 3 holds an integer, is compared along and then
+ * ignored.
  *
- * Why the test is right: the bounds of a node move linearly with its vertices in the sense
- * that every vertex stays above lerp(lo0, lo1) and below lerp(hi0, hi1), because that holds
- * at both ends and all are linear in t. If along one axis lo0(a) > hi0(b) and lo1(a) >
- * hi1(b), the gap between the linear bounds is positive at both ends and so in between.
+ * Why the test is right: the bounds of a node move linearly with its vertices in the
+ * sense that every vertex stays above lerp(lo0, lo1) and below lerp(hi0, hi1), because
+ * that holds at both ends and all are linear in t. If along one axis lo0(a) > hi0(b) and
+ * lo1(a) > hi1(b), the gap between the linear bounds is positive at both ends and so in
+ * between.
  */
 #ifndef ENG_AABB_H
 #define ENG_AABB_H
@@ -27,7 +29,7 @@ typedef float eng_f4 __attribute__((vector_size(16), may_alias));
 typedef int32_t eng_i4 __attribute__((vector_size(16), may_alias));
 
 struct __attribute__((may_alias)) eng_box { /* also names nodes, edges and vertices */
-    _Alignas(64) float lo0[3]; /* at t = 0 */
+    _Alignas(64) float lo0[3];              /* at t = 0 */
     uint32_t word0;
     float hi0[3];
     uint32_t word1;
@@ -39,9 +41,9 @@ struct __attribute__((may_alias)) eng_box { /* also names nodes, edges and verti
 
 static_assert(sizeof(struct eng_box) == 64, "a box is one cache line");
 
-/* Largest float <= x and smallest float >= x, for |x| <= 1e18: the nearest float, moved by
- * one unit where it lies on the wrong side. (A zero with the wrong sign cannot occur: the
- * nearest float of a negative x is -0, of a positive x +0.) */
+/* Largest float <= x and smallest float >= x, for |x| <= 1e18: the nearest float, moved
+ * by one unit where it lies on the wrong side. (A zero with the wrong sign cannot occur:
+ * the nearest float of a negative x is -0, of a positive x +0.) */
 static inline float eng_round_down(double x)
 {
     float f = (float)x;
@@ -118,16 +120,17 @@ static inline bool eng_box_overlap(const struct eng_box *a, const struct eng_box
 {
     const eng_f4 *va = (const eng_f4 *)(const void *)a;
     const eng_f4 *vb = (const eng_f4 *)(const void *)b;
-    eng_i4 apart = ((va[0] > vb[1]) & (va[2] > vb[3])) | ((vb[0] > va[1]) & (vb[2] > va[3]));
+    eng_i4 apart =
+        ((va[0] > vb[1]) & (va[2] > vb[3])) | ((vb[0] > va[1]) & (vb[2] > va[3]));
     return (apart[0] | apart[1] | apart[2]) == 0;
 }
 
 /* Can a and b meet before or at `t_end`, 0 <= t_end <= 1? false is certain.
  *
- * The gap along an axis is linear: g(t) = (1 - t) g0 + t g1. With g0 > 0 it stays positive
- * up to t_end if g(t_end) > 0. Each computed g0, g1 has a relative error of one rounding u,
- * the products and the sum add three more: the sum is off by less than 8 u (|g0| + |g1|).
- * FLT_MIN covers products below the normal range. */
+ * The gap along an axis is linear: g(t) = (1 - t) g0 + t g1. With g0 > 0 it stays
+ * positive up to t_end if g(t_end) > 0. Each computed g0, g1 has a relative error of one
+ * rounding u, the products and the sum add three more: the sum is off by less than 8 u
+ * (|g0| + |g1|). FLT_MIN covers products below the normal range. */
 static inline bool eng_box_overlap_until(const struct eng_box *a, const struct eng_box *b,
                                          float t_end)
 {

@@ -7,8 +7,8 @@
 
 #include <math.h>
 
-/* Mode first: of what was found before the bound had shrunk to its last value, keep what may
- * attain the earliest time. */
+/* Mode first: of what was found before the bound had shrunk to its last value, keep what
+ * may attain the earliest time. */
 static void keep_earliest(struct eng_found *found, double bound)
 {
     found->count = 0;

@@ -1,9 +1,9 @@
 /* daemon/engine/build.c - the hierarchy of one object, and the tree over the objects.
  *
  * Room:     engine.
- * Does:     one routine splits any list of items with centroids; a subtree of n items takes
- *           the 2n - 1 nodes that follow each other in pre-order, so the place of every node
- *           is known before it is built.
+ * Does:     one routine splits any list of items with centroids; a subtree of n items
+ *           takes the 2n - 1 nodes that follow each other in pre-order, so the place of
+ *           every node is known before it is built.
  * Threads:  [compute].
  * Source:   paper sections 6.2 and 7.
  */
@@ -14,7 +14,8 @@
 #include "median.h"
 #include "memory.h"
 
-/* Median splits halve the count: 2^32 items are 33 levels; the other half of each waits. */
+/* Median splits halve the count: 2^32 items are 33 levels; the other half of
+ * each waits. */
 #define STACK_MAX 64
 
 /* A subtree to be built: items[first .. first+count-1] into the nodes from `node` on. */
@@ -24,8 +25,8 @@ struct job {
     uint32_t node;
 };
 
-/* Where leaves come from: with `leaf_step` 2 a leaf is a node of its own; with 1 the leaf is
- * an existing root and only inner nodes are placed. */
+/* Where leaves come from: with `leaf_step` 2 a leaf is a node of its own; with 1 the leaf
+ * is an existing root and only inner nodes are placed. */
 struct builder {
     struct eng_scene *scene;
     struct eng_split_item *items;
@@ -60,8 +61,8 @@ static uint32_t nodes_of(const struct builder *builder, uint32_t count)
     return builder->over_objects ? count - 1 : 2 * count - 1;
 }
 
-static uint32_t triangles_below(const struct builder *builder, const struct eng_split_item *items,
-                                uint32_t count)
+static uint32_t triangles_below(const struct builder *builder,
+                                const struct eng_split_item *items, uint32_t count)
 {
     if (!builder->over_objects) {
         return count;
@@ -209,7 +210,8 @@ static bool contains(const struct eng_node *outer, const struct eng_node *inner)
     return true;
 }
 
-static bool leaf_contains_triangle(const struct eng_scene *scene, const struct eng_node *leaf)
+static bool leaf_contains_triangle(const struct eng_scene *scene,
+                                   const struct eng_node *leaf)
 {
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
@@ -237,7 +239,8 @@ static bool validate_node(const struct eng_scene *scene, uint32_t idx)
            contains(node, right);
 }
 
-static bool validate_object(const struct eng_scene *scene, const struct eng_object *object)
+static bool validate_object(const struct eng_scene *scene,
+                            const struct eng_object *object)
 {
     uint64_t leaf_sum = 0;
     uint64_t leaves = 0;

@@ -1,8 +1,8 @@
 /* daemon/engine/closest.c - the nearest points of two features at one moment.
  *
  * Room:     engine.
- * Does:     the inside of the domain where the projection falls there, else the nearest of
- *           its sides. Each side is a segment start + s along, 0 <= s <= 1.
+ * Does:     the inside of the domain where the projection falls there, else the nearest
+ *           of its sides. Each side is a segment start + s along, 0 <= s <= 1.
  * Threads:  [any].
  */
 #include "closest.h"

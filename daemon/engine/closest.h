@@ -2,7 +2,8 @@
  *
  * Room:     engine. May include: motion.h.
  * Does:     find (beta, gamma) in the domain for which p - beta b - gamma c is shortest.
- *           Approximate: it proposes directions and describes contacts, it decides nothing.
+ *           Approximate: it proposes directions and describes contacts, it decides
+ *           nothing.
  * Threads:  [any].
  */
 #ifndef ENG_CLOSEST_H

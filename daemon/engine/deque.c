@@ -38,8 +38,8 @@ bool eng_deque_push(struct eng_deque *deque, uint64_t task)
 bool eng_deque_pop(struct eng_deque *deque, uint64_t *task)
 {
     int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed) - 1;
-    /* seq_cst: this store and the load of top are the owner's half of a store-load pair; a
-     * thief loads top, then bottom. One of them sees the other. */
+    /* seq_cst: this store and the load of top are the owner's half of a store-load pair;
+     * a thief loads top, then bottom. One of them sees the other. */
     atomic_store_explicit(&deque->bottom, bottom, memory_order_seq_cst);
     int64_t top = atomic_load_explicit(&deque->top, memory_order_seq_cst);
     if (top > bottom) {
@@ -65,9 +65,8 @@ bool eng_deque_steal(struct eng_deque *deque, uint64_t *task)
         return false;
     }
     *task = atomic_load_explicit(place(deque, top), memory_order_relaxed);
-    return atomic_compare_exchange_strong_explicit(&deque->top, &top, top + 1,
-                                                   memory_order_seq_cst,
-                                                   memory_order_relaxed);
+    return atomic_compare_exchange_strong_explicit(
+        &deque->top, &top, top + 1, memory_order_seq_cst, memory_order_relaxed);
 }
 
 int64_t eng_deque_count(struct eng_deque *deque)

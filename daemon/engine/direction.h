@@ -1,8 +1,8 @@
 /* daemon/engine/direction.h - separation along one fixed direction over a span of time.
  *
  * Room:     engine. May include: motion.h.
- * Does:     propose the direction between the nearest points at the middle of the span, and
- *           verify it at both ends.
+ * Does:     propose the direction between the nearest points at the middle of the span,
+ *           and verify it at both ends.
  * Threads:  [any].
  * Source:   the linear-gap argument of aabb.h, for an arbitrary direction.
  */

@@ -95,8 +95,8 @@ static bool on_segment(struct eng_exact *exact, int i, int j, int k)
     return mpz_sgn(exact->z[DOT]) <= 0;
 }
 
-/* n = 0: the triangle is a segment or a point, or the edges are parallel or points. Coplanar
- * parallel edges share a point iff an end of one lies on the other. */
+/* n = 0: the triangle is a segment or a point, or the edges are parallel or points.
+ * Coplanar parallel edges share a point iff an end of one lies on the other. */
 static bool degenerate_touches(struct eng_exact *exact, enum eng_kind kind)
 {
     if (kind == ENG_VF) {

@@ -1,10 +1,11 @@
 /* daemon/engine/exact.h - exact answers, for what rounding hides.
  *
  * Room:     engine. May include: poly.h, query.h, GMP.
- * Does:     decide on the binary inputs whether two features touch at t = 0 or t = 1, which
- *           side of each other they are on, and whether they meet within a span of time.
- * Threads:  one thread for one scratch. Nothing is allocated once the numbers have grown to
- *           the size that the inputs need.
+ * Does:     decide on the binary inputs whether two features touch at t = 0 or t = 1,
+ *           which side of each other they are on, and whether they meet within a span of
+ *           time.
+ * Threads:  one thread for one scratch. Nothing is allocated once the numbers have grown
+ *           to the size that the inputs need.
  */
 #ifndef ENG_EXACT_H
 #define ENG_EXACT_H
@@ -12,7 +13,7 @@
 #include "poly.h"
 #include "query.h"
 
-#define ENG_EXACT_WORDS 40
+#define ENG_EXACT_WORDS      40
 #define ENG_EXACT_CONDITIONS 5
 
 /* Polynomials over a span, see exact_span.c. */
@@ -42,13 +43,13 @@ struct eng_moment {
     int side;      /* sign of det[p, b, c]: -1, 0, 1 */
 };
 
-/* The configuration at t = `end` (0 or 1), by the definition: degenerate triangles are the
- * segments they collapse to, degenerate edges are points. */
+/* The configuration at t = `end` (0 or 1), by the definition: degenerate triangles are
+ * the segments they collapse to, degenerate edges are points. */
 struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_query *query,
                                    int end);
 
-/* Is there a contact at some t in [l, r], 0 <= l < r <= 1? By the definition, without error.
- * Typically 20 to 200 us. */
+/* Is there a contact at some t in [l, r], 0 <= l < r <= 1? By the definition, without
+ * error. Typically 20 to 200 us. */
 bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
                      double r);
 

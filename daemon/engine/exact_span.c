@@ -6,10 +6,10 @@
  * Threads:  one thread for one scratch.
  *
  * A contact with independent b, c is a root of det at which every condition polynomial is
- * >= 0 and n.n > 0. Every other contact (a collapsed triangle, parallel or collapsed edges,
- * and the first contact of a pair that is coplanar all the time) is an event "this point
- * lies on that segment": the three coordinates of a cross product vanish together, and the
- * point lies between the ends. So:
+ * >= 0 and n.n > 0. Every other contact (a collapsed triangle, parallel or collapsed
+ * edges, and the first contact of a pair that is coplanar all the time) is an event "this
+ * point lies on that segment": the three coordinates of a cross product vanish together,
+ * and the point lies between the ends. So:
  *
  *   meets  <=>  a root of det satisfies the conditions,
  *           or  a point-on-segment event occurs,
@@ -28,7 +28,8 @@ static void init_all(struct eng_poly *polys, int count,
     }
 }
 
-static void for_all_polys(struct eng_exact_span *span, void (*init)(struct eng_poly *poly))
+static void for_all_polys(struct eng_exact_span *span,
+                          void (*init)(struct eng_poly *poly))
 {
     init_all(span->p, 3, init);
     init_all(span->b, 3, init);
@@ -158,7 +159,8 @@ static void dot(struct eng_exact_span *span, struct eng_poly *out,
     }
 }
 
-/* What a condition demands at a root: >= 0, or > 0 for the last one if `last_is_strict`. */
+/* What a condition demands at a root: >= 0, or > 0 for the last one
+ * if `last_is_strict`. */
 struct conditions {
     int count;
     bool last_is_strict;
@@ -166,7 +168,8 @@ struct conditions {
 
 static bool accepts(const struct conditions *conditions, int i, int sign)
 {
-    return conditions->last_is_strict && i == conditions->count - 1 ? sign > 0 : sign >= 0;
+    return conditions->last_is_strict && i == conditions->count - 1 ? sign > 0
+                                                                    : sign >= 0;
 }
 
 /* Do all conditions hold at the left end of interval `num` / 2^k? */
@@ -184,10 +187,11 @@ static bool hold_at_left(struct eng_exact_span *span, const struct conditions *c
 
 enum verdict { NO, YES, REFINE };
 
-/* The interval holds exactly one root. A condition has a known sign there if it has no root
- * in the interval, or if it shares the root. */
-static enum verdict judge(struct eng_exact_span *span, const struct conditions *conditions,
-                          unsigned long k, bool has_common[ENG_EXACT_CONDITIONS])
+/* The interval holds exactly one root. A condition has a known sign there if it has no
+ * root in the interval, or if it shares the root. */
+static enum verdict judge(struct eng_exact_span *span,
+                          const struct conditions *conditions, unsigned long k,
+                          bool has_common[ENG_EXACT_CONDITIONS])
 {
     enum verdict verdict = YES;
     for (int i = 0; i < conditions->count; i++) {
@@ -226,7 +230,8 @@ static void advance(struct eng_exact_span *span, unsigned long *k)
 }
 
 /* Does some root of `poly` (not zero) in [0, 1] satisfy the first conditions->count of
- * span->condition? Ends because distinct roots separate and shared ones are recognised. */
+ * span->condition? Ends because distinct roots separate and shared ones
+ * are recognised. */
 static bool root_satisfies(struct eng_exact_span *span, const struct eng_poly *poly,
                            const struct conditions *conditions)
 {
@@ -278,7 +283,8 @@ static bool event_occurs(struct eng_exact *exact, int i, int j, int k)
     if (span->det.degree < 0) {
         /* On one line all the time: is the product ever <= 0? */
         const struct conditions none = {0, false};
-        return eng_poly_sign_at_0(&span->beta) <= 0 || eng_poly_sign_at_1(&span->beta) <= 0 ||
+        return eng_poly_sign_at_0(&span->beta) <= 0 ||
+               eng_poly_sign_at_1(&span->beta) <= 0 ||
                root_satisfies(span, &span->beta, &none);
     }
     const struct conditions between = {1, false};

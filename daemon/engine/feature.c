@@ -1,8 +1,8 @@
 /* daemon/engine/feature.c - unique edges and who owns which feature.
  *
  * Room:     engine.
- * Does:     sort the sides of all triangles by (higher, lower) vertex; runs of equal sides
- *           are one edge, owned by the first triangle of the run.
+ * Does:     sort the sides of all triangles by (higher, lower) vertex; runs of equal
+ *           sides are one edge, owned by the first triangle of the run.
  * Threads:  one thread for one mesh.
  * Source:   paper section 3.1; Curtis 2008 (representative triangles).
  */
@@ -21,10 +21,11 @@ static uint64_t side_key(const uint32_t *corners, unsigned k)
     return a < b ? (uint64_t)b << 32 | a : (uint64_t)a << 32 | b;
 }
 
-/* Zero area: all three 2x2 minors of the edge vectors vanish. Each minor is compared through
- * its two products, exactly (product and its rounding error); the edge vectors themselves are
- * rounded differences, exact whenever the corners are within a factor of two or on a common
- * grid. The count is a report to the user, not a predicate of the engine. */
+/* Zero area: all three 2x2 minors of the edge vectors vanish. Each minor is compared
+ * through its two products, exactly (product and its rounding error); the edge vectors
+ * themselves are rounded differences, exact whenever the corners are within a factor of
+ * two or on a common grid. The count is a report to the user, not a predicate of the
+ * engine. */
 static bool has_zero_area(const double (*x)[3], const uint32_t *v)
 {
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) {
@@ -86,8 +87,8 @@ static uint64_t count_runs(const struct eng_radix_item *sides, size_t count)
     return runs;
 }
 
-/* Number the edges and let the first triangle of each run own its edge (the sort is stable,
- * so that is the lowest triangle). */
+/* Number the edges and let the first triangle of each run own its edge (the sort is
+ * stable, so that is the lowest triangle). */
 static void assign_edges(struct eng_triangle *triangles, uint32_t (*edges)[2],
                          const struct eng_radix_item *sides, size_t count)
 {
@@ -107,8 +108,8 @@ static void assign_edges(struct eng_triangle *triangles, uint32_t (*edges)[2],
 
 /* First come, first owned. Returns the number of vertices that nobody owns. `seen` is
  * scratch of vertex_count bytes. */
-static uint32_t assign_vertices(const struct eng_mesh *mesh, struct eng_triangle *triangles,
-                                uint8_t *seen)
+static uint32_t assign_vertices(const struct eng_mesh *mesh,
+                                struct eng_triangle *triangles, uint8_t *seen)
 {
     uint32_t isolated = mesh->info.vertex_count;
     memset(seen, 0, mesh->info.vertex_count);
@@ -126,7 +127,8 @@ static uint32_t assign_vertices(const struct eng_mesh *mesh, struct eng_triangle
 }
 
 /* Sort the triangles by their sorted corners and count repetitions. */
-static uint32_t count_duplicates(const struct eng_mesh *mesh, struct eng_radix_item *items,
+static uint32_t count_duplicates(const struct eng_mesh *mesh,
+                                 struct eng_radix_item *items,
                                  struct eng_radix_item *spare)
 {
     uint32_t n = mesh->info.triangle_count;
@@ -144,7 +146,8 @@ static uint32_t count_duplicates(const struct eng_mesh *mesh, struct eng_radix_i
     const struct eng_radix_item *sorted = eng_radix_sort(items, spare, n);
     uint32_t duplicates = 0;
     for (uint32_t t = 1; t < n; t++) {
-        duplicates += sorted[t].hi == sorted[t - 1].hi && sorted[t].lo == sorted[t - 1].lo;
+        duplicates +=
+            sorted[t].hi == sorted[t - 1].hi && sorted[t].lo == sorted[t - 1].lo;
     }
     return duplicates;
 }

@@ -13,8 +13,8 @@
 typedef double lanes_t __attribute__((vector_size(ENG_LANES * 8)));
 typedef int64_t mask_t __attribute__((vector_size(ENG_LANES * 8)));
 
-/* How a vector wider than the target's registers crosses a call depends on the target; none
- * does, because every helper is inlined, so the warning about it is moot. */
+/* How a vector wider than the target's registers crosses a call depends on the target;
+ * none does, because every helper is inlined, so the warning about it is moot. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 #define INLINE static inline __attribute__((always_inline))
 
@@ -72,8 +72,9 @@ INLINE struct vector add(struct vector a, struct vector b)
     return (struct vector){a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
-/* Differences between the points of the two features: VF vertex - corner, EE b - a. If all
- * have one sign along a direction at both ends, that direction separates for the step. */
+/* Differences between the points of the two features: VF vertex - corner, EE b - a. If
+ * all have one sign along a direction at both ends, that direction separates for the
+ * step. */
 #define DIFFERENCES_MAX 4
 
 INLINE int load_differences(enum eng_kind kind, const struct eng_lanes *lanes,

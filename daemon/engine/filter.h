@@ -12,8 +12,9 @@
 
 #include "query.h"
 
-/* Two doubles are one register of the baseline (SSE2, NEON); with more lanes than a register
- * holds the compiler goes through memory (measured: 1.8 times the time with four). */
+/* Two doubles are one register of the baseline (SSE2, NEON); with more lanes than a
+ * register holds the compiler goes through memory (measured: 1.8 times the time with
+ * four). */
 #define ENG_LANES 2
 
 /* The same query coordinates lane by lane: x[end][point][axis][lane]. */

@@ -1,8 +1,9 @@
 /* daemon/engine/ingest.c - copy and check what another process may be writing.
  *
  * Room:     engine.
- * Does:     memcpy a block into cache-resident private memory, then convert and check that
- *           copy. The compiler barrier after the memcpy forbids re-reading the source.
+ * Does:     memcpy a block into cache-resident private memory, then convert and check
+ *           that copy. The compiler barrier after the memcpy forbids re-reading the
+ *           source.
  * Threads:  [any].
  */
 #include "ingest.h"

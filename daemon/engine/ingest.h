@@ -17,8 +17,8 @@
 int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t count,
                          const void *source);
 
-/* `count` triangles to uint32_t[count][3]; every index must be < vertex_count. Returns 0, or
- * ENG_E_INDEX with *bad_triangle (0 .. count-1) and part of `out` written. */
+/* `count` triangles to uint32_t[count][3]; every index must be < vertex_count. Returns 0,
+ * or ENG_E_INDEX with *bad_triangle (0 .. count-1) and part of `out` written. */
 int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_count,
                          const void *source, uint32_t *bad_triangle);
 

@@ -73,6 +73,8 @@ libengine_la_SOURCES = \
     daemon/engine/world.h
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
+# libtool hands -fopenmp on to whatever links this library.
+libengine_la_LDFLAGS = $(OPENMP_CFLAGS)
 libengine_la_LIBADD = $(XXHASH_LIBS) $(GMP_LIBS) $(LIBM)
 
 EXTRA_DIST += daemon/engine/BOUNDS.md

@@ -1,9 +1,9 @@
 /* daemon/engine/median.c - split a list at its median along an axis.
  *
  * Room:     engine.
- * Does:     quickselect with the median of three as pivot; a range that does not shrink as
- *           it should is sorted instead, so that no arrangement of triangles, chance or
- *           malice, costs quadratic time.
+ * Does:     quickselect with the median of three as pivot; a range that does not shrink
+ *           as it should is sorted instead, so that no arrangement of triangles, chance
+ *           or malice, costs quadratic time.
  * Threads:  [any].
  */
 #include "median.h"
@@ -25,7 +25,8 @@ static void swap_items(struct eng_split_item *a, struct eng_split_item *b)
 }
 
 /* Let items[root] sink to its place in the heap of `count` items. */
-static void sift_down(struct eng_split_item *items, uint32_t root, uint32_t count, int axis)
+static void sift_down(struct eng_split_item *items, uint32_t root, uint32_t count,
+                      int axis)
 {
     for (;;) {
         uint64_t child = 2 * (uint64_t)root + 1;

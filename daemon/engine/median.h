@@ -3,7 +3,8 @@
  * Room:     engine. May include: the C library.
  * Does:     partial sort of items by one coordinate of their centroid.
  * Threads:  [any]; no allocation.
- * Source:   Hoare 1961 (selection); Musser 1997 (a bound on it for unlucky or hostile input).
+ * Source:   Hoare 1961 (selection); Musser 1997 (a bound on it for unlucky or hostile
+ *           input).
  */
 #ifndef ENG_MEDIAN_H
 #define ENG_MEDIAN_H
@@ -15,9 +16,9 @@ struct eng_split_item {
     uint32_t id; /* triangle, or root node of an object; distinct within a list */
 };
 
-/* Reorder items[count] so that none of the first `middle` comes after any of the rest along
- * `axis` (0 .. 2); equal centroids are ordered by id, so the halves are the same sets
- * whatever the order was. O(count) as a rule, O(count log count) at worst. */
+/* Reorder items[count] so that none of the first `middle` comes after any of the rest
+ * along `axis` (0 .. 2); equal centroids are ordered by id, so the halves are the same
+ * sets whatever the order was. O(count) as a rule, O(count log count) at worst. */
 void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t middle,
                       int axis);
 

@@ -1,8 +1,8 @@
 /* memory.h - the engine's allocations, counted.
  *
  * Room:     engine. May include: the C library.
- * Does:     malloc, realloc and free of 64-byte aligned blocks, with process-wide counts, so
- *           that "a warm step allocates nothing" is a number in `stats`.
+ * Does:     malloc, realloc and free of 64-byte aligned blocks, with process-wide counts,
+ *           so that "a warm step allocates nothing" is a number in `stats`.
  * Threads:  [any].
  */
 #ifndef ENG_MEMORY_H

@@ -76,8 +76,8 @@ static int check_chunk(const struct eng_mesh *mesh, uint32_t first, uint32_t cou
 int eng_mesh_write_vertices(struct eng_mesh *mesh, enum eng_format format, uint32_t first,
                             uint32_t count, const void *source)
 {
-    int status = check_chunk(mesh, first, count, mesh->info.vertex_count,
-                             mesh->vertices_received);
+    int status =
+        check_chunk(mesh, first, count, mesh->info.vertex_count, mesh->vertices_received);
     if (status == ENG_OK) {
         status = eng_ingest_positions(mesh->x + first, format, count, source);
     }
@@ -109,7 +109,8 @@ int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t cou
     return status;
 }
 
-void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices, uint32_t *triangles)
+void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
+                       uint32_t *triangles)
 {
     *vertices = mesh->vertices_received;
     *triangles = mesh->triangles_received;

@@ -1,4 +1,5 @@
-/* daemon/engine/motion.c - the three difference vectors of a query over time, with bounds.
+/* daemon/engine/motion.c - the three difference vectors of a query over time, with
+ * bounds.
  *
  * Room:     engine.
  * Threads:  [any].
@@ -149,8 +150,8 @@ static struct reach reach_of(const double l[3], const double r[3], double size)
     return reach;
 }
 
-enum eng_domain eng_motion_domain(const struct eng_motion *motion, const struct eng_pose *l,
-                                  const struct eng_pose *r)
+enum eng_domain eng_motion_domain(const struct eng_motion *motion,
+                                  const struct eng_pose *l, const struct eng_pose *r)
 {
     struct reach p = reach_of(l->p, r->p, motion->size_p);
     struct reach b = reach_of(l->b, r->b, motion->size_b);
@@ -169,19 +170,20 @@ enum eng_domain eng_motion_domain(const struct eng_motion *motion, const struct 
     double high_bc = b.high * c.high;
     double grown = high_bc * p.high;
     double base = bc * p.size;
-    double e_beta = 12 * (grown * c.high - base * c.size) +
-                    256 * ENG_U * grown * c.high + ENG_TINY;
-    double e_gamma = 12 * (grown * b.high - base * b.size) +
-                     256 * ENG_U * grown * b.high + ENG_TINY;
-    double e_nn = 12 * (high_bc * high_bc - bc * bc) + 256 * ENG_U * high_bc * high_bc +
-                  ENG_TINY;
+    double e_beta =
+        12 * (grown * c.high - base * c.size) + 256 * ENG_U * grown * c.high + ENG_TINY;
+    double e_gamma =
+        12 * (grown * b.high - base * b.size) + 256 * ENG_U * grown * b.high + ENG_TINY;
+    double e_nn =
+        12 * (high_bc * high_bc - bc * bc) + 256 * ENG_U * high_bc * high_bc + ENG_TINY;
     if (beta < -e_beta || gamma < -e_gamma) {
         return ENG_OUTSIDE;
     }
     bool inside = beta > e_beta && gamma > e_gamma;
     if (motion->kind == ENG_VF) {
         double rest = nn - beta - gamma;
-        double e_rest = e_nn + e_beta + e_gamma + 4 * ENG_U * (nn + fabs(beta) + fabs(gamma));
+        double e_rest =
+            e_nn + e_beta + e_gamma + 4 * ENG_U * (nn + fabs(beta) + fabs(gamma));
         if (rest < -e_rest) {
             return ENG_OUTSIDE;
         }

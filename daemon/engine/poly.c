@@ -49,8 +49,8 @@ void eng_poly_set_linear(struct eng_poly *out, const mpz_t at0, const mpz_t at1)
     trim(out);
 }
 
-static void combine(struct eng_poly *out, const struct eng_poly *a, const struct eng_poly *b,
-                    void (*op)(mpz_ptr, mpz_srcptr, mpz_srcptr))
+static void combine(struct eng_poly *out, const struct eng_poly *a,
+                    const struct eng_poly *b, void (*op)(mpz_ptr, mpz_srcptr, mpz_srcptr))
 {
     int degree = a->degree > b->degree ? a->degree : b->degree;
     for (int i = 0; i <= degree; i++) {
@@ -67,17 +67,20 @@ static void combine(struct eng_poly *out, const struct eng_poly *a, const struct
     trim(out);
 }
 
-void eng_poly_add(struct eng_poly *out, const struct eng_poly *a, const struct eng_poly *b)
+void eng_poly_add(struct eng_poly *out, const struct eng_poly *a,
+                  const struct eng_poly *b)
 {
     combine(out, a, b, mpz_add);
 }
 
-void eng_poly_sub(struct eng_poly *out, const struct eng_poly *a, const struct eng_poly *b)
+void eng_poly_sub(struct eng_poly *out, const struct eng_poly *a,
+                  const struct eng_poly *b)
 {
     combine(out, a, b, mpz_sub);
 }
 
-void eng_poly_mul(struct eng_poly *out, const struct eng_poly *a, const struct eng_poly *b)
+void eng_poly_mul(struct eng_poly *out, const struct eng_poly *a,
+                  const struct eng_poly *b)
 {
     if (a->degree < 0 || b->degree < 0) {
         out->degree = -1;
@@ -118,8 +121,8 @@ static void make_primitive(struct eng_poly *poly)
     }
 }
 
-/* One step of pseudo-division: a = lead(b) a - lead(a) t^shift b, of lower degree. Returns
- * the old lead(a), in the scratch of a. */
+/* One step of pseudo-division: a = lead(b) a - lead(a) t^shift b, of lower degree.
+ * Returns the old lead(a), in the scratch of a. */
 static mpz_srcptr eliminate(struct eng_poly *a, const struct eng_poly *b)
 {
     int shift = a->degree - b->degree;
@@ -169,8 +172,8 @@ static void divide(struct eng_poly *out, struct eng_poly *a, const struct eng_po
     make_primitive(out);
 }
 
-void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a, struct eng_poly *s,
-                          struct eng_poly *d, struct eng_poly *common)
+void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a,
+                          struct eng_poly *s, struct eng_poly *d, struct eng_poly *common)
 {
     d->degree = a->degree - 1;
     for (int i = 1; i <= a->degree; i++) {

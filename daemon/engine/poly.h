@@ -1,8 +1,8 @@
 /* daemon/engine/poly.h - polynomials with integer coefficients, exactly.
  *
  * Room:     engine. May include: GMP.
- * Does:     arithmetic up to degree 4, greatest common divisors, and counting roots in dyadic
- *           intervals by Descartes' rule of signs.
+ * Does:     arithmetic up to degree 4, greatest common divisors, and counting roots in
+ *           dyadic intervals by Descartes' rule of signs.
  * Threads:  [any]; a polynomial belongs to one thread. Memory is kept from use to use.
  * Source:   Collins and Akritas 1976 (real roots by bisection and sign variations).
  */
@@ -27,18 +27,22 @@ void eng_poly_deinit(struct eng_poly *poly);
 /* Outputs may not be the same object as inputs, except for `out` = `a` in add and sub. */
 void eng_poly_copy(struct eng_poly *out, const struct eng_poly *a);
 void eng_poly_set_linear(struct eng_poly *out, const mpz_t at0, const mpz_t at1);
-void eng_poly_add(struct eng_poly *out, const struct eng_poly *a, const struct eng_poly *b);
-void eng_poly_sub(struct eng_poly *out, const struct eng_poly *a, const struct eng_poly *b);
-void eng_poly_mul(struct eng_poly *out, const struct eng_poly *a, const struct eng_poly *b);
+void eng_poly_add(struct eng_poly *out, const struct eng_poly *a,
+                  const struct eng_poly *b);
+void eng_poly_sub(struct eng_poly *out, const struct eng_poly *a,
+                  const struct eng_poly *b);
+void eng_poly_mul(struct eng_poly *out, const struct eng_poly *a,
+                  const struct eng_poly *b);
 void eng_poly_negate(struct eng_poly *poly);
 
 /* Greatest common divisor, primitive. `a` and `b` are used up. gcd(0, b) = b. */
 void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b);
 
-/* The polynomial with the same roots, each simple, up to a constant factor. `a` is not zero;
- * s, d and common are scratch. */
+/* The polynomial with the same roots, each simple, up to a constant factor. `a` is not
+ * zero; s, d and common are scratch. */
 void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a,
-                          struct eng_poly *s, struct eng_poly *d, struct eng_poly *common);
+                          struct eng_poly *s, struct eng_poly *d,
+                          struct eng_poly *common);
 
 /* out(y) = 2^(k degree) a((num + y) / 2^k): the interval [num, num + 1] / 2^k becomes
  * [0, 1]; signs are kept. */

@@ -60,8 +60,8 @@ static struct eng_block *spill(struct eng_pool *pool)
     }
     block->spill_next = atomic_load_explicit(&pool->spilled, memory_order_relaxed);
     /* Release: whoever walks the list after the region sees the link. */
-    while (!atomic_compare_exchange_weak_explicit(&pool->spilled, &block->spill_next, block,
-                                                  memory_order_release,
+    while (!atomic_compare_exchange_weak_explicit(&pool->spilled, &block->spill_next,
+                                                  block, memory_order_release,
                                                   memory_order_relaxed)) {
     }
     return block;

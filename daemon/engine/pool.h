@@ -1,9 +1,9 @@
 /* daemon/engine/pool.h - blocks of memory shared by the workers of a step.
  *
  * Room:     engine. May include: the C library.
- * Does:     hand out blocks of a fixed size without a lock; the pool is as large as the last
- *           step needed, so a warm step takes nothing from the system whichever worker finds
- *           most. A step that needs more gets it, block by block.
+ * Does:     hand out blocks of a fixed size without a lock; the pool is as large as the
+ *           last step needed, so a warm step takes nothing from the system whichever
+ *           worker finds most. A step that needs more gets it, block by block.
  * Threads:  take: any worker; the rest: [compute], between steps.
  */
 #ifndef ENG_POOL_H
@@ -13,7 +13,7 @@
 #include <stdatomic.h>
 #include <stdint.h>
 
-#define ENG_BLOCK_BYTES 65536u
+#define ENG_BLOCK_BYTES        65536u
 #define ENG_BLOCK_HEADER_BYTES 64u
 
 struct eng_block {
@@ -29,16 +29,16 @@ static_assert(sizeof(struct eng_block) == ENG_BLOCK_BYTES, "header and data");
 struct eng_pool {
     struct eng_block *blocks; /* [capacity] */
     uint32_t capacity;
-    atomic_uint taken;    /* this step; beyond capacity they come from the system */
+    atomic_uint taken; /* this step; beyond capacity they come from the system */
     _Atomic(struct eng_block *) spilled; /* those that do, linked by spill_next */
 };
 
 void eng_pool_init(struct eng_pool *pool);
 void eng_pool_deinit(struct eng_pool *pool);
 
-/* Take every block back. If the last step needed more than there are, grow to a quarter more
- * than it took and two for each worker, whose last block is partly empty: the same step
- * again takes none from the system. If memory is short, the old size stays. */
+/* Take every block back. If the last step needed more than there are, grow to a quarter
+ * more than it took and two for each worker, whose last block is partly empty: the same
+ * step again takes none from the system. If memory is short, the old size stays. */
 void eng_pool_reset(struct eng_pool *pool, uint32_t workers);
 
 /* An empty block, or NULL: no memory. [team] */

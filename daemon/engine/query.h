@@ -9,9 +9,9 @@
  * the features meet at time t iff p = beta b + gamma c with (beta, gamma) in
  *   VF  the triangle beta >= 0, gamma >= 0, beta + gamma <= 1
  *   EE  the square 0 <= beta, gamma <= 1
- * A necessary condition is that the cubic det[p, b, c] vanishes. Differences of doubles are
- * rounded once, so every bound below is relative to the pair's own size and a pair far from
- * the origin is decided as well as one near it.
+ * A necessary condition is that the cubic det[p, b, c] vanishes. Differences of doubles
+ * are rounded once, so every bound below is relative to the pair's own size and a pair
+ * far from the origin is decided as well as one near it.
  */
 #ifndef ENG_QUERY_H
 #define ENG_QUERY_H
@@ -27,7 +27,8 @@ struct eng_query {
 /* u = 2^-53, half an ulp of 1: the relative error of one rounding. */
 #define ENG_U 0x1p-53
 
-/* Above what underflow can add to any quantity that is compared with a margin; BOUNDS.md. */
+/* Above what underflow can add to any quantity that is compared with a
+ * margin; BOUNDS.md. */
 #define ENG_TINY 0x1p-1000
 
 #endif

@@ -16,8 +16,8 @@ static unsigned digit_of(const struct eng_radix_item *item, unsigned digit)
     return (unsigned)(half >> (8 * (digit & 7))) & 255u;
 }
 
-static void pass(const struct eng_radix_item *from, struct eng_radix_item *to, size_t count,
-                 unsigned digit)
+static void pass(const struct eng_radix_item *from, struct eng_radix_item *to,
+                 size_t count, unsigned digit)
 {
     size_t offset[256] = {0};
     for (size_t i = 0; i < count; i++) {

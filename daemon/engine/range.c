@@ -1,9 +1,9 @@
 /* daemon/engine/range.c - ranges of consecutive indices in growing arrays.
  *
  * Room:     engine.
- * Does:     keep the holes sorted. A range handed out lies behind every hole but one that is
- *           just being made, so there are never more holes than ranges were out before: `take`
- *           grows the list to that number and `give` cannot fail.
+ * Does:     keep the holes sorted. A range handed out lies behind every hole but one that
+ *           is just being made, so there are never more holes than ranges were out
+ *           before: `take` grows the list to that number and `give` cannot fail.
  * Threads:  one thread for one allocator.
  */
 #include "range.h"

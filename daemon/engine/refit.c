@@ -1,9 +1,9 @@
 /* daemon/engine/refit.c - bottom-up update of every box.
  *
  * Room:     engine.
- * Does:     vertices from positions with directed rounding, edges and leaves from vertices,
- *           inner nodes from children: pre-order means that walking a node range backwards
- *           meets children before parents.
+ * Does:     vertices from positions with directed rounding, edges and leaves from
+ *           vertices, inner nodes from children: pre-order means that walking a node
+ *           range backwards meets children before parents.
  * Threads:  [compute].
  * Source:   paper section 6.1.
  */
@@ -108,7 +108,8 @@ int eng_refit_plan(struct eng_refit_plan *plan, const struct eng_scene *scene,
 }
 
 /* Every thread's even share of a range. */
-static struct eng_range share_of(struct eng_range range, uint32_t thread, uint32_t threads)
+static struct eng_range share_of(struct eng_range range, uint32_t thread,
+                                 uint32_t threads)
 {
     uint64_t begin = (uint64_t)range.count * thread / threads;
     uint64_t end = (uint64_t)range.count * (thread + 1) / threads;
@@ -122,7 +123,8 @@ void eng_refit_by_team(struct eng_team *team)
     uint32_t thread = (uint32_t)omp_get_thread_num();
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
-            refit_vertices(scene, share_of(scene->objects[i].vertices, thread, team->count));
+            refit_vertices(scene,
+                           share_of(scene->objects[i].vertices, thread, team->count));
         }
     }
 #pragma omp barrier

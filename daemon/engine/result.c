@@ -12,10 +12,11 @@
 
 #include "memory.h"
 
-static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20, "records");
+static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20,
+              "records");
 
-void eng_found_begin(struct eng_found *found, struct eng_pool *pool, uint32_t record_bytes,
-                     uint64_t limit)
+void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
+                     uint32_t record_bytes, uint64_t limit)
 {
     *found = (struct eng_found){.pool = pool,
                                 .record_bytes = record_bytes,

@@ -11,7 +11,8 @@
 #include "radix.h"
 #include "step.h"
 
-/* What one worker found, eng_contact or eng_pair records, in blocks of the step's pool. */
+/* What one worker found, eng_contact or eng_pair records, in blocks of the
+ * step's pool. */
 struct eng_found {
     struct eng_pool *pool;
     struct eng_block *first;
@@ -23,10 +24,11 @@ struct eng_found {
     bool overflowed; /* more came than could be kept */
 };
 
-void eng_found_begin(struct eng_found *found, struct eng_pool *pool, uint32_t record_bytes,
-                     uint64_t limit);
+void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
+                     uint32_t record_bytes, uint64_t limit);
 
-/* Room for one more record, or NULL: the limit is reached or memory ran out (overflowed). */
+/* Room for one more record, or NULL: the limit is reached or memory ran
+ * out (overflowed). */
 void *eng_found_add(struct eng_found *found);
 
 /* The answer: records in one piece. Memory stays for the next step. */
@@ -48,9 +50,9 @@ struct eng_sorter {
 
 void eng_sorter_deinit(struct eng_sorter *sorter);
 
-/* Sort the records of all lists together by (kind, object a, feature a, object b, feature b)
- * into `out`. All have the same record_bytes; list_count >= 1. At most
- * the lists' `limit` records are kept; *overflowed if there were more, or a list lost some.
+/* Sort the records of all lists together by (kind, object a, feature a, object b, feature
+ * b) into `out`. All have the same record_bytes; list_count >= 1. At most the lists'
+ * `limit` records are kept; *overflowed if there were more, or a list lost some.
  * ENG_E_NOMEM: `out` is empty. */
 int eng_records_sort(struct eng_sorter *sorter, struct eng_found *const *lists,
                      uint32_t list_count, struct eng_records *out, bool *overflowed);

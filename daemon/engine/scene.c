@@ -61,8 +61,8 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene);
 }
 
-/* A capacity for `end` items: grown by half, so that adding objects one by one copies each
- * array a logarithmic number of times. */
+/* A capacity for `end` items: grown by half, so that adding objects one by one copies
+ * each array a logarithmic number of times. */
 static uint32_t grown(uint32_t capacity, uint32_t end)
 {
     uint64_t more = (uint64_t)capacity + capacity / 2;
@@ -204,7 +204,8 @@ static int take_all(struct eng_scene *scene, struct eng_object *object,
     return status;
 }
 
-/* Copy the topology with global indices and place the object at its registered positions. */
+/* Copy the topology with global indices and place the object at its
+ * registered positions. */
 static void copy_in(struct eng_scene *scene, const struct eng_object *object,
                     uint32_t object_idx)
 {

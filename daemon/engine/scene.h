@@ -1,13 +1,13 @@
 /* scene.h - objects, where they are, and where a step takes them.
  *
  * Room:     engine. May include: mesh.h, status.h.
- * Does:     hold any number of objects, each with its own hierarchy, merged into one tree;
- *           add and remove objects between steps; stage the positions of a step so that a
- *           step that fails changes nothing.
+ * Does:     hold any number of objects, each with its own hierarchy, merged into one
+ *           tree; add and remove objects between steps; stage the positions of a step so
+ *           that a step that fails changes nothing.
  * Does not: detect collisions (step.h).
  * Threads:  [compute]; one thread at a time for one scene.
- * Source:   paper sections 3.2 and 7 (merged hierarchies), design of the ingest: every byte
- *           of a foreign memory is read once, the copy is checked.
+ * Source:   paper sections 3.2 and 7 (merged hierarchies), design of the ingest: every
+ *           byte of a foreign memory is read once, the copy is checked.
  */
 #ifndef ENG_SCENE_H
 #define ENG_SCENE_H
@@ -22,15 +22,16 @@ struct eng_scene;
 int eng_scene_new(struct eng_scene **scene);
 void eng_scene_free(struct eng_scene *scene); /* NULL is allowed */
 
-/* Add an instance of a committed mesh at its registered positions, build its hierarchy, and
- * merge it in. `object_id` is the number that records carry; it must be new to the scene.
- * *object_idx stays valid until removal and may be reused after it.
+/* Add an instance of a committed mesh at its registered positions, build its hierarchy,
+ * and merge it in. `object_id` is the number that records carry; it must be new to the
+ * scene. *object_idx stays valid until removal and may be reused after it.
  * Errors: ENG_E_STATE (not committed), ENG_E_INVAL (id in use), ENG_E_LIMIT, ENG_E_NOMEM;
  * the scene is unchanged then. */
 int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t object_id,
                   uint32_t *object_idx);
 
-/* Remove an object. ENG_E_INVAL if there is none. The other hierarchies stay as they are. */
+/* Remove an object. ENG_E_INVAL if there is none. The other hierarchies stay as
+ * they are. */
 int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx);
 
 uint32_t eng_scene_object_count(const struct eng_scene *scene);

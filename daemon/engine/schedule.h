@@ -11,7 +11,8 @@
 
 #include "team.h"
 
-/* Returns when no task is left or the step was stopped. `worker` is the calling thread's. */
+/* Returns when no task is left or the step was stopped. `worker` is the
+ * calling thread's. */
 typedef void (*eng_schedule_fn)(struct eng_team *team, struct eng_worker *worker);
 
 /* All task units from the root on, breadth-first, by the only worker. */

@@ -1,14 +1,15 @@
 /* daemon/engine/schedule_steal.c - work stealing over task units and pairs.
  *
  * Room:     engine.
- * Does:     a task is a node (its self-CD task unit and those below it) or a pair of nodes.
- *           Large tasks are split and the parts pushed to the worker's own deque; small ones
- *           are worked through at once. A worker without tasks takes the oldest of another.
+ * Does:     a task is a node (its self-CD task unit and those below it) or a pair of
+ *           nodes. Large tasks are split and the parts pushed to the worker's own deque;
+ *           small ones are worked through at once. A worker without tasks takes the
+ *           oldest of another.
  * Threads:  [team].
  *
  * Any pair may go to any thread because the tree is not changed during a step. A worker
- * splits depth first, so its deque holds at most three siblings for each level of a pair and
- * two for each level of a node: far below its capacity.
+ * splits depth first, so its deque holds at most three siblings for each level of a pair
+ * and two for each level of a node: far below its capacity.
  */
 #include "schedule.h"
 

@@ -2,12 +2,13 @@
  *
  * Room:     engine.
  * Does:     walk the step in time order over spans of t. A span is dropped when the cubic
- *           det[p, b, c] is certainly not zero on it, when a fixed direction separates the
- *           features at both its ends, or when it is short and (beta, gamma) is certainly
- *           outside its domain. A short span over which the cubic certainly changes sign
- *           while (beta, gamma) is certainly inside is a proved contact. Other spans are cut,
- *           at a bracket around the cubic's root where there is one, else in the middle;
- *           the short ones that remain are decided by exact arithmetic.
+ *           det[p, b, c] is certainly not zero on it, when a fixed direction separates
+ *           the features at both its ends, or when it is short and (beta, gamma) is
+ *           certainly outside its domain. A short span over which the cubic certainly
+ *           changes sign while (beta, gamma) is certainly inside is a proved contact.
+ *           Other spans are cut, at a bracket around the cubic's root where there is one,
+ *           else in the middle; the short ones that remain are decided by exact
+ *           arithmetic.
  * Threads:  one thread for one scratch.
  * Source:   query.h; every constant times u is derived in BOUNDS.md.
  */
@@ -22,8 +23,8 @@
 /* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
 #define SPANS_MAX 256
 
-/* Spans looked at before exact arithmetic takes the rest of the step. Measured: misses and
- * contacts in general position take 2 to 4, grazing ones up to 100. */
+/* Spans looked at before exact arithmetic takes the rest of the step. Measured: misses
+ * and contacts in general position take 2 to 4, grazing ones up to 100. */
 #define WORK_MAX 500
 
 struct span {
@@ -68,9 +69,9 @@ static void cut_in_the_middle(struct search *search, const struct span *span)
     push(search, span->l, m, false);
 }
 
-/* Cut a span whose cubic has ends of opposite sign around the root: the outer two parts then
- * have a certain sign as a rule, and the middle one is as short as rounding allows. False if
- * the bracket would not be much shorter than the span. */
+/* Cut a span whose cubic has ends of opposite sign around the root: the outer two parts
+ * then have a certain sign as a rule, and the middle one is as short as rounding allows.
+ * False if the bracket would not be much shorter than the span. */
 static bool cut_around_root(struct search *search, const struct span *span,
                             const double f[4])
 {
@@ -92,7 +93,8 @@ static bool cut_around_root(struct search *search, const struct span *span,
     return true;
 }
 
-/* Certain sign of the cubic at an end of a span: from its value, or exactly at 0 and 1. */
+/* Certain sign of the cubic at an end of a span: from its value, or exactly at 0
+ * and 1. */
 static int sign_at(struct search *search, double t, double f)
 {
     if (fabs(f) > search->motion.e_det) {
@@ -119,9 +121,10 @@ static void set_hit(const struct search *search, double l, double r, uint32_t fl
 
 enum look { LOOK_EMPTY, LOOK_HIT, LOOK_CUT };
 
-/* A span that floating point cannot decide: exact arithmetic does. If it is longer than the
- * tolerance, halves of it follow until the first contact is bracketed. */
-static enum look decide_exactly(struct search *search, struct span span, struct eng_hit *hit)
+/* A span that floating point cannot decide: exact arithmetic does. If it is longer than
+ * the tolerance, halves of it follow until the first contact is bracketed. */
+static enum look decide_exactly(struct search *search, struct span span,
+                                struct eng_hit *hit)
 {
     if (!eng_exact_meets(search->exact, &search->query, span.l, span.r)) {
         return LOOK_EMPTY;
@@ -140,8 +143,9 @@ static enum look decide_exactly(struct search *search, struct span span, struct 
 
 /* Decide a short span, or say that it has to be cut. */
 static enum look look_at_short(struct search *search, const struct span *span,
-                               const struct eng_pose *pose_l, const struct eng_pose *pose_r,
-                               const double f[4], struct eng_hit *hit)
+                               const struct eng_pose *pose_l,
+                               const struct eng_pose *pose_r, const double f[4],
+                               struct eng_hit *hit)
 {
     enum eng_domain domain = eng_motion_domain(&search->motion, pose_l, pose_r);
     if (domain == ENG_OUTSIDE) {

@@ -55,15 +55,16 @@ static int reserve_start(struct eng_scene *scene)
     if (!start) {
         return ENG_E_NOMEM;
     }
-    /* Vertices are only added between steps: nothing of this step waits in the old one. */
+    /* Vertices are only added between steps: nothing of this step waits in the
+     * old one. */
     eng_free(scene->start);
     scene->start = start;
     scene->start_capacity = scene->vertex_capacity;
     return ENG_OK;
 }
 
-/* Check a write, note it, and on the first partial write of this step give the rest of the
- * object its current positions as end positions. */
+/* Check a write, note it, and on the first partial write of this step give the rest of
+ * the object its current positions as end positions. */
 static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t first,
                       uint32_t count, bool has_start)
 {
@@ -112,7 +113,8 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format
         uint32_t v = scene->objects[object_idx].vertices.first + first;
         status = eng_ingest_positions(scene->start + v, format, count, x0);
         if (status == ENG_OK) {
-            status = eng_ingest_positions(scene->x[1 - scene->now] + v, format, count, x1);
+            status =
+                eng_ingest_positions(scene->x[1 - scene->now] + v, format, count, x1);
         }
     }
     scene->stage_ns += eng_now_ns() - begin_ns;
@@ -127,7 +129,8 @@ static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
     for (uint32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++) {
             const double *row = m + 4 * k;
-            double y = ((row[0] * x[i][0] + row[1] * x[i][1]) + row[2] * x[i][2]) + row[3];
+            double y =
+                ((row[0] * x[i][0] + row[1] * x[i][1]) + row[2] * x[i][2]) + row[3];
             out[i][k] = y;
             bad |= !(y <= ENG_COORDINATE_MAX && y >= -ENG_COORDINATE_MAX);
         }
@@ -176,7 +179,8 @@ static void sort_writes(struct eng_scene *scene)
 {
     for (uint32_t i = 1; i < scene->write_count; i++) {
         if (compare_writes(&scene->writes[i - 1], &scene->writes[i]) > 0) {
-            qsort(scene->writes, scene->write_count, sizeof *scene->writes, compare_writes);
+            qsort(scene->writes, scene->write_count, sizeof *scene->writes,
+                  compare_writes);
             return;
         }
     }
@@ -188,7 +192,8 @@ static bool writes_overlap(struct eng_scene *scene)
     for (uint32_t i = 1; i < scene->write_count; i++) {
         const struct eng_write *below = &scene->writes[i - 1];
         const struct eng_write *above = &scene->writes[i];
-        if (below->object == above->object && above->first - below->first < below->count) {
+        if (below->object == above->object &&
+            above->first - below->first < below->count) {
             return true;
         }
     }

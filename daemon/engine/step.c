@@ -18,8 +18,8 @@
 #include "stage.h"
 #include "step_memory.h"
 
-/* Triangles below which a step runs on the compute thread alone: waking a team costs 40 to
- * 70 us, what this many triangles take is about as long. */
+/* Triangles below which a step runs on the compute thread alone: waking a team costs 40
+ * to 70 us, what this many triangles take is about as long. */
 #define SERIAL_TRIANGLES_MAX 1000u
 
 /* Subtrees to refit for each thread: the paper takes two and measures a factor of four on
@@ -29,9 +29,9 @@
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
     return settings->mode >= ENG_MODE_ALL && settings->mode <= ENG_MODE_PAIRS &&
-           settings->method >= ENG_METHOD_DEFAULT && settings->method <= ENG_METHOD_PAPER &&
-           settings->threads >= 1 && settings->tolerance >= 1e-12 &&
-           settings->tolerance <= 1;
+           settings->method >= ENG_METHOD_DEFAULT &&
+           settings->method <= ENG_METHOD_PAPER && settings->threads >= 1 &&
+           settings->tolerance >= 1e-12 && settings->tolerance <= 1;
 }
 
 static uint32_t threads_for(const struct eng_scene *scene,
@@ -63,7 +63,8 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     }
     eng_pool_reset(&memory->pool, team->count);
     for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
-        status = eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
+        status =
+            eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
         memory->workers[i]->thread = i;
     }
     return status;
@@ -80,8 +81,9 @@ static void run_alone(struct eng_team *team, struct eng_step_result *result)
     team->workers[0]->busy_ns = eng_now_ns() - refit_ns;
 }
 
-/* The same by a team. Its size may turn out smaller than asked for: a share of work belongs
- * to each thread that is there, so the team's count is set before anything is divided. */
+/* The same by a team. Its size may turn out smaller than asked for: a share of work
+ * belongs to each thread that is there, so the team's count is set before anything is
+ * divided. */
 static void run_together(struct eng_team *team, struct eng_step_result *result)
 {
     uint64_t begin_ns = eng_now_ns();

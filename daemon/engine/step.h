@@ -14,7 +14,12 @@
 
 #include "scene.h"
 
-enum eng_mode { ENG_MODE_ALL = 0, ENG_MODE_FIRST = 1, ENG_MODE_ANY = 2, ENG_MODE_PAIRS = 3 };
+enum eng_mode {
+    ENG_MODE_ALL = 0,
+    ENG_MODE_FIRST = 1,
+    ENG_MODE_ANY = 2,
+    ENG_MODE_PAIRS = 3
+};
 enum eng_method { ENG_METHOD_DEFAULT = 0, ENG_METHOD_PAPER = 1 };
 enum eng_kind { ENG_VF = 0, ENG_EE = 1 };
 enum eng_verdict {
@@ -58,15 +63,17 @@ struct eng_pair {
 struct eng_step_settings {
     enum eng_mode mode;
     enum eng_method method;
-    uint32_t threads;          /* at most this many, >= 1; the answer does not depend on it */
-    double tolerance;          /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
-    uint64_t deadline_ns;      /* CLOCK_MONOTONIC; 0 = none */
+    uint32_t threads;     /* at most this many, >= 1; the answer does not depend on it */
+    double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
+    uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0 = none */
     const atomic_bool *cancel; /* set by any thread to stop the step; may be NULL */
-    uint64_t contact_max;      /* records kept at most; beyond it the answer is incomplete */
+    uint64_t contact_max; /* records kept at most; beyond it the answer is incomplete */
 };
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
-    {ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20}
+    {                                                                                    \
+        ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20                    \
+    }
 
 struct eng_step_counters {
     uint64_t task_units;    /* self-CD task units processed */
@@ -74,10 +81,10 @@ struct eng_step_counters {
     uint64_t leaf_pairs;    /* overlapping leaf pairs */
     uint64_t candidates_vf; /* VF pairs whose feature boxes overlap */
     uint64_t candidates_ee;
-    uint64_t survivors;     /* of these, not rejected by the filter */
-    uint64_t exact;         /* queries that needed exact arithmetic */
-    uint64_t builds;        /* hierarchies built during the step */
-    uint64_t allocs;        /* allocations made during the step */
+    uint64_t survivors; /* of these, not rejected by the filter */
+    uint64_t exact;     /* queries that needed exact arithmetic */
+    uint64_t builds;    /* hierarchies built during the step */
+    uint64_t allocs;    /* allocations made during the step */
 };
 
 struct eng_step_times { /* nanoseconds */
@@ -94,8 +101,8 @@ struct eng_step_result {
     enum eng_method method;
     enum eng_incomplete incomplete;
     enum eng_verdict verdict; /* mode ANY, else ENG_VERDICT_NONE */
-    const void *records;      /* eng_contact[] or (mode PAIRS) eng_pair[]; valid until the */
-    uint32_t record_bytes;    /* scene's next step, removal or free */
+    const void *records;   /* eng_contact[] or (mode PAIRS) eng_pair[]; valid until the */
+    uint32_t record_bytes; /* scene's next step, removal or free */
     uint64_t count;
     uint64_t vf;
     uint64_t ee;
@@ -110,8 +117,8 @@ struct eng_step_result {
 };
 
 /* Run the step that was staged on `scene` (without staging: everything stands still).
- * Returns ENG_OK with *result, also when incomplete: the positions have moved on either way.
- * ENG_E_INVAL for settings out of range and ENG_E_NOMEM: positions are as before. */
+ * Returns ENG_OK with *result, also when incomplete: the positions have moved on either
+ * way. ENG_E_INVAL for settings out of range and ENG_E_NOMEM: positions are as before. */
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result);
 

@@ -25,7 +25,8 @@ struct eng_step_memory {
 struct eng_step_memory *eng_step_memory_new(void); /* NULL: no memory */
 void eng_step_memory_free(struct eng_step_memory *memory);
 
-/* Workers for that many threads, 1 .. ENG_THREADS_MAX. ENG_E_NOMEM: those at hand stay. */
+/* Workers for that many threads, 1 .. ENG_THREADS_MAX. ENG_E_NOMEM: those at
+ * hand stay. */
 int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads);
 
 /* Drop the last answer: its names may no longer mean the same. */

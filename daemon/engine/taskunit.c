@@ -1,11 +1,12 @@
 /* daemon/engine/taskunit.c - the self-CD task unit.
  *
  * Room:     engine.
- * Does:     fetch a pair of overlapping nodes, refine both into up to four pairs, test their
- *           boxes; two leaves become candidates through the features they own.
+ * Does:     fetch a pair of overlapping nodes, refine both into up to four pairs, test
+ *           their boxes; two leaves become candidates through the features they own.
  * Threads:  [team].
- * Source:   paper section 4.1. The pair queue is taken from the end (the paper allows a queue
- *           or a stack, section 3.2), which bounds its length by the depth of the trees.
+ * Source:   paper section 4.1. The pair queue is taken from the end (the paper allows a
+ *           queue or a stack, section 3.2), which bounds its length by the depth of the
+ *           trees.
  */
 #include "taskunit.h"
 
@@ -21,7 +22,8 @@ static inline bool overlap(const struct eng_worker *worker, const void *a, const
     if (!eng_box_overlap(box_a, box_b)) {
         return false;
     }
-    return worker->box_bound >= 1 || eng_box_overlap_until(box_a, box_b, worker->box_bound);
+    return worker->box_bound >= 1 ||
+           eng_box_overlap_until(box_a, box_b, worker->box_bound);
 }
 
 static void emit(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint32_t b)
@@ -55,8 +57,9 @@ static bool comes_first(const struct eng_scene *scene, uint32_t a, uint32_t b)
 {
     uint32_t object_a = scene->edges[a].object;
     uint32_t object_b = scene->edges[b].object;
-    return object_a == object_b ? a < b
-                                : scene->objects[object_a].id < scene->objects[object_b].id;
+    return object_a == object_b
+               ? a < b
+               : scene->objects[object_a].id < scene->objects[object_b].id;
 }
 
 static void edges_against_edges(struct eng_worker *worker, const struct eng_triangle *ta,
@@ -96,9 +99,9 @@ static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
                         &worker->scene->triangles[m->right]);
 }
 
-/* BV overlap test of a pair: what passes waits for its refinement, or, between two leaves,
- * is a pair of triangles. Testing before queueing halves the nodes fetched: a refinement
- * meets four boxes and tests each twice. */
+/* BV overlap test of a pair: what passes waits for its refinement, or, between two
+ * leaves, is a pair of triangles. Testing before queueing halves the nodes fetched: a
+ * refinement meets four boxes and tests each twice. */
 static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_node *nodes = worker->scene->nodes;

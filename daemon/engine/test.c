@@ -19,8 +19,8 @@ static void load_point(const struct eng_scene *scene, struct eng_query *query, i
     memcpy(query->x[1][point], scene->x[scene->now][v], sizeof query->x[1][point]);
 }
 
-void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t a, uint32_t b,
-                    struct eng_query *query)
+void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,
+                    uint32_t b, struct eng_query *query)
 {
     query->kind = kind;
     if (kind == ENG_VF) {
@@ -38,8 +38,8 @@ void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t 
 }
 
 /* Names as records carry them: object id and local index. */
-static struct eng_pair name_of(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,
-                               uint32_t b)
+static struct eng_pair name_of(const struct eng_scene *scene, enum eng_kind kind,
+                               uint32_t a, uint32_t b)
 {
     const struct eng_object *object_a;
     const struct eng_object *object_b;
@@ -51,8 +51,8 @@ static struct eng_pair name_of(const struct eng_scene *scene, enum eng_kind kind
     }
     object_a = &scene->objects[scene->edges[a].object];
     object_b = &scene->objects[scene->edges[b].object];
-    return (struct eng_pair){ENG_EE, object_a->id, a - object_a->edges.first, object_b->id,
-                             b - object_b->edges.first};
+    return (struct eng_pair){ENG_EE, object_a->id, a - object_a->edges.first,
+                             object_b->id, b - object_b->edges.first};
 }
 
 static void keep(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint32_t b,
@@ -146,7 +146,8 @@ void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
     if (worker->settings->mode == ENG_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else {
-        for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i += ENG_LANES) {
+        for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop);
+             i += ENG_LANES) {
             test_lanes(worker, kind, chunk, i);
         }
     }

@@ -13,7 +13,7 @@
 void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind);
 
 /* The query of a candidate: global indices as in struct eng_chunk. */
-void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t a, uint32_t b,
-                    struct eng_query *query);
+void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,
+                    uint32_t b, struct eng_query *query);
 
 #endif

@@ -1,7 +1,8 @@
 /* daemon/engine/vec.h - vectors of three doubles.
  *
  * Room:     engine. May include: the C library.
- * Does:     inline operations; each written operation is one rounding (-ffp-contract=off).
+ * Does:     inline operations; each written operation is one rounding
+ *           (-ffp-contract=off).
  * Threads:  [any].
  */
 #ifndef ENG_VEC_H

@@ -49,7 +49,8 @@ int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
                      const struct eng_step_settings *settings, struct eng_stop *stop,
                      struct eng_pool *pool)
 {
-    uint32_t leaf_count = scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
+    uint32_t leaf_count =
+        scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
     int status = reserve_units(&worker->units, leaf_count);
     if (status != ENG_OK) {
         return status;
@@ -133,7 +134,8 @@ void eng_worker_tighten(struct eng_worker *worker, double time)
 {
     uint64_t mine;
     memcpy(&mine, &time, sizeof mine);
-    uint64_t bound = atomic_load_explicit(&worker->stop->time_bound, memory_order_relaxed);
+    uint64_t bound =
+        atomic_load_explicit(&worker->stop->time_bound, memory_order_relaxed);
     while (mine < bound && !atomic_compare_exchange_weak_explicit(
                                &worker->stop->time_bound, &bound, mine,
                                memory_order_relaxed, memory_order_relaxed)) {

@@ -17,8 +17,8 @@
 #include "world.h"
 
 /* Candidates of one kind on their way from traversal to tests: 8 KiB, so that a chunk and
- * what its queries touch stay in the cache. Global indices; VF: vertex and triangle, EE: two
- * edges, the one that records name first in front. */
+ * what its queries touch stay in the cache. Global indices; VF: vertex and triangle, EE:
+ * two edges, the one that records name first in front. */
 #define ENG_CHUNK_MAX 1024u
 
 struct eng_chunk {
@@ -27,9 +27,9 @@ struct eng_chunk {
     uint32_t b[ENG_CHUNK_MAX];
 };
 
-/* Collision test pairs, taken from the end: with four pairs pushed for one taken, a tree pair
- * of depth d needs 3 d + 1 places. Median splits bound d by 32 for an object and 17 for the
- * tree over objects (65 536 of them), on either side of a pair. */
+/* Collision test pairs, taken from the end: with four pairs pushed for one taken, a tree
+ * pair of depth d needs 3 d + 1 places. Median splits bound d by 32 for an object and 17
+ * for the tree over objects (65 536 of them), on either side of a pair. */
 #define ENG_PAIRS_MAX 512u
 
 struct eng_pair_queue {
@@ -39,7 +39,8 @@ struct eng_pair_queue {
 };
 
 /* Nodes whose self-CD task unit is to be done, first in first out: breadth-first, so the
- * front node is never smaller than one behind it (paper 4.3). A ring of a power of two. */
+ * front node is never smaller than one behind it (paper 4.3). A ring of a power
+ * of two. */
 struct eng_task_queue {
     uint32_t *nodes;
     uint32_t capacity;
@@ -54,12 +55,13 @@ struct eng_stop {
     atomic_int reason;   /* enum eng_incomplete, set by the worker that saw it */
     atomic_bool stopped; /* by deadline, cancel or a proved contact in mode any */
     /* Mode first: no contact after this time is wanted; else 1. The bits of a double: for
-     * positive numbers they have the order of the numbers, so a minimum is an integer's. */
+     * positive numbers they have the order of the numbers, so a minimum is
+     * an integer's. */
     atomic_uint_fast64_t time_bound;
 };
 
-/* Every access is relaxed: these are hints that only save work, and the end of the parallel
- * region orders them before anybody reads the outcome. */
+/* Every access is relaxed: these are hints that only save work, and the end of the
+ * parallel region orders them before anybody reads the outcome. */
 static inline bool eng_stop_is_set(const struct eng_stop *stop)
 {
     return atomic_load_explicit(&stop->stopped, memory_order_relaxed);
@@ -69,9 +71,9 @@ struct eng_worker {
     const struct eng_scene *scene;
     const struct eng_step_settings *settings;
     struct eng_stop *stop;
-    uint32_t thread;   /* place in the team */
-    double time_bound; /* the shared one as last seen */
-    float box_bound;   /* the same, rounded up */
+    uint32_t thread;        /* place in the team */
+    double time_bound;      /* the shared one as last seen */
+    float box_bound;        /* the same, rounded up */
     struct eng_deque deque; /* work stealing: tasks that others may take */
     struct eng_task_queue units;
     struct eng_pair_queue pairs;

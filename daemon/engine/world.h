@@ -1,14 +1,14 @@
 /* daemon/engine/world.h - the inside of a scene: flat arrays over all its objects.
  *
  * Room:     engine. May include: aabb.h, range.h, scene.h, topology.h.
- * Does:     show struct eng_scene to the phases of a step: build, merge, refit, traversal,
- *           filter, solver, results.
+ * Does:     show struct eng_scene to the phases of a step: build, merge, refit,
+ *           traversal, filter, solver, results.
  * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
  *
- * Vertices, edges, triangles and nodes of all objects live in one array each; an object owns
- * one range of each. Indices into these arrays ("global") name features inside the engine;
- * records carry object id and local index. So one traversal covers every inter- and
- * self-collision, and an object comes or goes without touching the others.
+ * Vertices, edges, triangles and nodes of all objects live in one array each; an object
+ * owns one range of each. Indices into these arrays ("global") name features inside the
+ * engine; records carry object id and local index. So one traversal covers every inter-
+ * and self-collision, and an object comes or goes without touching the others.
  */
 #ifndef ENG_WORLD_H
 #define ENG_WORLD_H
@@ -18,7 +18,7 @@
 #include "scene.h"
 #include "topology.h"
 
-#define ENG_LEAF UINT32_MAX    /* in eng_node.left */
+#define ENG_LEAF    UINT32_MAX /* in eng_node.left */
 #define ENG_NO_NODE UINT32_MAX /* root of an empty scene */
 
 /* The three records with a box. Each is a struct eng_box with named words. */
@@ -55,9 +55,12 @@ struct eng_vertex {
     uint32_t reserved2;
 };
 
-static_assert(sizeof(struct eng_node) == 64 && offsetof(struct eng_node, left) == 12, "node");
-static_assert(sizeof(struct eng_edge) == 64 && offsetof(struct eng_edge, a) == 12, "edge");
-static_assert(sizeof(struct eng_vertex) == 64 && offsetof(struct eng_vertex, object) == 12,
+static_assert(sizeof(struct eng_node) == 64 && offsetof(struct eng_node, left) == 12,
+              "node");
+static_assert(sizeof(struct eng_edge) == 64 && offsetof(struct eng_edge, a) == 12,
+              "edge");
+static_assert(sizeof(struct eng_vertex) == 64 &&
+                  offsetof(struct eng_vertex, object) == 12,
               "vertex");
 
 static inline struct eng_box *eng_box_of(void *record)
@@ -105,12 +108,13 @@ struct eng_scene {
     uint32_t triangle_capacity;
     uint32_t node_capacity;
 
-    /* x[now] holds the positions that the scene stands at. A step writes its end positions to
-     * x[1 - now] and then flips `now`; during and after the step, x[1 - now] is t = 0 and
-     * x[now] is t = 1. */
+    /* x[now] holds the positions that the scene stands at. A step writes its end
+     * positions to x[1 - now] and then flips `now`; during and after the step, x[1 - now]
+     * is t = 0 and x[now] is t = 1. */
     double (*x[2])[3];
     unsigned now;
-    double (*start)[3]; /* x0 of the step being staged, where given; allocated on first use */
+    double (
+        *start)[3]; /* x0 of the step being staged, where given; allocated on first use */
     uint32_t start_capacity;
     struct eng_vertex *vertices;
     struct eng_edge *edges;

@@ -16,22 +16,30 @@
 
 #define LIMIT 100000u
 
+/* Two workers, one pool, one answer. */
 struct lists {
-    struct eng_records found;
+    struct eng_pool pool;
+    struct eng_found found[2];
     struct eng_records sorted;
     struct eng_sorter sorter;
+    bool overflowed;
 };
 
 static int setup(void **state)
 {
-    *state = calloc(1, sizeof(struct lists));
-    return *state ? 0 : -1;
+    struct lists *lists = calloc(1, sizeof *lists);
+    if (!lists) {
+        return -1;
+    }
+    eng_pool_init(&lists->pool);
+    *state = lists;
+    return 0;
 }
 
 static int teardown(void **state)
 {
     struct lists *lists = *state;
-    eng_records_deinit(&lists->found);
+    eng_pool_deinit(&lists->pool);
     eng_records_deinit(&lists->sorted);
     eng_sorter_deinit(&lists->sorter);
     free(lists);
@@ -88,29 +96,58 @@ static int compare_contacts(const void *a, const void *b)
     return order != 0 ? order : (x->reserved < y->reserved ? -1 : 1);
 }
 
-static void add_contacts(struct eng_records *records, struct kit_random *random,
-                         uint32_t count)
+static void begin(struct lists *lists, uint32_t record_bytes, uint64_t limit)
 {
-    eng_records_begin(records, sizeof(struct eng_contact), LIMIT);
+    eng_pool_reset(&lists->pool, 2);
+    eng_found_begin(&lists->found[0], &lists->pool, record_bytes, limit);
+    eng_found_begin(&lists->found[1], &lists->pool, record_bytes, limit);
+}
+
+static int sort(struct lists *lists)
+{
+    struct eng_found *const both[2] = {&lists->found[0], &lists->found[1]};
+    return eng_records_sort(&lists->sorter, both, 2, &lists->sorted, &lists->overflowed);
+}
+
+/* All records of both workers, in the order of their lists. */
+static void *copy_found(const struct lists *lists)
+{
+    size_t bytes = lists->found[0].record_bytes;
+    unsigned char *copy =
+        malloc((lists->found[0].count + lists->found[1].count) * bytes + 1);
+    assert_non_null(copy);
+    unsigned char *to = copy;
+    for (int i = 0; i < 2; i++) {
+        for (const struct eng_block *block = lists->found[i].first; block;
+             block = block->next) {
+            memcpy(to, block->data, block->count * bytes);
+            to += block->count * bytes;
+        }
+    }
+    return copy;
+}
+
+static void add_contacts(struct lists *lists, struct kit_random *random, uint32_t count)
+{
+    begin(lists, sizeof(struct eng_contact), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
         struct eng_pair name = random_name(random);
-        struct eng_contact *contact = eng_records_add(records);
+        struct eng_contact *contact = eng_found_add(&lists->found[kit_below(random, 2)]);
         assert_non_null(contact);
         memset(contact, (int)i, sizeof *contact);
         contact->kind = name.kind;
         memcpy(&contact->object_a, &name.object_a, 4 * sizeof name.object_a);
         contact->reserved = i;
     }
-    assert_int_equal(records->count, count);
-    assert_false(records->overflowed);
+    assert_int_equal(lists->found[0].count + lists->found[1].count, count);
+    assert_false(lists->found[0].overflowed || lists->found[1].overflowed);
 }
 
-static void add_pairs(struct eng_records *records, struct kit_random *random,
-                      uint32_t count)
+static void add_pairs(struct lists *lists, struct kit_random *random, uint32_t count)
 {
-    eng_records_begin(records, sizeof(struct eng_pair), LIMIT);
+    begin(lists, sizeof(struct eng_pair), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
-        struct eng_pair *pair = eng_records_add(records);
+        struct eng_pair *pair = eng_found_add(&lists->found[kit_below(random, 2)]);
         assert_non_null(pair);
         *pair = random_name(random);
     }
@@ -122,14 +159,11 @@ static void result__contacts_sort_canonically(void **state)
     struct lists *lists = *state;
     struct kit_random random = {80};
     for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
-        add_contacts(&lists->found, &random, count);
+        add_contacts(lists, &random, count);
         size_t bytes = count * sizeof(struct eng_contact);
-        struct eng_contact *expected = malloc(bytes);
-        assert_non_null(expected);
-        memcpy(expected, lists->found.data, bytes);
+        struct eng_contact *expected = copy_found(lists);
         qsort(expected, count, sizeof *expected, compare_contacts);
-        assert_int_equal(eng_records_sort(&lists->sorter, &lists->found, &lists->sorted),
-                         ENG_OK);
+        assert_int_equal(sort(lists), ENG_OK);
         assert_int_equal(lists->sorted.count, count);
         assert_int_equal(lists->sorted.record_bytes, sizeof(struct eng_contact));
         assert_memory_equal(lists->sorted.data, expected, bytes);
@@ -143,14 +177,11 @@ static void result__pairs_sort_canonically(void **state)
     struct lists *lists = *state;
     struct kit_random random = {81};
     for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
-        add_pairs(&lists->found, &random, count);
+        add_pairs(lists, &random, count);
         size_t bytes = count * sizeof(struct eng_pair);
-        struct eng_pair *expected = malloc(bytes);
-        assert_non_null(expected);
-        memcpy(expected, lists->found.data, bytes);
+        struct eng_pair *expected = copy_found(lists);
         qsort(expected, count, sizeof *expected, compare_pairs);
-        assert_int_equal(eng_records_sort(&lists->sorter, &lists->found, &lists->sorted),
-                         ENG_OK);
+        assert_int_equal(sort(lists), ENG_OK);
         assert_int_equal(lists->sorted.count, count);
         assert_memory_equal(lists->sorted.data, expected, bytes);
         free(expected);
@@ -161,39 +192,53 @@ static void result__pairs_sort_canonically(void **state)
 static void result__nothing_sorts_to_nothing(void **state)
 {
     struct lists *lists = *state;
-    eng_records_begin(&lists->found, sizeof(struct eng_pair), LIMIT);
-    assert_int_equal(eng_records_sort(&lists->sorter, &lists->found, &lists->sorted),
-                     ENG_OK);
+    begin(lists, sizeof(struct eng_pair), LIMIT);
+    assert_int_equal(sort(lists), ENG_OK);
     assert_int_equal(lists->sorted.count, 0);
     assert_int_equal(lists->sorted.record_bytes, sizeof(struct eng_pair));
-    assert_false(lists->sorted.overflowed);
+    assert_false(lists->overflowed);
 }
 
 /* If it failed: a cut answer would look complete, or a full one cut. */
 static void result__limit_is_kept_and_told(void **state)
 {
     struct lists *lists = *state;
-    const uint64_t limits[] = {0, 1, 5, 1023, 1024, 1025, 3000};
+    struct eng_found *found = &lists->found[0];
+    const uint64_t limits[] = {0, 1, 5, 1022, 1023, 1024, 3000};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
-        eng_records_begin(&lists->found, sizeof(struct eng_contact), limits[i]);
+        begin(lists, sizeof(struct eng_contact), limits[i]);
         for (uint64_t k = 0; k < limits[i]; k++) {
-            void *record = eng_records_add(&lists->found);
+            void *record = eng_found_add(found);
             assert_non_null(record);
             memset(record, 0, sizeof(struct eng_contact));
         }
-        assert_false(lists->found.overflowed);
-        assert_null(eng_records_add(&lists->found));
-        assert_true(lists->found.overflowed);
-        assert_null(eng_records_add(&lists->found));
-        assert_int_equal(lists->found.count, limits[i]);
-        assert_int_equal(eng_records_sort(&lists->sorter, &lists->found, &lists->sorted),
-                         ENG_OK);
-        assert_true(lists->sorted.overflowed);
+        assert_false(found->overflowed);
+        assert_null(eng_found_add(found));
+        assert_true(found->overflowed);
+        assert_null(eng_found_add(found));
+        assert_int_equal(found->count, limits[i]);
+        assert_int_equal(sort(lists), ENG_OK);
+        assert_true(lists->overflowed);
         assert_int_equal(lists->sorted.count, limits[i]);
-        eng_records_begin(&lists->found, sizeof(struct eng_pair), limits[i]);
-        assert_false(lists->found.overflowed); /* a new step begins afresh */
-        assert_int_equal(lists->found.count, 0);
+        begin(lists, sizeof(struct eng_pair), limits[i]);
+        assert_false(found->overflowed); /* a new step begins afresh */
+        assert_int_equal(found->count, 0);
     }
+}
+
+/* If it failed: two workers would keep twice what one may. */
+static void result__limit_counts_all_workers_together(void **state)
+{
+    struct lists *lists = *state;
+    begin(lists, sizeof(struct eng_contact), 100);
+    for (int k = 0; k < 120; k++) {
+        void *record = eng_found_add(&lists->found[k % 2]);
+        assert_non_null(record);
+        memset(record, 0, sizeof(struct eng_contact));
+    }
+    assert_int_equal(sort(lists), ENG_OK);
+    assert_true(lists->overflowed);
+    assert_int_equal(lists->sorted.count, 100);
 }
 
 /* If it failed: every step would allocate again. */
@@ -201,17 +246,14 @@ static void result__memory_is_used_again(void **state)
 {
     struct lists *lists = *state;
     struct kit_random random = {82};
-    add_contacts(&lists->found, &random, 5000);
-    assert_int_equal(eng_records_sort(&lists->sorter, &lists->found, &lists->sorted),
-                     ENG_OK);
+    add_contacts(lists, &random, 5000);
+    assert_int_equal(sort(lists), ENG_OK);
     uint64_t allocations = eng_alloc_count();
     for (int round = 0; round < 5; round++) {
-        add_contacts(&lists->found, &random, 5000);
-        assert_int_equal(eng_records_sort(&lists->sorter, &lists->found, &lists->sorted),
-                         ENG_OK);
-        add_pairs(&lists->found, &random, 5000); /* the smaller record fits as well */
-        assert_int_equal(eng_records_sort(&lists->sorter, &lists->found, &lists->sorted),
-                         ENG_OK);
+        add_contacts(lists, &random, 5000);
+        assert_int_equal(sort(lists), ENG_OK);
+        add_pairs(lists, &random, 5000); /* the smaller record fits as well */
+        assert_int_equal(sort(lists), ENG_OK);
     }
     assert_int_equal(eng_alloc_count(), allocations);
 }
