@@ -27,7 +27,9 @@ ENG_TESTS = \
     tests/unit/test_eng_result \
     tests/unit/test_eng_step \
     tests/unit/test_eng_warm \
-    tests/unit/test_eng_fault
+    tests/unit/test_eng_fault \
+    tests/unit/test_eng_deque \
+    tests/unit/test_eng_team
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
 
@@ -91,3 +93,11 @@ tests_unit_test_eng_warm_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_fault_SOURCES = tests/unit/test_eng_fault.c
 tests_unit_test_eng_fault_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_fault_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_deque_SOURCES = tests/unit/test_eng_deque.c
+tests_unit_test_eng_deque_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_deque_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_team_SOURCES = tests/unit/test_eng_team.c
+tests_unit_test_eng_team_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_team_LDADD = $(ENG_TEST_LDADD)

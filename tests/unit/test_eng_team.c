@@ -1,0 +1,196 @@
+/* tests/unit/test_eng_team.c - the same step by any number of threads.
+ *
+ * Room:     engine (step.h, world.h).
+ * Does:     records, hash, counts and boxes compared between one thread and several, for
+ *           every mode; warm teams allocate nothing; early ends end all threads.
+ * Threads:  up to sixteen, whatever the machine has.
+ * Source:   daemon/engine/step.h, schedule.h, refit.h.
+ */
+#include "eng_kit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "build.h"
+#include "step.h"
+#include "world.h"
+
+/* Large enough that a step does not stay on one thread. */
+#define SHEET_SIDE     30u
+#define SOUP_TRIANGLES 1500u
+#define SOUP_VERTICES  (3 * SOUP_TRIANGLES)
+
+static const uint32_t thread_counts[] = {2, 3, 4, 8, 16};
+
+struct fixture {
+    struct eng_scene *scene;
+    uint32_t soup;
+    double x0[SOUP_VERTICES][3];
+    double x1[SOUP_VERTICES][3];
+};
+
+static int setup(void **state)
+{
+    struct fixture *f = malloc(sizeof *f);
+    struct kit_random random = {97};
+    uint32_t sheet;
+    assert_non_null(f);
+    assert_int_equal(eng_scene_new(&f->scene), ENG_OK);
+    struct eng_mesh *mesh = kit_sheet(SHEET_SIDE, 0.5);
+    assert_int_equal(eng_scene_add(f->scene, mesh, 2, &sheet), ENG_OK);
+    eng_mesh_release(mesh);
+    mesh = kit_soup(&random, SOUP_TRIANGLES);
+    assert_int_equal(eng_scene_add(f->scene, mesh, 1, &f->soup), ENG_OK);
+    eng_mesh_release(mesh);
+    const struct eng_object *object = eng_scene_object(f->scene, f->soup);
+    for (uint32_t i = 0; i < SOUP_VERTICES; i++) {
+        for (int k = 0; k < 3; k++) {
+            double x = f->scene->x[f->scene->now][object->vertices.first + i][k];
+            f->x0[i][k] = x;
+            f->x1[i][k] = x + kit_between(&random, -0.05, 0.05);
+        }
+    }
+    *state = f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    eng_scene_free(f->scene);
+    free(f);
+    return 0;
+}
+
+static struct eng_step_result run(struct fixture *f, struct eng_step_settings settings)
+{
+    struct eng_step_result result;
+    eng_stage_begin(f->scene);
+    assert_int_equal(
+        eng_stage_x0x1(f->scene, f->soup, ENG_F64, 0, SOUP_VERTICES, f->x0, f->x1),
+        ENG_OK);
+    assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
+    assert_true(eng_tree_validate(f->scene));
+    return result;
+}
+
+static struct eng_step_settings settings_for(enum eng_mode mode, uint32_t threads)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    settings.threads = threads;
+    return settings;
+}
+
+/* If it failed: the answer would depend on the machine or on the day. */
+static void team__same_records_for_any_number_of_threads(void **state)
+{
+    struct fixture *f = *state;
+    for (int mode = ENG_MODE_ALL; mode <= ENG_MODE_PAIRS; mode++) {
+        struct eng_step_result alone = run(f, settings_for((enum eng_mode)mode, 1));
+        assert_int_equal(alone.threads, 1);
+        assert_int_equal(alone.incomplete, ENG_COMPLETE);
+        assert_true(mode == ENG_MODE_ANY || alone.count > 0);
+        size_t bytes = alone.count * alone.record_bytes;
+        void *records = malloc(bytes + 1);
+        assert_non_null(records);
+        memcpy(records, alone.records, bytes);
+        for (size_t i = 0; i < sizeof thread_counts / sizeof *thread_counts; i++) {
+            for (int round = 0; round < 3; round++) {
+                struct eng_step_result team =
+                    run(f, settings_for((enum eng_mode)mode, thread_counts[i]));
+                assert_true(team.threads > 1);
+                assert_int_equal(team.incomplete, ENG_COMPLETE);
+                assert_int_equal(team.verdict, alone.verdict);
+                assert_int_equal(team.count, alone.count);
+                assert_int_equal(team.hash_hi, alone.hash_hi);
+                assert_int_equal(team.hash_lo, alone.hash_lo);
+                assert_memory_equal(team.records, records, bytes);
+            }
+        }
+        free(records);
+    }
+}
+
+/* If it failed: a pair of boxes would be tested twice or not at all by some team, and
+ * only luck would keep the answer. */
+static void team__same_work_for_any_number_of_threads(void **state)
+{
+    struct fixture *f = *state;
+    struct eng_step_result alone = run(f, settings_for(ENG_MODE_ALL, 1));
+    for (size_t i = 0; i < sizeof thread_counts / sizeof *thread_counts; i++) {
+        struct eng_step_result team =
+            run(f, settings_for(ENG_MODE_ALL, thread_counts[i]));
+        assert_int_equal(team.counters.task_units, alone.counters.task_units);
+        assert_int_equal(team.counters.box_tests, alone.counters.box_tests);
+        assert_int_equal(team.counters.leaf_pairs, alone.counters.leaf_pairs);
+        assert_int_equal(team.counters.candidates_vf, alone.counters.candidates_vf);
+        assert_int_equal(team.counters.candidates_ee, alone.counters.candidates_ee);
+        assert_int_equal(team.counters.survivors, alone.counters.survivors);
+    }
+}
+
+/* If it failed: a node's box would be refit before its children's by some team. */
+static void team__refit_gives_the_same_boxes(void **state)
+{
+    struct fixture *f = *state;
+    size_t bytes = f->scene->node_ranges.end * sizeof *f->scene->nodes;
+    run(f, settings_for(ENG_MODE_ANY, 1));
+    void *nodes = malloc(bytes);
+    assert_non_null(nodes);
+    memcpy(nodes, f->scene->nodes, bytes);
+    for (size_t i = 0; i < sizeof thread_counts / sizeof *thread_counts; i++) {
+        memset(f->scene->nodes[f->scene->root].lo0, 0xff, 12); /* must be written again */
+        run(f, settings_for(ENG_MODE_ANY, thread_counts[i]));
+        assert_memory_equal(f->scene->nodes, nodes, bytes);
+    }
+    free(nodes);
+}
+
+/* If it failed: every step of a team would go to the system for memory. */
+static void team__warm_steps_allocate_nothing(void **state)
+{
+    struct fixture *f = *state;
+    for (size_t i = 0; i < sizeof thread_counts / sizeof *thread_counts; i++) {
+        run(f, settings_for(ENG_MODE_ALL, thread_counts[i]));
+        for (int round = 0; round < 5; round++) {
+            struct eng_step_result team =
+                run(f, settings_for(ENG_MODE_ALL, thread_counts[i]));
+            assert_int_equal(team.counters.allocs, 0);
+            assert_int_equal(team.counters.builds, 0);
+        }
+    }
+}
+
+/* If it failed: a cancelled step would go on in the threads that did not see it, or hang.
+ * */
+static void team__early_ends_end_every_thread(void **state)
+{
+    struct fixture *f = *state;
+    atomic_bool cancel = true;
+    struct eng_step_settings settings = settings_for(ENG_MODE_ALL, 4);
+    settings.cancel = &cancel;
+    assert_int_equal(run(f, settings).incomplete, ENG_INCOMPLETE_CANCELLED);
+    settings = settings_for(ENG_MODE_ALL, 4);
+    settings.deadline_ns = 1;
+    assert_int_equal(run(f, settings).incomplete, ENG_INCOMPLETE_DEADLINE);
+    settings = settings_for(ENG_MODE_ALL, 4);
+    settings.contact_max = 3;
+    struct eng_step_result cut = run(f, settings);
+    assert_int_equal(cut.incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+    assert_int_equal(cut.count, 3);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(team__same_records_for_any_number_of_threads),
+        TEST(team__same_work_for_any_number_of_threads),
+        TEST(team__refit_gives_the_same_boxes),
+        TEST(team__warm_steps_allocate_nothing),
+        TEST(team__early_ends_end_every_thread),
+    };
+    return cmocka_run_group_tests_name("eng_team", tests, NULL, NULL);
+}
