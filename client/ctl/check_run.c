@@ -90,7 +90,7 @@ static int take_pages(struct check_run *run, uint32_t number,
         pccd_answer_release(run->client, &page);
         if (is_last)
             break;
-        status = pccd_fetch(run->client, run->scene, cursor, &page);
+        status = pccd_fetch(run->client, run->scene, answer->step, cursor, &page);
         if (status != PCCD_OK)
             return fail(run, status, "a page of the answer did not come", error);
         if (page.first != cursor || page.count == 0) {

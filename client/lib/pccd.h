@@ -241,10 +241,10 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer);
  * Returns the step's status: on failure of the step its code. */
 int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
               struct pccd_answer *answer);
-/* The page that begins at `cursor`, of the last answer of `scene`: answer->step says
- * which step that is. Release the page at hand first when the region is full. E_STATE:
- * there is none, because the last step failed or an object was removed since. */
-int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t cursor,
+/* The page that begins at `cursor`, of the answer to `step`, the last of `scene`. Release
+ * the page at hand first when the region is full. E_STATE: the answer is gone, because
+ * another step has run or an object was added or removed since. */
+int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
                struct pccd_answer *answer);
 /* Give the records back. Pages may be released in any order. Safe on an answer without
  * records and after a failure. */

@@ -224,10 +224,11 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
     return rc != 0 ? rc : take_answer(client, call, answer);
 }
 
-int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t cursor,
+int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
                struct pccd_answer *answer)
 {
-    struct proto_FRAME_FETCH_request request = {.scene = scene, .cursor = cursor};
+    struct proto_FRAME_FETCH_request request = {
+        .scene = scene, .step = step, .cursor = cursor};
     struct cli_call *call = NULL;
     uint64_t deadline_ns;
     int rc;

@@ -265,6 +265,12 @@ static int work_fetch(struct srv_request *request)
                                "scene 0x%x has no answer: no step since it changed",
                                fetch->scene);
     }
+    if (fetch->step != scene->answer.step) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "the answer to step %llu is gone, step %llu has run since",
+                               (unsigned long long)fetch->step,
+                               (unsigned long long)scene->answer.step);
+    }
     if (fetch->cursor > scene->answer.total) {
         return proto_error_set(&request->error, PCCD_E_INVAL,
                                "cursor %llu is beyond the answer's %llu records",

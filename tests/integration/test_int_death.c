@@ -171,7 +171,7 @@ static void expect_all_disconnected(struct pccd_client *client, struct test_grid
     GONE(pccd_submit_still(client, grid->scene, NULL, &step));
     GONE(pccd_poll(client, &answer));
     GONE(pccd_wait(client, step, -1, &answer));
-    GONE(pccd_fetch(client, grid->scene, 0, &answer));
+    GONE(pccd_fetch(client, grid->scene, step, 0, &answer));
     GONE(pccd_cancel(client, step));
     GONE(pccd_step_x1(client, grid->scene, grid->object, grid->x, PCCD_FORMAT_F32,
                       grid->vertex_count, NULL, &answer));

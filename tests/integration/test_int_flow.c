@@ -251,7 +251,8 @@ static void collect_pages(struct test_grid *grid, struct pccd_answer *answer,
         pccd_answer_release(grid->client, answer);
         if (got == answer->total)
             break;
-        assert_int_equal(pccd_fetch(grid->client, grid->scene, got, answer), 0);
+        assert_int_equal(pccd_fetch(grid->client, grid->scene, answer->step, got, answer),
+                         0);
         pages++;
     }
     assert_true(pages >= 3);
@@ -303,8 +304,11 @@ static void flow__pages_add_up_to_the_whole_answer(void **state)
         assert_int_equal(hash.low64, whole.hash[1]);
         pccd_answer_release(crossing->client, &whole);
     }
-    assert_int_equal(pccd_fetch(small, grids[0].scene, 3601, &page), PCCD_E_INVAL);
-    assert_int_equal(pccd_fetch(small, grids[0].scene, 3600, &page), 0);
+    step = page.step;
+    assert_int_equal(pccd_fetch(small, grids[0].scene, step, 3601, &page), PCCD_E_INVAL);
+    assert_int_equal(pccd_fetch(small, grids[0].scene, step - 1, 0, &page), PCCD_E_STATE);
+    assert_non_null(strstr(pccd_error_text(small), "step"));
+    assert_int_equal(pccd_fetch(small, grids[0].scene, step, 3600, &page), 0);
     assert_int_equal(page.count, 0);
     free(records);
     test_grid_free(&grids[0]);
@@ -346,7 +350,7 @@ static void flow__full_region_is_said_and_held_pages_stay(void **state)
     assert_true(test_crossing_turn(crossing)); /* another client does not notice */
     pccd_answer_release(small, &held);
     pccd_answer_release(small, &held);
-    assert_int_equal(pccd_fetch(small, grid.scene, 0, &answer), 0);
+    assert_int_equal(pccd_fetch(small, grid.scene, step, 0, &answer), 0);
     assert_true(answer.count >= 1000);
     pccd_answer_release(small, &answer);
     test_grid_free(&grid);
