@@ -109,7 +109,6 @@ void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance)
     memset(judge, 0, sizeof *judge);
     judge->sums = sums;
     judge->tolerance = tolerance;
-    judge->threads = 1;
     assert_int_equal(eng_scene_new(&judge->scene), ENG_OK);
 }
 
@@ -198,7 +197,6 @@ void judge_step(struct judge *judge, enum eng_mode mode, struct eng_step_result 
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
     settings.tolerance = judge->tolerance;
-    settings.threads = judge->threads;
     assert_int_equal(eng_step(judge->scene, &settings, result), ENG_OK);
     must(judge, result->incomplete == ENG_COMPLETE, "the answer is incomplete", NULL);
     must(judge, result->mode == mode, "the answer is of another mode", NULL);
@@ -498,9 +496,7 @@ void judge_everything(struct judge *judge)
     judge_step(judge, ENG_MODE_PAIRS, &result);
     judge_check_pairs(judge, &result, &truth, &all);
     judge_stage_whole(judge);
-    judge->threads = 3;
     judge_step(judge, ENG_MODE_ALL, &result);
-    judge->threads = 1;
     must(judge,
          result.hash_hi == hash[0] && result.hash_lo == hash[1] &&
              result.count == all.count &&

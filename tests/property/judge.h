@@ -42,7 +42,6 @@ struct judge {
     uint32_t object_count;
     char context[160]; /* kind, size, seed: printed with a failure */
     double tolerance;
-    uint32_t threads; /* of the next step; 1 */
     struct judge_sums *sums;
 };
 
@@ -80,8 +79,7 @@ void judge_check_pairs(const struct judge *judge, const struct eng_step_result *
 /* Copy of the records of an answer with contacts. Freed by the caller. */
 struct judge_records judge_copy(const struct eng_step_result *result);
 
-/* What is staged, in mode ALL, then the same motion in every other mode, then in mode ALL
- * again with more threads. */
+/* What is staged, in mode ALL, then the same motion in every other mode and in ALL again. */
 void judge_everything(struct judge *judge);
 
 void judge_fail(const struct judge *judge, const char *what,
