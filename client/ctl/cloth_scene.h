@@ -3,9 +3,9 @@
  * Room:     client/ctl. May include: the C library.
  * Does:     moves a square cloth of springs by one frame at a time.
  * Does not: detect collisions between triangles: that is the daemon's part. The cloth
- * meets the ball as a smooth sphere and never meets itself. Threads:  one at a time;
- * nothing is shared. Source:   extended position-based dynamics with small steps (Macklin
- * et al. 2019).
+ *           meets the ball as a smooth sphere and never meets itself.
+ * Threads:  one at a time; nothing is shared.
+ * Source:   extended position-based dynamics with small steps (Macklin et al. 2019).
  */
 #ifndef CTL_CLOTH_SCENE_H
 #define CTL_CLOTH_SCENE_H

@@ -2,8 +2,10 @@
  *
  * Room:     client/ctl. May include: error.h, pccd.h.
  * Does:     writes kind,i0,i1,i2,i3,toi,toi_hi,proved with vertex numbers from 0 in file
- * order. Does not: read it back. Threads:  one. Source:   pccd_types.h for what feature
- * numbers mean.
+ *           order.
+ * Does not: read it back.
+ * Threads:  one.
+ * Source:   pccd_types.h for what feature numbers mean.
  */
 #ifndef CTL_CONTACTS_CSV_H
 #define CTL_CONTACTS_CSV_H

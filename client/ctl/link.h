@@ -2,7 +2,9 @@
  *
  * Room:     client/ctl. May include: pccd.h.
  * Does:     the options --url, --socket, --private, --daemon, --timeout, and the
- * connection. Does not: keep the connection; that is the command's. Threads:  one.
+ *           connection.
+ * Does not: keep the connection; that is the command's.
+ * Threads:  one.
  * Source:   used as an argp child by every command.
  */
 #ifndef CTL_LINK_H

@@ -3,8 +3,9 @@
  * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
  * Does:     reads PLY (ascii, binary of both byte orders) and OBJ; polygons become fans.
  * Does not: merge, reorder or drop vertices or faces: two frames keep their
- * correspondence. Threads:  [any]; nothing is shared. Source:   "The PLY Polygon File
- * Format" (Turk 1994); Wavefront OBJ, appendix B1.
+ *           correspondence.
+ * Threads:  [any]; nothing is shared.
+ * Source:   "The PLY Polygon File Format" (Turk 1994); Wavefront OBJ, appendix B1.
  */
 #ifndef CTL_MESHFILE_H
 #define CTL_MESHFILE_H

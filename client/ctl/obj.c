@@ -2,9 +2,10 @@
  *
  * Room:     client/ctl.
  * Does:     reads v and f (also negative and slash-separated numbers), turns polygons
- * into fans, keeps the order of the file; coordinates are double. Does not: read texture,
- * normal, group or material data, nor free-form surfaces. Threads:  [any]; nothing is
- * shared. Source:   Wavefront OBJ specification, appendix B1.
+ *           into fans, keeps the order of the file; coordinates are double.
+ * Does not: read texture, normal, group or material data, nor free-form surfaces.
+ * Threads:  [any]; nothing is shared.
+ * Source:   Wavefront OBJ specification, appendix B1.
  */
 #include <inttypes.h>
 #include <stdarg.h>

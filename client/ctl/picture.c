@@ -2,8 +2,10 @@
  *
  * Room:     client/ctl.
  * Does:     camera, smooth normals, marks, legend; halves a canvas of twice the size, so
- * that edges are smooth. Does not: fill pixels; see raster.c. Threads:  one at a time;
- * nothing is shared. Source:   picture.h.
+ *           that edges are smooth.
+ * Does not: fill pixels; see raster.c.
+ * Threads:  one at a time; nothing is shared.
+ * Source:   picture.h.
  */
 #include "picture.h"
 

@@ -2,8 +2,9 @@
  *
  * Room:     client/ctl.
  * Does:     reads vertices and faces, ascii and binary of both byte orders, with values
- * of any type; skips everything else; turns polygons into fans. Does not: trust a count:
- * each value is checked against the end of the file. Threads:  [any]; nothing is shared.
+ *           of any type; skips everything else; turns polygons into fans.
+ * Does not: trust a count: each value is checked against the end of the file.
+ * Threads:  [any]; nothing is shared.
  * Source:   "The PLY Polygon File Format" (Turk 1994).
  */
 #include <inttypes.h>

@@ -1,6 +1,7 @@
 /* daemon/engine/answer.c - from what the workers found to the answer of a step.
  *
  * Room:     engine.
+ * Does:     keep what the mode wants, sort, hash, count.
  * Threads:  [compute].
  */
 #include "answer.h"

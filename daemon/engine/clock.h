@@ -1,6 +1,7 @@
 /* daemon/engine/clock.h - time of phases.
  *
  * Room:     engine. May include: the C library.
+ * Does:     read CLOCK_MONOTONIC.
  * Threads:  [any]; about 25 ns a call.
  */
 #ifndef ENG_CLOCK_H

@@ -1,6 +1,7 @@
 /* daemon/engine/deque.c - a bounded work-stealing deque.
  *
  * Room:     engine.
+ * Does:     grow two counters; the difference is what the deque holds.
  * Threads:  push and pop: the owner; steal: any thread of the team.
  * Source:   deque.h.
  */

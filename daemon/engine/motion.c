@@ -2,6 +2,7 @@
  * bounds.
  *
  * Room:     engine.
+ * Does:     the arithmetic whose errors BOUNDS.md adds up.
  * Threads:  [any].
  * Source:   query.h; every constant times u is derived in BOUNDS.md.
  */

@@ -1,6 +1,7 @@
 /* daemon/engine/poly.c - polynomials with integer coefficients, exactly.
  *
  * Room:     engine.
+ * Does:     integers of any length, primitive after each division to keep them short.
  * Threads:  [any]; a polynomial belongs to one thread.
  * Source:   Collins and Akritas 1976.
  */

@@ -1,6 +1,7 @@
 /* daemon/engine/pool.c - blocks of memory shared by the workers of a step.
  *
  * Room:     engine.
+ * Does:     one array and a counter; what the array cannot give comes one by one.
  * Threads:  take: any worker; the rest: [compute], between steps.
  */
 #include "pool.h"

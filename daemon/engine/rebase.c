@@ -1,6 +1,7 @@
 /* daemon/engine/rebase.c - the corner from which a query is measured.
  *
  * Room:     engine.
+ * Does:     compare distances of all pairs of corners; ties go to the first.
  * Threads:  [any].
  */
 #include "rebase.h"

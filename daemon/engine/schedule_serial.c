@@ -1,6 +1,7 @@
 /* daemon/engine/schedule_serial.c - all task units by one thread.
  *
  * Room:     engine.
+ * Does:     fetch nodes from the task unit queue until it is empty.
  * Threads:  [compute].
  * Source:   paper section 4.1, "Serial CCD method".
  */

@@ -1,6 +1,7 @@
 /* daemon/engine/step_memory.c - what one step leaves for the next.
  *
  * Room:     engine.
+ * Does:     make workers when a step first needs them, free all with the scene.
  * Threads:  [compute].
  */
 #include "step_memory.h"

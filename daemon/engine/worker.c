@@ -1,6 +1,7 @@
 /* daemon/engine/worker.c - what one thread of a step owns.
  *
  * Room:     engine.
+ * Does:     begin a step, watch clock and cancel flag, share the bound on time.
  * Threads:  [team]; a worker belongs to one thread.
  */
 #include "worker.h"

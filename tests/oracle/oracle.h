@@ -2,11 +2,12 @@
  *
  * Room:     tests/oracle. May include: the C library, GMP.
  * Does:     decide on the binary inputs, by the definition and without rounding, whether
- * and when a vertex meets a closed triangle or two closed edges meet. Does not: share a
- * line with the engine. Threads:  [any]; no global state. Source:   the definition: there
- * is a t in [0, 1] at which the vertex lies on the closed triangle, or the closed edges
- * have a common point, all points moving linearly. Triangles and edges may be degenerate
- * at any time.
+ *           and when a vertex meets a closed triangle or two closed edges meet.
+ * Does not: share a line with the engine.
+ * Threads:  [any]; no global state.
+ * Source:   the definition: there is a t in [0, 1] at which the vertex lies on the closed
+ *           triangle, or the closed edges have a common point, all points moving
+ *           linearly. Triangles and edges may be degenerate at any time.
  */
 #ifndef ORACLE_ORACLE_H
 #define ORACLE_ORACLE_H

@@ -2,7 +2,8 @@
  *
  * Room:     tests/oracle.
  * Does:     plain school arithmetic: degrees are at most 4, coefficients may have
- * thousands of bits. Threads:  one thread for one polynomial.
+ *           thousands of bits.
+ * Threads:  one thread for one polynomial.
  */
 #include "oracle_poly.h"
 

@@ -2,7 +2,10 @@
  *
  * Room:     client/ctl (meshfile.h).
  * Does:     every encoding gives the same mesh; every malformed file gives its own
- * message. Does not: need a daemon. Threads:  one. Source:   client/ctl/meshfile.h.
+ *           message.
+ * Does not: need a daemon.
+ * Threads:  one.
+ * Source:   client/ctl/meshfile.h.
  */
 #include <setjmp.h>
 #include <stdarg.h>
