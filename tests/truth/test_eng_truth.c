@@ -44,11 +44,12 @@ static struct eng_mesh *make_mesh(points_t x, uint32_t vertex_count,
 /* One object moved to x1 in one step. The scene is the caller's, and holds the
  * records. */
 static struct eng_scene *run(struct eng_mesh *mesh, uint32_t vertex_count, points_t x1,
-                             struct eng_step_result *result)
+                             uint32_t threads, struct eng_step_result *result)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_scene *scene = NULL;
     uint32_t object_idx;
+    settings.threads = threads;
     assert_int_equal(eng_scene_new(&scene), ENG_OK);
     assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), ENG_OK);
     eng_stage_begin(scene);
@@ -200,13 +201,15 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
     struct eng_mesh *mesh =
         make_mesh(object.x0, object.vertex_count, triangles, object.triangle_count);
     assert_memory_equal(eng_mesh_edges(mesh), edges, edge_count * sizeof *edges);
-    struct eng_scene *engine = run(mesh, object.vertex_count, object.x1, &result);
+    struct eng_scene *engine = run(mesh, object.vertex_count, object.x1, 1, &result);
     compare(&object, (const uint32_t(*)[2])edges, &result, truth, truth_count, &tally);
     print_message("# %s: %zu true, %zu missing; %zu records, %zu beside the lists "
                   "(%zu of them no contact), %zu possible, %zu timed exactly\n",
                   scene->name, truth_count, tally.missing, (size_t)result.count,
                   tally.extra, tally.untrue, tally.possible, tally.timed);
     eng_scene_free(engine);
+    uint64_t hash[2] = {result.hash_hi, result.hash_lo};
+    eng_scene_free(run(mesh, object.vertex_count, object.x1, 3, &result));
     eng_mesh_release(mesh);
     free(truth);
     free(edges);
@@ -214,6 +217,9 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
     ply_deinit(&frames[1]);
     assert_int_equal(truth_count, truth_expected);
     assert_int_equal(tally.missing, 0);
+    /* Three threads give the same bytes. */
+    assert_int_equal(result.hash_hi, hash[0]);
+    assert_int_equal(result.hash_lo, hash[1]);
     assert_true(tally.extra * 1000 <= truth_count * extra_max);
 }
 
@@ -289,7 +295,7 @@ static void run_handmade(void *context, bool is_vf, const char *path,
                    sizeof x[0][0]);
         }
         struct eng_mesh *mesh = make_mesh((points_t)x[0], 6, triangles, 2);
-        struct eng_scene *scene = run(mesh, 6, (points_t)x[1], &result);
+        struct eng_scene *scene = run(mesh, 6, (points_t)x[1], 1, &result);
         const struct eng_contact *contact = find_record(is_vf, mesh, &result);
         bool is_proved = contact && contact->flags & ENG_PROVED;
         tally->queries++;
