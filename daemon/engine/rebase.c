@@ -64,6 +64,12 @@ eng_base_t eng_query_rebase(const struct eng_query *query, struct eng_query *reb
     return base;
 }
 
+/* A weight that rounding left a little outside 0 .. 1 (1 - beta - gamma) is put back. */
+static float to_unit(double weight)
+{
+    return (float)(weight < 0 ? 0 : weight > 1 ? 1 : weight);
+}
+
 void eng_rebase_params(enum eng_kind kind, eng_base_t base, double beta, double gamma,
                        float param[2])
 {
@@ -72,10 +78,10 @@ void eng_rebase_params(enum eng_kind kind, eng_base_t base, double beta, double 
         weight[base] = 1 - beta - gamma;
         weight[(base + 1) % 3] = beta;
         weight[(base + 2) % 3] = gamma;
-        param[0] = (float)weight[1];
-        param[1] = (float)weight[2];
+        param[0] = to_unit(weight[1]);
+        param[1] = to_unit(weight[2]);
     } else {
-        param[0] = (float)(base & 1 ? 1 - beta : beta);
-        param[1] = (float)(base & 2 ? 1 - gamma : gamma);
+        param[0] = to_unit(base & 1 ? 1 - beta : beta);
+        param[1] = to_unit(base & 2 ? 1 - gamma : gamma);
     }
 }

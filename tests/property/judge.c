@@ -251,8 +251,8 @@ static void check_form(const struct judge *judge, const struct eng_contact *cont
     }
     must(judge, length2 == 0 || fabs(length2 - 1) < 1e-5, "normal is neither unit nor 0",
          contact);
-    for (int k = 0; k < 2; k++) { /* up to rounding */
-        must(judge, contact->param[k] >= -1e-6f && contact->param[k] <= 1 + 1e-6f,
+    for (int k = 0; k < 2; k++) {
+        must(judge, contact->param[k] >= 0 && contact->param[k] <= 1,
              "parameter outside 0 .. 1", contact);
     }
     must(judge,
