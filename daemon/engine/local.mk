@@ -70,6 +70,7 @@ libengine_la_SOURCES = \
     daemon/engine/vec.h \
     daemon/engine/worker.c \
     daemon/engine/worker.h \
+    daemon/engine/world.c \
     daemon/engine/world.h
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)

@@ -61,73 +61,6 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene);
 }
 
-/* A capacity for `end` items: grown by half, so that adding objects one by one copies
- * each array a logarithmic number of times. */
-static uint32_t grown(uint32_t capacity, uint32_t end)
-{
-    uint64_t more = (uint64_t)capacity + capacity / 2;
-    return more > UINT32_MAX || more < end ? end : (uint32_t)more;
-}
-
-/* Grow one array; *array is unchanged on failure. */
-static int grow(void **array, uint32_t capacity, size_t bytes)
-{
-    void *block = eng_realloc(*array, capacity, bytes);
-    if (!block) {
-        return ENG_E_NOMEM;
-    }
-    *array = block;
-    return ENG_OK;
-}
-
-static int reserve_vertices(struct eng_scene *scene)
-{
-    uint32_t end = scene->vertex_ranges.end;
-    if (end <= scene->vertex_capacity) {
-        return ENG_OK;
-    }
-    uint32_t capacity = grown(scene->vertex_capacity, end);
-    int status = grow((void **)&scene->x[0], capacity, sizeof *scene->x[0]);
-    if (status == ENG_OK) {
-        status = grow((void **)&scene->x[1], capacity, sizeof *scene->x[1]);
-    }
-    if (status == ENG_OK) {
-        status = grow((void **)&scene->vertices, capacity, sizeof *scene->vertices);
-    }
-    if (status == ENG_OK) {
-        scene->vertex_capacity = capacity;
-    }
-    return status;
-}
-
-int eng_world_reserve(struct eng_scene *scene)
-{
-    int status = reserve_vertices(scene);
-    if (status == ENG_OK && scene->edge_ranges.end > scene->edge_capacity) {
-        uint32_t capacity = grown(scene->edge_capacity, scene->edge_ranges.end);
-        status = grow((void **)&scene->edges, capacity, sizeof *scene->edges);
-        scene->edge_capacity = status == ENG_OK ? capacity : scene->edge_capacity;
-    }
-    if (status == ENG_OK && scene->triangle_ranges.end > scene->triangle_capacity) {
-        uint32_t capacity = grown(scene->triangle_capacity, scene->triangle_ranges.end);
-        status = grow((void **)&scene->triangles, capacity, sizeof *scene->triangles);
-        scene->triangle_capacity = status == ENG_OK ? capacity : scene->triangle_capacity;
-    }
-    if (status == ENG_OK && scene->node_ranges.end > scene->node_capacity) {
-        uint32_t capacity = grown(scene->node_capacity, scene->node_ranges.end);
-        status = grow((void **)&scene->nodes, capacity, sizeof *scene->nodes);
-        scene->node_capacity = status == ENG_OK ? capacity : scene->node_capacity;
-    }
-    return status;
-}
-
-struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx)
-{
-    return object_idx < scene->object_capacity && scene->objects[object_idx].mesh
-               ? &scene->objects[object_idx]
-               : NULL;
-}
-
 /* A free object index, growing the table if need be. ENG_E_INVAL: `id` is in use. */
 static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx)
 {
@@ -140,8 +73,9 @@ static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx
         }
     }
     if (place == scene->object_capacity) {
-        uint32_t capacity = grown(scene->object_capacity, scene->object_capacity + 8);
-        if (grow((void **)&scene->objects, capacity, sizeof *scene->objects) != ENG_OK) {
+        uint32_t capacity =
+            eng_world_grown(scene->object_capacity, scene->object_capacity + 8);
+        if (eng_world_grow(&scene->objects, capacity, sizeof *scene->objects) != ENG_OK) {
             return ENG_E_NOMEM;
         }
         memset(scene->objects + place, 0, (capacity - place) * sizeof *scene->objects);
