@@ -1,15 +1,28 @@
 # tests/unit/ctl.mk - the readers and the demo's scene.
 
-CTL_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(CMOCKA_CFLAGS)
+CTL_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -I$(top_srcdir)/tests/unit \
+    $(CMOCKA_CFLAGS)
 CTL_TEST_LDADD = libctl.la $(CMOCKA_LIBS) $(LIBM)
 
-check_PROGRAMS += tests/unit/test_ctl_meshfile tests/unit/test_ctl_cloth \
+check_LTLIBRARIES += libctlkit.la
+libctlkit_la_SOURCES = tests/unit/ctl_kit.c tests/unit/ctl_kit.h
+libctlkit_la_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
+
+CTL_TESTS = \
+    tests/unit/test_ctl_meshfile \
+    tests/unit/test_ctl_malformed \
+    tests/unit/test_ctl_cloth \
     tests/unit/test_ctl_output
-TESTS += tests/unit/test_ctl_meshfile tests/unit/test_ctl_cloth tests/unit/test_ctl_output
+check_PROGRAMS += $(CTL_TESTS)
+TESTS += $(CTL_TESTS)
 
 tests_unit_test_ctl_meshfile_SOURCES = tests/unit/test_ctl_meshfile.c
 tests_unit_test_ctl_meshfile_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
-tests_unit_test_ctl_meshfile_LDADD = $(CTL_TEST_LDADD)
+tests_unit_test_ctl_meshfile_LDADD = libctlkit.la $(CTL_TEST_LDADD)
+
+tests_unit_test_ctl_malformed_SOURCES = tests/unit/test_ctl_malformed.c
+tests_unit_test_ctl_malformed_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
+tests_unit_test_ctl_malformed_LDADD = libctlkit.la $(CTL_TEST_LDADD)
 
 tests_unit_test_ctl_cloth_SOURCES = tests/unit/test_ctl_cloth.c
 tests_unit_test_ctl_cloth_CPPFLAGS = $(CTL_TEST_CPPFLAGS)

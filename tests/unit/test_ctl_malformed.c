@@ -1,0 +1,301 @@
+/* tests/unit/test_ctl_malformed.c - the readers of PLY and OBJ, and broken files.
+ *
+ * Room:     client/ctl (meshfile.h).
+ * Does:     every malformed file gives its own message and no mesh.
+ * Does not: need a daemon; try whole files (test_ctl_meshfile.c).
+ * Threads:  one.
+ * Source:   client/ctl/meshfile.h.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "ctl_kit.h"
+#include "meshfile.h"
+
+/* A malformed file: what stands in it, and what the message must say. */
+struct malformed {
+    const char *text;
+    size_t bytes; /* 0: strlen */
+    int status;
+    const char *message; /* after the path */
+};
+
+static void check_malformed(const struct malformed *cases, size_t count, const char *name)
+{
+    for (size_t i = 0; i < count; i++) {
+        struct ctl_mesh mesh = {0};
+        struct ctl_error error = {.text = ""};
+        char path[KIT_PATH_BYTES];
+        size_t bytes = cases[i].bytes != 0 ? cases[i].bytes : strlen(cases[i].text);
+        kit_write_file(name, cases[i].text, bytes, path);
+        int status = ctl_mesh_read(path, &mesh, &error);
+        assert_null(mesh.x);
+        assert_null(mesh.triangles);
+        if (status != cases[i].status || strncmp(error.text, path, strlen(path)) != 0 ||
+            strcmp(error.text + strlen(path), cases[i].message) != 0)
+            fail_msg("case %zu: status %d, \"%s\" where %d, \"%s%s\" is due", i, status,
+                     error.text, cases[i].status, path, cases[i].message);
+    }
+}
+
+#define XYZ        "property float x\nproperty float y\nproperty float z\n"
+#define LIST       "property list uchar int vertex_indices\n"
+#define START      "ply\nformat ascii 1.0\nelement vertex 3\n"
+#define HEAD       START XYZ "element face 1\n" LIST
+#define BODY(text) HEAD "end_header\n" text
+
+/* If it failed: a broken header would be guessed at, or its message would not help. */
+static void malformed__names_what_is_wrong_in_a_ply_header(void **state)
+{
+    static const struct malformed cases[] = {
+        {"", 0, PCCD_E_FORMAT, ": the file is empty"},
+        {"plx\n", 0, PCCD_E_FORMAT, ":1: the first line is not \"ply\""},
+        {"ply\n", 0, PCCD_E_FORMAT, ":1: the file ends inside the header"},
+        {"ply\nformat ascii 1.0\n", 0, PCCD_E_FORMAT,
+         ":2: the file ends inside the header"},
+        {"ply\n\n", 0, PCCD_E_FORMAT, ":2: blank line in the header"},
+        {"ply\nformat ascii\n", 0, PCCD_E_FORMAT,
+         ":2: format without an encoding and a version"},
+        {"ply\nformat ascii 2.0\n", 0, PCCD_E_FORMAT,
+         ":2: version \"2.0\" where 1.0 is known"},
+        {"ply\nformat text 1.0\n", 0, PCCD_E_FORMAT, ":2: unknown encoding \"text\""},
+        {"ply\nformat ascii 1.0\nformat ascii 1.0\n", 0, PCCD_E_FORMAT,
+         ":3: a second format line"},
+        {"ply\nelephant\n", 0, PCCD_E_FORMAT, ":2: unknown header line \"elephant\""},
+        {"ply\nelement vertex\n", 0, PCCD_E_FORMAT,
+         ":2: element without a name and a count"},
+        {"ply\nelement vertex -1\n", 0, PCCD_E_FORMAT, ":2: \"-1\" is not a count"},
+        {"ply\nelement vertex 3x\n", 0, PCCD_E_FORMAT, ":2: \"3x\" is not a count"},
+        {"ply\nelement vertex 99999999999999999999\n", 0, PCCD_E_FORMAT,
+         ":2: \"99999999999999999999\" is not a count"},
+        {"ply\nelement vertex 3 4\n", 0, PCCD_E_FORMAT,
+         ":2: \"4\" is too much on a header line"},
+        {"ply\nproperty float x\n", 0, PCCD_E_FORMAT, ":2: property before any element"},
+        {"ply\nelement vertex 3\nproperty\n", 0, PCCD_E_FORMAT,
+         ":3: property without a type"},
+        {"ply\nelement vertex 3\nproperty half x\n", 0, PCCD_E_FORMAT,
+         ":3: unknown type \"half\""},
+        {"ply\nelement vertex 3\nproperty float\n", 0, PCCD_E_FORMAT,
+         ":3: property without a name"},
+        {"ply\nelement face 3\nproperty list uchar\n", 0, PCCD_E_FORMAT,
+         ":3: property without a type"},
+        {"ply\nelement vertex 0\nelement face 0\nend_header\n", 0, PCCD_E_FORMAT,
+         ":4: the header has no format line"},
+        {"ply\nformat ascii 1.0\nelement face 1\n" LIST "end_header\n", 0, PCCD_E_FORMAT,
+         ":5: the header has no element \"vertex\""},
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "end_header\n", 0, PCCD_E_FORMAT,
+         ":7: the header has no element \"face\""},
+        {HEAD "element vertex 3\nend_header\n", 0, PCCD_E_FORMAT,
+         ":10: two elements \"vertex\""},
+        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float z\n"
+         "element face 1\n" LIST "end_header\n",
+         0, PCCD_E_FORMAT, ":8: element \"vertex\" has no property \"y\""},
+        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+         "property list int float y\nproperty float z\nelement face 1\n" LIST
+         "end_header\n",
+         0, PCCD_E_FORMAT, ":9: property \"y\" of \"vertex\" is a list"},
+        {"ply\nformat ascii 1.0\nelement vertex 3\n" XYZ "element face 1\n"
+         "property int vertex_indices\nend_header\n",
+         0, PCCD_E_FORMAT,
+         ":9: element \"face\" has no list \"vertex_indices\" or \"vertex_index\""},
+        {HEAD "element hole 2\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 0,
+         PCCD_E_FORMAT, ":10: element \"hole\" has no properties"},
+        {"ply\nformat ascii 1.0\nelement vertex 4000000000000000000\n" XYZ
+         "element face 1\n" LIST "end_header\n0 0 0\n",
+         0, PCCD_E_FORMAT,
+         ":9: 4000000000000000000 rows of element \"vertex\" are announced, but the file "
+         "ends before"},
+        {"ply\nformat binary_little_endian 1.0\nelement vertex 1\n" XYZ
+         "element face 3000000000\n" LIST "end_header\n123456789012",
+         0, PCCD_E_FORMAT,
+         ":9: 3000000000 rows of element \"face\" are announced, but the file ends "
+         "before"},
+    };
+    (void)state;
+    check_malformed(cases, KIT_COUNT(cases), "bad.ply");
+}
+
+/* If it failed: an empty mesh would be registered. */
+static void malformed__refuses_a_ply_without_vertices_or_faces(void **state)
+{
+    static const struct malformed cases[] = {
+        {"ply\nformat ascii 1.0\nelement vertex 0\n" XYZ "element face 0\n" LIST
+         "end_header\n",
+         0, PCCD_E_FORMAT, ": no vertices"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "element face 0\n" LIST
+         "end_header\n0 0 0\n",
+         0, PCCD_E_FORMAT, ": no faces"},
+    };
+    (void)state;
+    check_malformed(cases, KIT_COUNT(cases), "bad.ply");
+}
+
+/* If it failed: a broken row would shift everything behind it. */
+static void malformed__names_what_is_wrong_in_an_ascii_ply(void **state)
+{
+    static const struct malformed cases[] = {
+        {BODY("0 0 0\n1 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
+         ":11: vertex 1: a value is missing at the end of the line"},
+        {BODY("0 0 0\n1 0 0 5\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
+         ":11: vertex 1: \"5\" is too much on the line"},
+        {BODY("0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
+         ":11: vertex 1: \"zero\" is not a number"},
+        {BODY("0 0 0\n1 0.5.5 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
+         ":11: vertex 1: \"0.5.5\" is not a number"},
+        {BODY("0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_NOTFINITE,
+         ":11: vertex 1: coordinate y is nan; |x| <= 1e18 is needed"},
+        {BODY("0 0 0\n1 0 -inf\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_NOTFINITE,
+         ":11: vertex 1: coordinate z is -inf; |x| <= 1e18 is needed"},
+        {BODY("0 0 0\n2e18 0 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_NOTFINITE,
+         ":11: vertex 1: coordinate x is 2e+18; |x| <= 1e18 is needed"},
+        {BODY("0 0 0\n1 0 0\n\n0 1 0\n3 0 1 3\n"), 0, PCCD_E_INDEX,
+         ":14: face 0: 3 is not a vertex number (there are 3 vertices)"},
+        {BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), 0, PCCD_E_INDEX,
+         ":13: face 0: -1 is not a vertex number (there are 3 vertices)"},
+        {BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n"), 0, PCCD_E_FORMAT,
+         ":13: face 0: \"1.5\" is not a whole number"},
+        {BODY("0 0 0\n1 0 0\n0 1 0\n2 0 1    \n"), 0, PCCD_E_FORMAT,
+         ":13: face 0: 2 vertices where a face needs at least 3"},
+        {BODY("0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"), 0, PCCD_E_FORMAT,
+         ":13: face 0: -3 is not a possible list length"},
+        {BODY("0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n"), 0, PCCD_E_FORMAT,
+         ":13: face 0: 4000000000 is not a possible list length"},
+        {BODY("0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n"), 0, PCCD_E_FORMAT,
+         ":13: face 0: a value is missing at the end of the line"},
+        {BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\nmore\n"), 0, PCCD_E_FORMAT,
+         ":15: \"more\" after the last element"},
+        {BODY("00000 00000\n1 0 0\n0 1 0\n"), 0, PCCD_E_FORMAT,
+         ":10: vertex 0: a value is missing at the end of the line"},
+        {BODY("0.000000000 0 0\n1 0 0\n0 1 0\n"), 0, PCCD_E_FORMAT,
+         ":12: face 0: the file ends here"},
+    };
+    (void)state;
+    check_malformed(cases, KIT_COUNT(cases), "bad.ply");
+}
+
+#define BINARY                                                                           \
+    "ply\nformat binary_little_endian 1.0\nelement vertex 1\n" XYZ "element face 1\n"    \
+    "property list int int vertex_index\nend_header\n"
+#define ORIGIN "\0\0\0\0\0\0\0\0\0\0\0\0"
+#define BINARY_CASE(body, status, message)                                               \
+    {                                                                                    \
+        BINARY body, sizeof(BINARY body) - 1, status, message                            \
+    }
+
+/* If it failed: a broken binary file would be read past its end, or its place not be
+ * told. The header takes 165 bytes. */
+static void malformed__names_what_is_wrong_in_a_binary_ply(void **state)
+{
+    static const struct malformed cases[] = {
+        BINARY_CASE(ORIGIN "\2\0\0\0\0\0\0\0\0\0\0\0", PCCD_E_FORMAT,
+                    ": byte 181: face 0: 2 vertices where a face needs at least 3"),
+        BINARY_CASE(ORIGIN "\3\0\0\0\0\0\0\0\0\0\0\0", PCCD_E_FORMAT,
+                    ": byte 189: face 0: the file ends here"),
+        BINARY_CASE(
+            ORIGIN "\3\0\0\0\0\0\0\0\0\0\0\0\1\0\0\0", PCCD_E_INDEX,
+            ": byte 193: face 0: 1 is not a vertex number (there are 1 vertices)"),
+        BINARY_CASE(
+            ORIGIN "\3\0\0\0\0\0\0\0\0\0\0\0\377\377\377\377", PCCD_E_INDEX,
+            ": byte 193: face 0: -1 is not a vertex number (there are 1 vertices)"),
+        BINARY_CASE(ORIGIN "\377\377\377\177\0\0\0\0", PCCD_E_FORMAT,
+                    ": byte 181: face 0: 2147483647 is not a possible list length"),
+        BINARY_CASE(ORIGIN "\377\377\377\377\0\0\0\0", PCCD_E_FORMAT,
+                    ": byte 181: face 0: -1 is not a possible list length"),
+        BINARY_CASE(ORIGIN "\3\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\n", PCCD_E_FORMAT,
+                    ": byte 193: 1 bytes after the last element"),
+        BINARY_CASE("\0\0\0\0\0\0\300\177\0\0\0\0\3\0\0\0", PCCD_E_NOTFINITE,
+                    ": byte 173: vertex 0: coordinate y is nan; |x| <= 1e18 is needed"),
+    };
+    (void)state;
+    assert_int_equal(sizeof(BINARY) - 1, 165);
+    check_malformed(cases, KIT_COUNT(cases), "bad.ply");
+}
+
+/* If it failed: a broken OBJ file would be read as another mesh. */
+static void malformed__names_what_is_wrong_in_an_obj(void **state)
+{
+    static const struct malformed cases[] = {
+        {"f 1 2 3\n", 0, PCCD_E_FORMAT, ": no vertices"},
+        {"v 0 0 0\n", 0, PCCD_E_FORMAT, ": no faces"},
+        {"v 0 0\n", 0, PCCD_E_FORMAT, ":1: a vertex of 2 numbers"},
+        {"v 0 0 0 0 0\n", 0, PCCD_E_FORMAT, ":1: a vertex of 5 numbers"},
+        {"v 0 0 0 0 0 0 0 0\n", 0, PCCD_E_FORMAT, ":1: more than 7 numbers in a vertex"},
+        {"v 0 0 x\n", 0, PCCD_E_FORMAT, ":1: \"x\" is not a number"},
+        {"v 0 0 0\nv 0 nan 0\n", 0, PCCD_E_NOTFINITE,
+         ":2: vertex 2: coordinate y is nan; |x| <= 1e18 is needed"},
+        {"v 0 0 0\nv 0 0 1e19\n", 0, PCCD_E_NOTFINITE,
+         ":2: vertex 2: coordinate z is 1e+19; |x| <= 1e18 is needed"},
+        {"v 0 0 0\nf 1 1\n", 0, PCCD_E_FORMAT,
+         ":2: 2 vertices where a face needs at least 3"},
+        {"v 0 0 0\nf 1 1 2\n", 0, PCCD_E_INDEX,
+         ":2: 2 is not a vertex number (1 vertices so far, 1 in the file)"},
+        {"v 0 0 0\nf 1 1 0\n", 0, PCCD_E_INDEX,
+         ":2: 0 is not a vertex number (1 vertices so far, 1 in the file)"},
+        {"v 0 0 0\nf -1 -1 -2\nv 1 1 1\n", 0, PCCD_E_INDEX,
+         ":2: -2 is not a vertex number (1 vertices so far, 2 in the file)"},
+        {"v 0 0 0\nf 1 /1 1\n", 0, PCCD_E_FORMAT, ":2: \"/1\" is not a face corner"},
+        {"v 0 0 0\nf 1 1 1.5\n", 0, PCCD_E_FORMAT, ":2: \"1.5\" is not a face corner"},
+        {"v 0 0 0\nsolid\n", 0, PCCD_E_FORMAT, ":2: unknown statement \"solid\""},
+        {"v 0 0 0\n\\\nv 1 1 1\n", 0, PCCD_E_FORMAT,
+         ":2: a vertex that begins on a continued line"},
+    };
+    (void)state;
+    check_malformed(cases, KIT_COUNT(cases), "bad.obj");
+}
+
+/* If it failed: a file cut anywhere could be taken for a whole one, or read past its end.
+ */
+static void malformed__refuses_a_binary_ply_cut_at_any_byte(void **state)
+{
+    static struct kit_bytes bytes;
+    const struct kit_variant variant = {
+        "binary_big_endian", "double", "uchar", "int", true, PCCD_FORMAT_F64};
+    (void)state;
+    kit_make_ply(&bytes, &variant);
+    for (size_t count = 0; count < bytes.count; count++) {
+        struct ctl_mesh mesh = {0};
+        struct ctl_error error = {.text = ""};
+        char path[KIT_PATH_BYTES];
+        kit_write_file("cut.ply", bytes.data, count, path);
+        assert_int_not_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
+        assert_string_not_equal(error.text, "");
+    }
+}
+
+/* If it failed: the caller could not tell a missing file from a bad one. */
+static void malformed__tells_files_it_cannot_read(void **state)
+{
+    struct ctl_mesh mesh = {0};
+    struct ctl_error error = {.text = ""};
+    char path[KIT_PATH_BYTES];
+    (void)state;
+    snprintf(path, sizeof(path), "%s/absent.ply", kit_folder);
+    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_SYSTEM);
+    assert_non_null(strstr(error.text, "cannot open: No such file or directory"));
+    assert_int_equal(ctl_mesh_read(kit_folder, &mesh, &error), PCCD_E_SYSTEM);
+    assert_non_null(strstr(error.text, "cannot read: Is a directory"));
+    kit_write_file("mesh.stl", "solid\n", 6, path);
+    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_FORMAT);
+    assert_non_null(
+        strstr(error.text, "neither PLY (first line \"ply\") nor a name ending"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(malformed__names_what_is_wrong_in_a_ply_header),
+        cmocka_unit_test(malformed__refuses_a_ply_without_vertices_or_faces),
+        cmocka_unit_test(malformed__names_what_is_wrong_in_an_ascii_ply),
+        cmocka_unit_test(malformed__names_what_is_wrong_in_a_binary_ply),
+        cmocka_unit_test(malformed__names_what_is_wrong_in_an_obj),
+        cmocka_unit_test(malformed__refuses_a_binary_ply_cut_at_any_byte),
+        cmocka_unit_test(malformed__tells_files_it_cannot_read),
+    };
+    return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
+}
