@@ -1,9 +1,10 @@
 /* test_int_peer.c - the library and a daemon that misbehaves.
  *
  * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     a false daemon in a child process, played from a script: wrong versions, answers
- *           out of order, to nobody, with pages and memories that are not there, silence and
- *           sudden ends. Whatever it does, the library returns in time with an error.
+ * Does:     a false daemon in a child process, played from a script: wrong versions,
+ *           answers out of order, to nobody, with pages and memories that are not there,
+ *           silence and sudden ends. Whatever it does, the library returns in time with
+ *           an error.
  * Threads:  one in each process.
  */
 #include <setjmp.h>
@@ -48,7 +49,7 @@ static char socket_path[80];
 static char url[96];
 static pid_t child;
 
-/* ---- in the child ---------------------------------------------------------------------- */
+/* ---- in the child ------------------------------------------------------------------ */
 
 /* Take the next request; ends the process when there is none. */
 static int next_request(void)
@@ -114,7 +115,7 @@ static void answer_step(uint32_t id, uint64_t offset, uint64_t count, uint32_t b
     answer(id, PROTO_METHOD_FRAME_SUBMIT, &result, NULL, 0);
 }
 
-/* ---- in the test ----------------------------------------------------------------------- */
+/* ---- in the test ------------------------------------------------------------------- */
 
 typedef void (*script_fn)(void);
 
@@ -179,7 +180,7 @@ static struct pccd_client *connect_good(void)
     return client;
 }
 
-/* ---- connecting ------------------------------------------------------------------------ */
+/* ---- connecting -------------------------------------------------------------------- */
 
 static void choose_another_version(void)
 {
@@ -259,7 +260,7 @@ static void peer__that_talks_nonsense_is_disconnected(void **state)
     pccd_close(client);
 }
 
-/* ---- memories -------------------------------------------------------------------------- */
+/* ---- memories ---------------------------------------------------------------------- */
 
 static unsigned lie; /* which of the scripts below */
 
@@ -322,7 +323,7 @@ static void peer__that_lies_about_memory_is_not_believed(void **state)
     }
 }
 
-/* ---- answers --------------------------------------------------------------------------- */
+/* ---- answers ----------------------------------------------------------------------- */
 
 static void lie_about_pages(void)
 {

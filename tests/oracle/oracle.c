@@ -1,15 +1,22 @@
 /* oracle.c - the exact truth about one elementary test.
  *
  * Room:     tests/oracle.
- * Does:     scale the coordinates to integers. Four points in a plane is a cubic in t: VF
- *           f = det[p - a, b - a, c - a] EE  f = det[c - a, b - a, d - c] f not
- *           identically 0: contacts are at roots of f. At each root the barycentric
- *           numerators decide, or, where the normal vanishes, the segments that the
- *           features have collapsed to. f identically 0: the first contact is at t = 0 or
- *           where a point arrives on a segment: a point inside a triangle or the crossing
- *           of two edges stays one for a while before and after, so it is never the
- *           first.
+ * Does:     decide whether and when a point meets a triangle or two edges meet, in
+ *           integers, without rounding.
  * Threads:  [any].
+ *
+ * The coordinates are scaled to integers. Four points in a plane is a cubic in t:
+ *
+ *     VF  f = det[p - a, b - a, c - a]
+ *     EE  f = det[c - a, b - a, d - c]
+ *
+ * f not identically 0: contacts are at roots of f. At each root the barycentric
+ * numerators decide, or, where the normal vanishes, the segments that the features have
+ * collapsed to.
+ *
+ * f identically 0: the first contact is at t = 0 or where a point arrives on a segment. A
+ * point inside a triangle or the crossing of two edges stays one for a while before and
+ * after, so it is never the first.
  */
 #include "oracle.h"
 
