@@ -93,8 +93,8 @@ static int choose_program(struct pccd_client *client, const char *asked, char *p
         find_program("pccdd", program) == 0)
         return 0;
     return cli_fail(client, PCCD_E_NODAEMON,
-                    "no daemon to start: no pccdd beside this program, at %s or in $PATH; "
-                    "PCCD_DAEMON=PROGRAM names one",
+                    "no daemon to start: no pccdd beside this program, at %s or in "
+                    "$PATH; PCCD_DAEMON=PROGRAM names one",
                     CLI_DAEMON_PATH);
 }
 
