@@ -43,15 +43,17 @@ static int map_ring(struct pccd_client *client,
 
         proto_memory_deinit(&unused);
     }
-    if (rc != 0)
+    if (rc != 0) {
         return cli_fail(client, rc, "shm.attach: the memory cannot be mapped: %s",
                         proto_status_text(rc));
+    }
     if (result->slot_count == 0 || result->slot_count > PROTO_SLOTS_MAX ||
         result->upload_bytes < sizeof(struct proto_upload) ||
         result->slot_stride % 8 != 0 ||
         result->slot_stride >
-            (result->upload_bytes - sizeof(struct proto_upload)) / result->slot_count)
+            (result->upload_bytes - sizeof(struct proto_upload)) / result->slot_count) {
         return cli_fail(client, PCCD_E_BADMSG, "shm.attach: slots outside the memory");
+    }
     ring->slot_count = result->slot_count;
     ring->slot_stride = result->slot_stride;
     ring->inflight_max = result->inflight_max > 0 ? result->inflight_max : 1;
@@ -70,11 +72,13 @@ static int attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t slot
     int rc =
         cli_call_sync(client, PROTO_METHOD_SHM_ATTACH, &request, &result, deadline_ns);
 
-    if (rc == PCCD_E_TIMEOUT)
+    if (rc == PCCD_E_TIMEOUT) {
         /* It may still be attached: which ring the daemon reads is not known any more. */
         cli_ring_deinit(&client->ring);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
+    }
     memset(&ring, 0, sizeof(ring));
     ring.upload = ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
     rc = map_ring(client, &result, &ring);
@@ -92,25 +96,28 @@ static int check_idle(struct pccd_client *client, uint64_t slot_bytes,
                       uint64_t deadline_ns)
 {
     for (uint32_t i = 0; i < client->ring.slot_count; i++) {
-        if (client->ring.slots[i].state == CLI_SLOT_BEGUN)
+        if (client->ring.slots[i].state == CLI_SLOT_BEGUN) {
             return cli_fail(
                 client, PCCD_E_BUSY,
                 "a slot of %llu bytes needs a larger ring: commit or abort the "
                 "frames that are begun first",
                 (unsigned long long)slot_bytes);
+        }
     }
     while (cli_call_inflight(client) > 0) {
         int rc = cli_progress(client, deadline_ns);
 
-        if (rc != 0)
+        if (rc != 0) {
             return rc;
+        }
     }
-    if (cli_page_count(client) > 0)
+    if (cli_page_count(client) > 0) {
         return cli_fail(
             client, PCCD_E_BUSY,
             "a slot of %llu bytes needs a larger ring: take and release the %u "
             "answers with records first",
             (unsigned long long)slot_bytes, cli_page_count(client));
+    }
     return 0;
 }
 
@@ -124,23 +131,27 @@ int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
     uint64_t bytes;
     int rc;
 
-    if (client->ring.upload.base != NULL && old_bytes >= slot_bytes)
+    if (client->ring.upload.base != NULL && old_bytes >= slot_bytes) {
         return 0;
+    }
     rc = check_idle(client, slot_bytes, deadline_ns);
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     /* Half as much again, so that slow growth does not attach anew for each step. */
     bytes = least > old_bytes + old_bytes / 2 ? least : old_bytes + old_bytes / 2;
     for (;;) {
         rc = attach(client, bytes, slot_count, deadline_ns);
-        if (rc != PCCD_E_QUOTA)
+        if (rc != PCCD_E_QUOTA) {
             return rc;
-        if (bytes > least)
+        }
+        if (bytes > least) {
             bytes = least;
-        else if (!client->slots_chosen && slot_count > 1)
+        } else if (!client->slots_chosen && slot_count > 1) {
             slot_count /= 2;
-        else
+        } else {
             return rc;
+        }
     }
 }
 
@@ -170,8 +181,9 @@ int cli_slot_begin(struct pccd_client *client, uint64_t deadline_ns, uint32_t *s
             struct cli_slot *candidate = &client->ring.slots[i];
 
             sent = sent || candidate->state == CLI_SLOT_SENT;
-            if (candidate->state != CLI_SLOT_FREE)
+            if (candidate->state != CLI_SLOT_FREE) {
                 continue;
+            }
             candidate->state = CLI_SLOT_BEGUN;
             candidate->seq++; /* odd: being written */
             atomic_store_explicit(&descriptor(client, i)->seq, candidate->seq,
@@ -182,13 +194,15 @@ int cli_slot_begin(struct pccd_client *client, uint64_t deadline_ns, uint32_t *s
             *slot = i;
             return 0;
         }
-        if (!sent)
+        if (!sent) {
             return cli_fail(client, PCCD_E_BUSY,
                             "all %u slots are begun: commit or abort one",
                             client->ring.slot_count);
+        }
         rc = cli_progress(client, deadline_ns);
-        if (rc != 0)
+        if (rc != 0) {
             return rc;
+        }
     }
 }
 

@@ -88,8 +88,9 @@ const char *pccd_version(void)
 
 void pccd_options_init(struct pccd_options *options)
 {
-    if (options == NULL)
+    if (options == NULL) {
         return;
+    }
     memset(options, 0, sizeof(*options));
     options->struct_bytes = sizeof(*options);
     options->timeout_ms = CLI_TIMEOUT_MS;
@@ -104,52 +105,65 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
                         struct pccd_options *options)
 {
     pccd_options_init(options);
-    if (asked == NULL)
+    if (asked == NULL) {
         return 0;
+    }
     if (asked->struct_bytes != 0 &&
-        (asked->struct_bytes < sizeof(*asked) || asked->struct_bytes > CLI_OPTIONS_MAX))
+        (asked->struct_bytes < sizeof(*asked) || asked->struct_bytes > CLI_OPTIONS_MAX)) {
         return cli_fail(client, PCCD_E_INVAL, "options.struct_bytes is %zu, not %zu",
                         asked->struct_bytes, sizeof(*asked));
+    }
     /* A newer program may know options that this library does not: only their zero. */
     for (size_t i = sizeof(*asked); i < asked->struct_bytes; i++) {
-        if (((const unsigned char *)asked)[i] != 0)
+        if (((const unsigned char *)asked)[i] != 0) {
             return cli_fail(client, PCCD_E_INVAL,
                             "options hold something that libpccd %s does not know",
                             pccd_version());
+        }
     }
-    if (asked->timeout_ms < 0 || asked->timeout_ms > CLI_TIMEOUT_MS_MAX)
+    if (asked->timeout_ms < 0 || asked->timeout_ms > CLI_TIMEOUT_MS_MAX) {
         return cli_fail(client, PCCD_E_INVAL, "options.timeout_ms is %d, not 1 .. %d",
                         asked->timeout_ms, CLI_TIMEOUT_MS_MAX);
-    if (asked->slot_count > PROTO_SLOTS_MAX)
+    }
+    if (asked->slot_count > PROTO_SLOTS_MAX) {
         return cli_fail(client, PCCD_E_INVAL, "options.slot_count is %u, not 1 .. %u",
                         asked->slot_count, PROTO_SLOTS_MAX);
-    if (asked->spin_us > CLI_SPIN_US_MAX)
+    }
+    if (asked->spin_us > CLI_SPIN_US_MAX) {
         return cli_fail(client, PCCD_E_INVAL, "options.spin_us is %u, not 0 .. %u",
                         asked->spin_us, CLI_SPIN_US_MAX);
-    if (asked->result_bytes != 0 && asked->result_bytes < PROTO_RESULT_BYTES_MIN)
+    }
+    if (asked->result_bytes != 0 && asked->result_bytes < PROTO_RESULT_BYTES_MIN) {
         return cli_fail(client, PCCD_E_INVAL,
                         "options.result_bytes is %llu, less than %u",
                         (unsigned long long)asked->result_bytes, PROTO_RESULT_BYTES_MIN);
-    if (asked->slot_bytes != 0 && asked->slot_bytes < PROTO_SLOT_BYTES_MIN)
+    }
+    if (asked->slot_bytes != 0 && asked->slot_bytes < PROTO_SLOT_BYTES_MIN) {
         return cli_fail(client, PCCD_E_INVAL, "options.slot_bytes is %llu, less than %u",
                         (unsigned long long)asked->slot_bytes, PROTO_SLOT_BYTES_MIN);
-    if (asked->private_daemon && (asked->no_autostart || asked->url != NULL))
+    }
+    if (asked->private_daemon && (asked->no_autostart || asked->url != NULL)) {
         return cli_fail(client, PCCD_E_INVAL,
                         "options.private_daemon excludes url and no_autostart");
+    }
     options->url = asked->url;
     options->daemon = asked->daemon;
     options->name = asked->name;
     options->no_autostart = asked->no_autostart;
     options->private_daemon = asked->private_daemon;
     options->slot_bytes = asked->slot_bytes;
-    if (asked->timeout_ms != 0)
+    if (asked->timeout_ms != 0) {
         options->timeout_ms = asked->timeout_ms;
-    if (asked->slot_count != 0)
+    }
+    if (asked->slot_count != 0) {
         options->slot_count = asked->slot_count;
-    if (asked->result_bytes != 0)
+    }
+    if (asked->result_bytes != 0) {
         options->result_bytes = asked->result_bytes;
-    if (asked->struct_bytes != 0)
+    }
+    if (asked->struct_bytes != 0) {
         options->spin_us = asked->spin_us;
+    }
     return 0;
 }
 
@@ -171,8 +185,9 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
     memcpy(address.sun_path, path, strlen(path)); /* checked: shorter than sun_path */
     (void)snprintf(client->url, sizeof(client->url), "unix:%s", path);
     client->socket = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (client->socket < 0)
+    if (client->socket < 0) {
         return cli_fail(client, PCCD_E_SYSTEM, "socket: %s", strerror(errno));
+    }
     while (connect(client->socket, (const struct sockaddr *)&address, sizeof(address)) !=
            0) {
         int reason = errno;
@@ -182,16 +197,19 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
             pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
             continue;
         }
-        if (reason == EINTR)
+        if (reason == EINTR) {
             continue;
+        }
         (void)close(client->socket);
         client->socket = -1;
-        if (reason == EAGAIN)
+        if (reason == EAGAIN) {
             return cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s accepts nobody",
                             path);
-        if (reason == ENOENT || reason == ECONNREFUSED || reason == ENOTDIR)
+        }
+        if (reason == ENOENT || reason == ECONNREFUSED || reason == ENOTDIR) {
             return cli_fail(client, PCCD_E_NODAEMON, "nobody listens at %s: %s", path,
                             strerror(reason));
+        }
         return cli_fail(client, PCCD_E_SYSTEM, "connect to %s: %s", path,
                         strerror(reason));
     }
@@ -209,14 +227,17 @@ static int say_hello(struct pccd_client *client, const char *name, uint64_t dead
     (void)snprintf(request.client, sizeof(request.client), "%s",
                    name != NULL ? name : program_invocation_short_name);
     rc = cli_call_sync(client, PROTO_METHOD_HELLO, &request, &result, deadline_ns);
-    if (rc == PCCD_E_DISCONNECTED && client->goaway != 0)
+    if (rc == PCCD_E_DISCONNECTED && client->goaway != 0) {
         return cli_fail(client, client->goaway, "%s", client->dead_text);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
-    if (result.version < PROTO_VERSION_MIN || result.version > PROTO_VERSION_MAX)
+    }
+    if (result.version < PROTO_VERSION_MIN || result.version > PROTO_VERSION_MAX) {
         return cli_fail(client, PCCD_E_VERSION,
                         "the daemon chose version %u, this library speaks %u .. %u",
                         result.version, PROTO_VERSION_MIN, PROTO_VERSION_MAX);
+    }
     client->pid = result.pid;
     return 0;
 }
@@ -226,11 +247,13 @@ static int open_session(struct pccd_client *client, const char *path, const char
 {
     int rc = open_socket(client, path, deadline_ns);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     rc = say_hello(client, name, deadline_ns);
-    if (rc != 0)
+    if (rc != 0) {
         cli_rpc_close(client);
+    }
     return rc;
 }
 
@@ -247,12 +270,14 @@ static int retry_session(struct pccd_client *client, const char *path, const cha
     uint64_t until_ns = cli_now_ns() + CLI_START_PATIENCE;
     int rc;
 
-    if (until_ns > deadline_ns)
+    if (until_ns > deadline_ns) {
         until_ns = deadline_ns;
+    }
     do {
         rc = open_session(client, path, name, deadline_ns);
-        if (!is_worth_retrying(rc))
+        if (!is_worth_retrying(rc)) {
             return rc;
+        }
         sleep_ns(pause_ns);
         pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
     } while (cli_now_ns() < until_ns);
@@ -268,25 +293,29 @@ static int connect_user(struct pccd_client *client, const struct pccd_options *o
     char path[CLI_SOCKET_BYTES];
     int rc;
 
-    if (proto_default_socket_path(path, sizeof(path)) != 0)
+    if (proto_default_socket_path(path, sizeof(path)) != 0) {
         return cli_fail(client, PCCD_E_LIMIT,
                         "$XDG_RUNTIME_DIR is too long for a socket's path");
+    }
     rc = open_session(client, path, options->name, deadline_ns);
     for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(rc); start++) {
         int started;
 
-        if (options->no_autostart)
+        if (options->no_autostart) {
             return rc;
+        }
         started = cli_launch_user(client, options->daemon, path, deadline_ns);
-        if (started != 0 && started != PCCD_E_AGAIN)
+        if (started != 0 && started != PCCD_E_AGAIN) {
             return started;
+        }
         rc = retry_session(client, path, options->name, deadline_ns);
-        if (is_worth_retrying(rc) && started == PCCD_E_AGAIN)
+        if (is_worth_retrying(rc) && started == PCCD_E_AGAIN) {
             return cli_fail(
                 client, PCCD_E_NODAEMON,
                 "the daemon that was started for %s ended at once; PCCD_LOG=FILE "
                 "shows what it says",
                 path);
+        }
     }
     return rc;
 }
@@ -297,19 +326,22 @@ static int connect_private(struct pccd_client *client, const struct pccd_options
     char path[CLI_SOCKET_BYTES];
     int rc = cli_launch_private(client, options->daemon, path, deadline_ns);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     return open_session(client, path, options->name, deadline_ns);
 }
 
 static int connect_url(struct pccd_client *client, const char *url,
                        const struct pccd_options *options, uint64_t deadline_ns)
 {
-    if (strncmp(url, "unix:", 5) != 0 || url[5] == '\0')
+    if (strncmp(url, "unix:", 5) != 0 || url[5] == '\0') {
         return cli_fail(client, PCCD_E_INVAL, "url \"%.200s\" is not unix:PATH", url);
-    if (strlen(url + 5) >= CLI_SOCKET_BYTES)
+    }
+    if (strlen(url + 5) >= CLI_SOCKET_BYTES) {
         return cli_fail(client, PCCD_E_INVAL, "the path of \"%.200s\" is longer than %u",
                         url, CLI_SOCKET_BYTES - 1);
+    }
     return open_session(client, url + 5, options->name, deadline_ns);
 }
 
@@ -320,8 +352,9 @@ static int connect_any(struct pccd_client *client, const struct pccd_options *as
     uint64_t deadline_ns;
     int rc = take_options(client, asked, &options);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     client->timeout_ms = options.timeout_ms;
     client->spin_us = options.spin_us;
     client->slots_chosen = asked != NULL && asked->slot_count != 0;
@@ -329,11 +362,13 @@ static int connect_any(struct pccd_client *client, const struct pccd_options *as
     client->slot_bytes = options.slot_bytes;
     client->result_bytes = options.result_bytes;
     deadline_ns = cli_deadline(client, -1);
-    if (options.private_daemon)
+    if (options.private_daemon) {
         return connect_private(client, &options, deadline_ns);
+    }
     url = options.url != NULL ? options.url : getenv("PCCD_URL");
-    if (url != NULL && url[0] != '\0')
+    if (url != NULL && url[0] != '\0') {
         return connect_url(client, url, &options, deadline_ns);
+    }
     return connect_user(client, &options, deadline_ns);
 }
 
@@ -342,11 +377,13 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
     struct pccd_client *made;
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return cli_fail(NULL, PCCD_E_INVAL, "client is NULL");
+    }
     made = calloc(1, sizeof(*made));
-    if (made == NULL)
+    if (made == NULL) {
         return cli_fail(NULL, PCCD_E_NOMEM, "no memory for a client");
+    }
     made->socket = -1;
     made->fds[0] = made->fds[1] = -1;
     made->owner = getpid();
@@ -369,12 +406,14 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
 
 void pccd_close(struct pccd_client *client)
 {
-    if (client == NULL)
+    if (client == NULL) {
         return;
+    }
     cli_rpc_close(client);
     cli_ring_deinit(&client->ring);
-    if (client->owner == getpid())
+    if (client->owner == getpid()) {
         cli_launch_stop(&client->child);
+    }
     proto_decoder_free(client->decoder);
     free(client);
 }

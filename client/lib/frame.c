@@ -44,24 +44,31 @@ int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segmen
     uint32_t slot = 0;
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (frame == NULL)
+    }
+    if (frame == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "frame is NULL");
-    if (segment_max > PROTO_SEGMENTS_MAX)
+    }
+    if (segment_max > PROTO_SEGMENTS_MAX) {
         return cli_fail(client, PCCD_E_LIMIT, "a step has at most %u segments, not %u",
                         PROTO_SEGMENTS_MAX, segment_max);
-    if (payload_bytes > PAYLOAD_MAX)
+    }
+    if (payload_bytes > PAYLOAD_MAX) {
         return cli_fail(client, PCCD_E_LIMIT, "a step of %llu bytes",
                         (unsigned long long)payload_bytes);
+    }
     deadline_ns = cli_deadline(client, -1);
     rc = cli_step_check(client);
-    if (rc == 0)
+    if (rc == 0) {
         rc = cli_ring_reserve(client, bytes, deadline_ns);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = cli_slot_begin(client, deadline_ns, &slot);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
+    }
     own = &client->ring.slots[slot];
     own->scene = scene;
     own->segment_max = segment_max;
@@ -80,11 +87,13 @@ int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segmen
  * the public struct's. */
 static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
 {
-    if (frame == NULL || frame->client == NULL)
+    if (frame == NULL || frame->client == NULL) {
         return PCCD_E_INVAL;
+    }
     if (frame->slot >= frame->client->ring.slot_count ||
-        frame->client->ring.slots[frame->slot].state != CLI_SLOT_BEGUN)
+        frame->client->ring.slots[frame->slot].state != CLI_SLOT_BEGUN) {
         return cli_fail(frame->client, PCCD_E_INVAL, "the frame is not begun");
+    }
     *own = &frame->client->ring.slots[frame->slot];
     return 0;
 }
@@ -99,24 +108,28 @@ static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
     uint8_t *payload;
     int rc = find_slot(frame, &own);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
-    if (own->segment_count >= own->segment_max)
+    }
+    if (own->segment_count >= own->segment_max) {
         return cli_fail(frame->client, PCCD_E_LIMIT,
                         "more than the announced %u segments", own->segment_max);
+    }
     end0 = own->used_bytes + round_up(bytes0, RANGE_ALIGN);
     end1 = end0 + round_up(bytes1, RANGE_ALIGN);
-    if (end1 > own->limit_bytes)
+    if (end1 > own->limit_bytes) {
         return cli_fail(frame->client, PCCD_E_LIMIT,
                         "segment %u ends at byte %llu of the announced %llu",
                         own->segment_count, (unsigned long long)end1,
                         (unsigned long long)own->limit_bytes);
+    }
     payload = cli_slot_payload(frame->client, frame->slot);
     segment.offset0 = bytes0 > 0 ? own->used_bytes : 0;
     segment.offset1 = end0;
     memcpy(payload + own->segment_count * sizeof(segment), &segment, sizeof(segment));
-    if (range0 != NULL)
+    if (range0 != NULL) {
         *range0 = payload + own->used_bytes;
+    }
     *range1 = payload + end0;
     own->used_bytes = end1;
     own->segment_count++;
@@ -127,9 +140,10 @@ static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
 
 static int check_format(const struct pccd_frame *frame, enum pccd_format format)
 {
-    if (frame != NULL && frame->client != NULL && (unsigned)format >= PCCD_FORMAT_COUNT)
+    if (frame != NULL && frame->client != NULL && (unsigned)format >= PCCD_FORMAT_COUNT) {
         return cli_fail(frame->client, PCCD_E_INVAL, "unknown format %u",
                         (unsigned)format);
+    }
     return 0;
 }
 
@@ -149,8 +163,9 @@ int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format fo
                                     .count = count};
     int rc = check_format(frame, format);
 
-    if (rc != 0 || x1 == NULL)
+    if (rc != 0 || x1 == NULL) {
         return PCCD_E_INVAL;
+    }
     return add_segment(frame, segment, 0, range_bytes(format, count), NULL, x1);
 }
 
@@ -164,8 +179,9 @@ int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format 
                                     .count = count};
     int rc = check_format(frame, format);
 
-    if (rc != 0 || x0 == NULL || x1 == NULL)
+    if (rc != 0 || x0 == NULL || x1 == NULL) {
         return PCCD_E_INVAL;
+    }
     return add_segment(frame, segment, range_bytes(format, count),
                        range_bytes(format, count), x0, x1);
 }
@@ -182,12 +198,14 @@ int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
     void *range1 = NULL;
     int rc;
 
-    if (m0 == NULL || m1 == NULL)
+    if (m0 == NULL || m1 == NULL) {
         return PCCD_E_INVAL;
+    }
     rc = add_segment(frame, segment, PROTO_RIGID_BYTES, PROTO_RIGID_BYTES, &range0,
                      &range1);
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     memcpy(range0, m0, PROTO_RIGID_BYTES);
     memcpy(range1, m1, PROTO_RIGID_BYTES);
     return 0;
@@ -202,8 +220,9 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
     uint64_t seq;
     int rc = find_slot(frame, &own);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     client = frame->client;
     frame->client = NULL; /* a frame is committed once */
     segment_count = own->segment_count;
@@ -220,8 +239,9 @@ void pccd_frame_abort(struct pccd_frame *frame)
 {
     struct cli_slot *own = NULL;
 
-    if (find_slot(frame, &own) != 0)
+    if (find_slot(frame, &own) != 0) {
         return;
+    }
     cli_slot_abort(frame->client, frame->slot);
     frame->client = NULL;
 }

@@ -41,8 +41,9 @@ static int find_program(const char *name, char *program)
     char candidate[PROGRAM_BYTES];
 
     if (strchr(name, '/') != NULL) {
-        if (access(name, X_OK) != 0 || realpath(name, program) == NULL)
+        if (access(name, X_OK) != 0 || realpath(name, program) == NULL) {
             return PCCD_E_NODAEMON;
+        }
         return 0;
     }
     while (entry != NULL && *entry != '\0') {
@@ -51,11 +52,13 @@ static int find_program(const char *name, char *program)
             snprintf(candidate, sizeof(candidate), "%.*s/%s", (int)bytes, entry, name);
 
         if (bytes > 0 && length > 0 && (size_t)length < sizeof(candidate) &&
-            access(candidate, X_OK) == 0 && realpath(candidate, program) != NULL)
+            access(candidate, X_OK) == 0 && realpath(candidate, program) != NULL) {
             return 0;
+        }
         entry += bytes;
-        if (*entry == ':')
+        if (*entry == ':') {
             entry++;
+        }
     }
     return PCCD_E_NODAEMON;
 }
@@ -68,13 +71,15 @@ static int find_beside(char *program)
     ssize_t bytes = readlink("/proc/self/exe", candidate, sizeof(candidate) - 1);
     char *slash;
 
-    if (bytes <= 0)
+    if (bytes <= 0) {
         return PCCD_E_NODAEMON;
+    }
     candidate[bytes] = '\0';
     slash = strrchr(candidate, '/');
     if (slash == NULL ||
-        (size_t)(slash - candidate) + sizeof("/pccdd") > sizeof(candidate))
+        (size_t)(slash - candidate) + sizeof("/pccdd") > sizeof(candidate)) {
         return PCCD_E_NODAEMON;
+    }
     memcpy(slash, "/pccdd", sizeof("/pccdd"));
     return find_program(candidate, program);
 }
@@ -84,14 +89,16 @@ static int choose_program(struct pccd_client *client, const char *asked, char *p
     const char *name = asked != NULL ? asked : getenv("PCCD_DAEMON");
 
     if (name != NULL && name[0] != '\0') {
-        if (find_program(name, program) == 0)
+        if (find_program(name, program) == 0) {
             return 0;
+        }
         return cli_fail(client, PCCD_E_NODAEMON, "cannot run \"%.200s\": %s", name,
                         strerror(errno));
     }
     if (find_beside(program) == 0 || find_program(CLI_DAEMON_PATH, program) == 0 ||
-        find_program("pccdd", program) == 0)
+        find_program("pccdd", program) == 0) {
         return 0;
+    }
     return cli_fail(client, PCCD_E_NODAEMON,
                     "no daemon to start: no pccdd beside this program, at %s or in "
                     "$PATH; PCCD_DAEMON=PROGRAM names one",
@@ -103,8 +110,9 @@ static int raise_fd(int fd)
 {
     int raised;
 
-    if (fd < 0 || fd >= FD_FLOOR)
+    if (fd < 0 || fd >= FD_FLOOR) {
         return fd;
+    }
     raised = fcntl(fd, F_DUPFD_CLOEXEC, FD_FLOOR);
     (void)close(fd);
     return raised;
@@ -116,8 +124,9 @@ static int open_log(void)
     const char *name = getenv("PCCD_LOG");
     int fd = -1;
 
-    if (name != NULL && name[0] != '\0')
+    if (name != NULL && name[0] != '\0') {
         fd = open(name, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+    }
     return raise_fd(fd >= 0 ? fd : open("/dev/null", O_WRONLY | O_CLOEXEC));
 }
 
@@ -131,11 +140,13 @@ static int spawn_clean(char *const *arguments, int log_fd, int ready_fd, pid_t *
     sigset_t all;
     int rc = posix_spawn_file_actions_init(&actions);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     rc = posix_spawnattr_init(&attributes);
-    if (rc != 0)
+    if (rc != 0) {
         goto out;
+    }
     (void)sigemptyset(&none);
     (void)sigfillset(&all);
     (void)posix_spawnattr_setsigmask(&attributes, &none);
@@ -149,8 +160,9 @@ static int spawn_clean(char *const *arguments, int log_fd, int ready_fd, pid_t *
         (rc = posix_spawn_file_actions_adddup2(&actions, log_fd, 2)) == 0 &&
         (rc = posix_spawn_file_actions_adddup2(&actions, ready_fd, READY_FD)) == 0 &&
         (rc = posix_spawn_file_actions_addclosefrom_np(&actions, READY_FD + 1)) == 0 &&
-        (rc = posix_spawn_file_actions_addchdir_np(&actions, "/")) == 0)
+        (rc = posix_spawn_file_actions_addchdir_np(&actions, "/")) == 0) {
         rc = posix_spawn(pid, arguments[0], &actions, &attributes, arguments, environ);
+    }
     (void)posix_spawnattr_destroy(&attributes);
 out:
     (void)posix_spawn_file_actions_destroy(&actions);
@@ -170,14 +182,17 @@ static int await_ready(struct pccd_client *client, int fd, uint64_t deadline_ns)
         char byte;
         ssize_t got;
 
-        if (ready < 0 && errno == EINTR)
+        if (ready < 0 && errno == EINTR) {
             continue;
-        if (ready <= 0)
+        }
+        if (ready <= 0) {
             return cli_fail(client, ready == 0 ? PCCD_E_TIMEOUT : PCCD_E_SYSTEM,
                             "the daemon that was started does not get ready");
+        }
         got = read(fd, &byte, 1);
-        if (got < 0 && (errno == EINTR || errno == EAGAIN))
+        if (got < 0 && (errno == EINTR || errno == EAGAIN)) {
             continue;
+        }
         return got == 1 ? 0 : PCCD_E_AGAIN;
     }
 }
@@ -191,8 +206,9 @@ static int start(struct pccd_client *client, char *const *arguments, uint64_t de
     int log_fd;
     int rc;
 
-    if (pipe2(pipe_fds, O_CLOEXEC) != 0)
+    if (pipe2(pipe_fds, O_CLOEXEC) != 0) {
         return cli_fail(client, PCCD_E_SYSTEM, "pipe: %s", strerror(errno));
+    }
     pipe_fds[1] = raise_fd(pipe_fds[1]);
     log_fd = open_log();
     if (pipe_fds[1] < 0 || log_fd < 0) {
@@ -210,10 +226,12 @@ static int start(struct pccd_client *client, char *const *arguments, uint64_t de
     pipe_fds[1] = -1;
     rc = await_ready(client, pipe_fds[0], deadline_ns);
 out:
-    if (log_fd >= 0)
+    if (log_fd >= 0) {
         (void)close(log_fd);
-    if (pipe_fds[1] >= 0)
+    }
+    if (pipe_fds[1] >= 0) {
         (void)close(pipe_fds[1]);
+    }
     (void)close(pipe_fds[0]);
     return rc;
 }
@@ -239,11 +257,13 @@ int cli_launch_user(struct pccd_client *client, const char *program, const char 
     pid_t shell = 0;
     int rc = choose_program(client, program, found);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     rc = start(client, arguments, deadline_ns, &shell);
-    while (shell > 0 && waitpid(shell, NULL, 0) < 0 && errno == EINTR)
+    while (shell > 0 && waitpid(shell, NULL, 0) < 0 && errno == EINTR) {
         ;
+    }
     return rc;
 }
 
@@ -256,12 +276,14 @@ static int make_directory(struct pccd_client *client, char *directory)
     for (size_t i = 0; i < 2; i++) {
         int length;
 
-        if (parents[i] == NULL || parents[i][0] != '/')
+        if (parents[i] == NULL || parents[i][0] != '/') {
             continue;
+        }
         length = snprintf(directory, CLI_SOCKET_BYTES, "%s/pccd-XXXXXX", parents[i]);
         if (length > 0 && (size_t)length + sizeof(SOCKET_NAME) <= CLI_SOCKET_BYTES &&
-            mkdtemp(directory) != NULL)
+            mkdtemp(directory) != NULL) {
             return 0;
+        }
     }
     directory[0] = '\0';
     return cli_fail(client, PCCD_E_SYSTEM, "no folder for a private daemon's socket: %s",
@@ -277,16 +299,19 @@ int cli_launch_private(struct pccd_client *client, const char *program, char *pa
         (char *)"3", (char *)"--private", NULL};
     int rc = choose_program(client, program, found);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     rc = make_directory(client, client->child.directory);
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     (void)stpcpy(stpcpy(path, client->child.directory), SOCKET_NAME);
     rc = start(client, arguments, deadline_ns, &client->child.pid);
-    if (rc == PCCD_E_AGAIN)
+    if (rc == PCCD_E_AGAIN) {
         return cli_fail(client, PCCD_E_NODAEMON,
                         "%s ended at once; PCCD_LOG=FILE shows what it says", found);
+    }
     return rc;
 }
 
@@ -303,15 +328,18 @@ static void remove_directory(const char *directory)
 {
     DIR *entries = opendir(directory);
 
-    if (entries == NULL)
+    if (entries == NULL) {
         return;
+    }
     for (int i = 0; i < STOP_ENTRIES; i++) {
         const struct dirent *entry = readdir(entries);
 
-        if (entry == NULL)
+        if (entry == NULL) {
             break;
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+        }
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0) {
             (void)unlinkat(dirfd(entries), entry->d_name, 0);
+        }
     }
     (void)closedir(entries);
     (void)rmdir(directory);
@@ -326,16 +354,19 @@ void cli_launch_stop(struct cli_child *child)
         bool gone = false;
 
         (void)kill(child->pid, SIGTERM);
-        while (!(gone = is_gone(child->pid)) && cli_now_ns() < until_ns)
+        while (!(gone = is_gone(child->pid)) && cli_now_ns() < until_ns) {
             (void)nanosleep(&pause, NULL);
+        }
         if (!gone) {
             (void)kill(child->pid, SIGKILL);
-            while (!is_gone(child->pid))
+            while (!is_gone(child->pid)) {
                 (void)nanosleep(&pause, NULL);
+            }
         }
     }
     child->pid = 0;
-    if (child->directory[0] != '\0')
+    if (child->directory[0] != '\0') {
         remove_directory(child->directory);
+    }
     child->directory[0] = '\0';
 }

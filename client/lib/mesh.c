@@ -47,8 +47,9 @@ static int finish_oldest(struct pccd_client *client, struct chunks *chunks,
     struct cli_call *call = chunks->calls[chunks->first % PROTO_SLOTS_MAX];
     int rc = cli_call_wait(client, call, deadline_ns);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     chunks->first++;
     return cli_call_finish(client, call);
 }
@@ -65,8 +66,9 @@ static int send_chunk(struct pccd_client *client, const struct upload *upload,
     uint32_t slot = 0;
     int rc = cli_slot_begin(client, deadline_ns, &slot);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     memcpy(cli_slot_payload(client, slot),
            upload->source + (size_t)first * upload->item_bytes,
            (size_t)count * upload->item_bytes);
@@ -95,17 +97,21 @@ static int send_array(struct pccd_client *client, const struct upload *upload)
     for (uint32_t first = 0; rc == 0 && first < upload->count;) {
         uint32_t count = upload->count - first < chunk ? upload->count - first : chunk;
 
-        if (chunks.end - chunks.first == client->ring.slot_count)
+        if (chunks.end - chunks.first == client->ring.slot_count) {
             rc = finish_oldest(client, &chunks, cli_deadline(client, -1));
-        if (rc == 0)
+        }
+        if (rc == 0) {
             rc = send_chunk(client, upload, first, count, &chunks,
                             cli_deadline(client, -1));
+        }
         first += count;
     }
-    while (rc == 0 && chunks.first != chunks.end)
+    while (rc == 0 && chunks.first != chunks.end) {
         rc = finish_oldest(client, &chunks, cli_deadline(client, -1));
-    while (chunks.first != chunks.end)
+    }
+    while (chunks.first != chunks.end) {
         cli_call_drop(client, chunks.calls[chunks.first++ % PROTO_SLOTS_MAX]);
+    }
     return rc;
 }
 
@@ -116,11 +122,13 @@ static int fill_mesh(struct pccd_client *client, const struct upload arrays[2],
     struct proto_MESH_COMMIT_request request = {.mesh = arrays[0].mesh};
     int rc = send_array(client, &arrays[0]);
 
-    if (rc == 0)
+    if (rc == 0) {
         rc = send_array(client, &arrays[1]);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
                            cli_deadline(client, -1));
+    }
     return rc;
 }
 
@@ -147,10 +155,11 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
     struct upload arrays[2];
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
+    }
     if (x == NULL || triangles == NULL || mesh == NULL || vertex_count == 0 ||
-        triangle_count == 0 || (unsigned)format >= PCCD_FORMAT_COUNT)
+        triangle_count == 0 || (unsigned)format >= PCCD_FORMAT_COUNT) {
         return cli_fail(client, PCCD_E_INVAL, "mesh: %s",
                         x == NULL             ? "x is NULL"
                         : triangles == NULL   ? "triangles is NULL"
@@ -158,14 +167,18 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
                         : vertex_count == 0   ? "no vertices"
                         : triangle_count == 0 ? "no triangles"
                                               : "unknown format");
+    }
     rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL)
+    if (rc == 0 && client->ring.upload.base == NULL) {
         rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
                            cli_deadline(client, -1));
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
+    }
     arrays[0] = (struct upload){
         created.mesh, PART_VERTICES, (uint32_t)format, x, (uint32_t)vertex_bytes(format),
         vertex_count};
@@ -182,8 +195,9 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
         return cli_fail(client, rc, "%s", text);
     }
     *mesh = created.mesh;
-    if (info != NULL)
+    if (info != NULL) {
         fill_info(info, &result);
+    }
     return 0;
 }
 
@@ -200,8 +214,9 @@ static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t first
     int rc = cli_call_send(client, PROTO_METHOD_MESH_EDGES, &request, CLI_SLOT_NONE,
                            deadline_ns, &call);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     call->result = &result;
     rc = cli_call_wait(client, call, deadline_ns);
     if (rc != 0) {
@@ -210,9 +225,10 @@ static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t first
     }
     page = call->page;
     rc = cli_call_finish(client, call);
-    if (rc == 0 && (result.count == 0 || result.count > count))
+    if (rc == 0 && (result.count == 0 || result.count > count)) {
         rc = cli_fail(client, PCCD_E_BUSY,
                       "mesh.edges: no room in the result region: release answers first");
+    }
     if (rc == 0) {
         memcpy(edges, cli_page_base(client) + result.offset,
                result.count * sizeof(*edges));
@@ -229,13 +245,16 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
     uint32_t fetched = 0;
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (edges == NULL && edge_count > 0)
+    }
+    if (edges == NULL && edge_count > 0) {
         return cli_fail(client, PCCD_E_INVAL, "mesh.edges: edges is NULL");
+    }
     rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL)
+    if (rc == 0 && client->ring.upload.base == NULL) {
         rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+    }
     for (; rc == 0 && got < edge_count; got += fetched) {
         fetched = 0;
         rc = fetch_edges(client, mesh, got, edge_count - got, edges + got, &fetched);
@@ -247,8 +266,9 @@ int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh)
 {
     struct proto_MESH_DESTROY_request request = {.mesh = mesh};
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
+    }
     return cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &request, NULL,
                          cli_deadline(client, -1));
 }

@@ -30,8 +30,9 @@ int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
     }
     if (client->ring.result.base == NULL || record_bytes == 0 || offset % 8 != 0 ||
         offset < PROTO_SHM_PAGE || offset > size ||
-        count > (size - offset) / record_bytes || cli_page_count(client) == CLI_PAGES)
+        count > (size - offset) / record_bytes || cli_page_count(client) == CLI_PAGES) {
         return PCCD_E_BADMSG;
+    }
     client->pages[client->page_end % CLI_PAGES] = (struct cli_page){release, false};
     *serial = client->page_end++;
     return 0;
@@ -43,8 +44,9 @@ void cli_page_release(struct pccd_client *client, uint64_t serial)
     uint64_t head = 0;
     bool moved = false;
 
-    if (serial < client->page_first || serial >= client->page_end)
+    if (serial < client->page_first || serial >= client->page_end) {
         return;
+    }
     client->pages[serial % CLI_PAGES].released = true;
     while (client->page_first < client->page_end &&
            client->pages[client->page_first % CLI_PAGES].released) {
@@ -54,6 +56,7 @@ void cli_page_release(struct pccd_client *client, uint64_t serial)
     }
     /* Pairs with the daemon's load before it writes the next page: every read of the page
      * by this thread comes before the store. */
-    if (moved && upload != NULL)
+    if (moved && upload != NULL) {
         atomic_store(&upload->result_head.value, head);
+    }
 }

@@ -21,8 +21,9 @@
 static void close_fds(struct pccd_client *client)
 {
     for (int i = 0; i < PROTO_FDS_MAX; i++) {
-        if (client->fds[i] >= 0)
+        if (client->fds[i] >= 0) {
             (void)close(client->fds[i]);
+        }
         client->fds[i] = -1;
     }
 }
@@ -31,39 +32,45 @@ static void close_fds(struct pccd_client *client)
 static int die(struct pccd_client *client, const char *why)
 {
     client->dead = true;
-    if (client->goaway == 0)
+    if (client->goaway == 0) {
         (void)snprintf(client->dead_text, sizeof(client->dead_text),
                        "the daemon at %s is gone: %s", client->url, why);
+    }
     for (uint32_t i = 0; i < CLI_CALLS; i++) {
         struct cli_call *call = &client->calls[i];
 
-        if (call->state == CLI_CALL_LOST)
+        if (call->state == CLI_CALL_LOST) {
             call->state = CLI_CALL_FREE;
-        if (call->state != CLI_CALL_SENT)
+        }
+        if (call->state != CLI_CALL_SENT) {
             continue;
+        }
         call->state = CLI_CALL_DONE;
         call->status = PCCD_E_DISCONNECTED;
         call->page = 0;
         memcpy(call->text, client->dead_text, sizeof(call->text));
     }
     for (uint32_t i = 0; i < client->ring.slot_count; i++) {
-        if (client->ring.slots[i].state == CLI_SLOT_SENT)
+        if (client->ring.slots[i].state == CLI_SLOT_SENT) {
             client->ring.slots[i].state = CLI_SLOT_FREE;
+        }
     }
     return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
 }
 
 int cli_alive(struct pccd_client *client)
 {
-    if (client->dead)
+    if (client->dead) {
         return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
+    }
     return 0;
 }
 
 void cli_rpc_close(struct pccd_client *client)
 {
-    if (client->socket >= 0)
+    if (client->socket >= 0) {
         (void)close(client->socket);
+    }
     client->socket = -1;
     close_fds(client);
     memset(client->calls, 0, sizeof(client->calls));
@@ -75,9 +82,10 @@ uint32_t cli_call_inflight(const struct pccd_client *client)
 {
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < CLI_CALLS; i++)
+    for (uint32_t i = 0; i < CLI_CALLS; i++) {
         count += client->calls[i].state == CLI_CALL_SENT ||
                  client->calls[i].state == CLI_CALL_LOST;
+    }
     return count;
 }
 
@@ -107,8 +115,9 @@ static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
         struct cli_call *call = &client->calls[i];
 
         if (call->id == id &&
-            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST))
+            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST)) {
             return call;
+        }
     }
     return NULL;
 }
@@ -129,28 +138,33 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
         if (rc == 0 && answer->count > 0 &&
             answer->record_bytes != (answer->mode == PCCD_MODE_PAIRS
                                          ? sizeof(struct pccd_pair)
-                                         : sizeof(struct pccd_contact)))
+                                         : sizeof(struct pccd_contact))) {
             return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
                                    answer->record_bytes);
-        if (rc == 0)
+        }
+        if (rc == 0) {
             rc = cli_page_add(client, answer->offset, answer->count, answer->record_bytes,
                               answer->release, &call->page);
+        }
         break;
     case PROTO_METHOD_MESH_EDGES:
         rc = proto_decode_body(envelope, fields, &edges, error);
-        if (rc == 0)
+        if (rc == 0) {
             rc = cli_page_add(client, edges.offset, edges.count, sizeof(struct pccd_edge),
                               edges.release, &call->page);
-        if (rc == 0 && call->result != NULL)
+        }
+        if (rc == 0 && call->result != NULL) {
             memcpy(call->result, &edges, sizeof(edges));
+        }
         break;
     default:
         return call->result != NULL
                    ? proto_decode_body(envelope, fields, call->result, error)
                    : 0;
     }
-    if (rc != 0 && error->text[0] == '\0')
+    if (rc != 0 && error->text[0] == '\0') {
         (void)proto_error_set(error, rc, "a page outside the result region");
+    }
     return rc;
 }
 
@@ -158,8 +172,9 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
 static void take_last_words(struct pccd_client *client,
                             const struct proto_envelope *envelope)
 {
-    if (!envelope->failed || !envelope->error.fatal)
+    if (!envelope->failed || !envelope->error.fatal) {
         return;
+    }
     client->goaway = envelope->error.code;
     (void)snprintf(client->dead_text, sizeof(client->dead_text),
                    "the daemon at %s says: %s", client->url, envelope->error.text);
@@ -175,21 +190,24 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
         take_last_words(client, envelope);
         return;
     }
-    if (call->slot != CLI_SLOT_NONE)
+    if (call->slot != CLI_SLOT_NONE) {
         client->ring.slots[call->slot].state = CLI_SLOT_FREE;
+    }
     call->page = 0;
-    if (envelope->failed)
+    if (envelope->failed) {
         call->status = envelope->error.code < 0 ? envelope->error.code : PCCD_E_INTERNAL;
-    else
+    } else {
         call->status = take_result(client, call, envelope, &error);
+    }
     if (call->state == CLI_CALL_LOST) {
         cli_page_release(client, call->page);
         call->state = CLI_CALL_FREE;
         return;
     }
     call->state = CLI_CALL_DONE;
-    if (call->status == 0)
+    if (call->status == 0) {
         return;
+    }
     text = envelope->failed ? envelope->error.text : error.text;
     (void)snprintf(call->text, sizeof(call->text), "%s: %s",
                    proto_messages[call->method].name,
@@ -204,8 +222,9 @@ static void take_notification(struct pccd_client *client,
 
     if (envelope->method != PROTO_NOTE_GOAWAY ||
         proto_decode_body(envelope, &proto_messages[PROTO_NOTE_GOAWAY].request, &goaway,
-                          &error) != 0)
+                          &error) != 0) {
         return; /* of a newer protocol */
+    }
     client->goaway = goaway.code == 0 || goaway.code > INT32_MAX ? PCCD_E_DISCONNECTED
                                                                  : -(int)goaway.code;
     (void)snprintf(client->dead_text, sizeof(client->dead_text),
@@ -222,23 +241,29 @@ int cli_receive(struct pccd_client *client)
     int fd_count = 0;
     int rc;
 
-    if (client->dead)
+    if (client->dead) {
         return cli_alive(client);
+    }
     rc = proto_receive(client->socket, client->message, sizeof(client->message), &bytes,
                        client->fds, &fd_count);
     /* A peer that closed with our messages unread is a reset first; what it had said
      * before can still be read after it. */
-    if (rc == PCCD_E_DISCONNECTED)
+    if (rc == PCCD_E_DISCONNECTED) {
         rc = proto_receive(client->socket, client->message, sizeof(client->message),
                            &bytes, client->fds, &fd_count);
-    if (rc == PCCD_E_AGAIN)
+    }
+    if (rc == PCCD_E_AGAIN) {
         return rc;
-    if (rc == PCCD_E_DISCONNECTED)
+    }
+    if (rc == PCCD_E_DISCONNECTED) {
         return die(client, "the connection was closed");
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return die(client, proto_status_text(rc));
-    for (int i = fd_count; i < PROTO_FDS_MAX; i++)
+    }
+    for (int i = fd_count; i < PROTO_FDS_MAX; i++) {
         client->fds[i] = -1;
+    }
     rc = proto_decode(client->decoder, client->message, bytes, &envelope, &error);
     if (rc != 0) {
         close_fds(client);
@@ -250,13 +275,15 @@ int cli_receive(struct pccd_client *client)
                       call->method == PROTO_METHOD_SHM_ATTACH;
 
         take_reply(client, &envelope);
-        if (!wanted)
+        if (!wanted) {
             close_fds(client);
+        }
         return 0;
     }
     close_fds(client);
-    if (envelope.kind == PROTO_NOTIFICATION)
+    if (envelope.kind == PROTO_NOTIFICATION) {
         take_notification(client, &envelope);
+    }
     return 0;
 }
 
@@ -280,12 +307,15 @@ static int wait_socket(struct pccd_client *client, short events, uint64_t deadli
         struct pollfd watched = {.fd = client->socket, .events = events};
         int ready = ppoll(&watched, 1, &left, NULL);
 
-        if (ready > 0)
+        if (ready > 0) {
             return 0;
-        if (ready == 0)
+        }
+        if (ready == 0) {
             return PCCD_E_TIMEOUT;
-        if (errno != EINTR)
+        }
+        if (errno != EINTR) {
             return die(client, strerror(errno));
+        }
     }
 }
 
@@ -296,14 +326,16 @@ static int spin(struct pccd_client *client, struct proto_upload *upload,
 {
     uint64_t until_ns = cli_now_ns() + (uint64_t)client->spin_us * 1000u;
 
-    if (until_ns > deadline_ns)
+    if (until_ns > deadline_ns) {
         until_ns = deadline_ns;
+    }
     while (cli_now_ns() < until_ns) {
         if (atomic_load(&upload->done_seq.value) != done_seen) {
             int rc = cli_receive(client);
 
-            if (rc != PCCD_E_AGAIN)
+            if (rc != PCCD_E_AGAIN) {
                 return rc;
+            }
         }
         relax();
     }
@@ -317,24 +349,29 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     int rc = cli_receive(client);
 
     if (rc == PCCD_E_AGAIN && upload != NULL && client->spin_us > 0 &&
-        compute_inflight(client) > 0)
+        compute_inflight(client) > 0) {
         rc = spin(client, upload, done_seen, deadline_ns);
-    if (rc != PCCD_E_AGAIN)
+    }
+    if (rc != PCCD_E_AGAIN) {
         return rc;
+    }
     /* Pairs with the daemon's store to done_seq and load of client_wait: one of the two
      * sides sees the other's, so a reply that is left out because nobody waits is never
      * one that somebody waits for. */
-    if (upload != NULL)
+    if (upload != NULL) {
         atomic_store(&upload->client_wait.value, 1);
+    }
     do {
         rc = cli_receive(client);
-        if (rc == PCCD_E_AGAIN && wait_socket(client, POLLIN, deadline_ns) != 0)
+        if (rc == PCCD_E_AGAIN && wait_socket(client, POLLIN, deadline_ns) != 0) {
             rc = client->dead ? PCCD_E_DISCONNECTED
                               : cli_fail(client, PCCD_E_TIMEOUT,
                                          "the daemon at %s does not answer", client->url);
+        }
     } while (rc == PCCD_E_AGAIN);
-    if (upload != NULL)
+    if (upload != NULL) {
         atomic_store(&upload->client_wait.value, 0);
+    }
     return rc;
 }
 
@@ -343,8 +380,9 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
 static struct cli_call *free_call(struct pccd_client *client)
 {
     for (uint32_t i = 0; i < CLI_CALLS; i++) {
-        if (client->calls[i].state == CLI_CALL_FREE)
+        if (client->calls[i].state == CLI_CALL_FREE) {
             return &client->calls[i];
+        }
     }
     return NULL;
 }
@@ -357,23 +395,27 @@ static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
         int rc = proto_send(client->socket, client->encoder.data, client->encoder.bytes,
                             NULL, 0);
 
-        if (rc == 0)
+        if (rc == 0) {
             return 0;
+        }
         if (rc != PCCD_E_AGAIN) {
             /* What the daemon said before it went is still to be read. */
-            while (cli_receive(client) == 0)
+            while (cli_receive(client) == 0) {
                 ;
+            }
             return client->dead ? cli_alive(client) : die(client, proto_status_text(rc));
         }
-        if (wait_socket(client, POLLIN | POLLOUT, deadline_ns) != 0)
+        if (wait_socket(client, POLLIN | POLLOUT, deadline_ns) != 0) {
             return client->dead ? cli_alive(client)
                                 : cli_fail(client, PCCD_E_TIMEOUT,
                                            "the daemon at %s reads nothing", client->url);
+        }
         do {
             rc = cli_receive(client);
         } while (rc == 0 && cli_now_ns() < deadline_ns);
-        if (rc == PCCD_E_DISCONNECTED)
+        if (rc == PCCD_E_DISCONNECTED) {
             return rc;
+        }
     }
 }
 
@@ -385,20 +427,25 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
     struct cli_call *made;
     int rc = cli_alive(client);
 
-    while (rc == 0 && is_compute(method) && compute_inflight(client) >= inflight_max)
+    while (rc == 0 && is_compute(method) && compute_inflight(client) >= inflight_max) {
         rc = cli_progress(client, deadline_ns);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
+    }
     made = free_call(client);
-    if (made == NULL)
+    if (made == NULL) {
         return cli_fail(client, PCCD_E_BUSY, "%u requests wait for answers", CLI_CALLS);
+    }
     rc = proto_encode_request(&client->encoder, client->next_id, method, request);
-    if (rc != 0)
+    if (rc != 0) {
         return cli_fail(client, rc, "%s does not fit a message",
                         proto_messages[method].name);
+    }
     rc = send_encoded(client, deadline_ns);
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     /* Replies that were read meanwhile only free entries, so `made` is still free. */
     made->state = CLI_CALL_SENT;
     made->method = method;
@@ -418,8 +465,9 @@ int cli_call_wait(struct pccd_client *client, struct cli_call *call, uint64_t de
 {
     int rc = 0;
 
-    while (rc == 0 && call->state == CLI_CALL_SENT)
+    while (rc == 0 && call->state == CLI_CALL_SENT) {
         rc = cli_progress(client, deadline_ns);
+    }
     /* The end of the connection is an answer to every call, as its status. */
     return call->state == CLI_CALL_DONE ? 0 : rc;
 }
@@ -427,8 +475,9 @@ int cli_call_wait(struct pccd_client *client, struct cli_call *call, uint64_t de
 int cli_call_finish(struct pccd_client *client, struct cli_call *call)
 {
     call->state = CLI_CALL_FREE;
-    if (call->status != 0)
+    if (call->status != 0) {
         return cli_fail(client, call->status, "%s", call->text);
+    }
     return 0;
 }
 
@@ -449,8 +498,9 @@ int cli_call_sync(struct pccd_client *client, int method, const void *request,
     struct cli_call *call = NULL;
     int rc = cli_call_send(client, method, request, CLI_SLOT_NONE, deadline_ns, &call);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     call->result = result;
     rc = cli_call_wait(client, call, deadline_ns);
     if (rc != 0) {

@@ -13,14 +13,17 @@ int pccd_scene_create(struct pccd_client *client, uint32_t *scene)
     struct proto_SCENE_CREATE_result result;
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (scene == NULL)
+    }
+    if (scene == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.create: scene is NULL");
+    }
     rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, &request, &result,
                        cli_deadline(client, -1));
-    if (rc == 0)
+    if (rc == 0) {
         *scene = result.scene;
+    }
     return rc;
 }
 
@@ -28,8 +31,9 @@ int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
 {
     struct proto_SCENE_DESTROY_request request = {.scene = scene};
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
+    }
     return cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
                          cli_deadline(client, -1));
 }
@@ -41,14 +45,17 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
     struct proto_SCENE_ADD_result result;
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (object == NULL)
+    }
+    if (object == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.add: object is NULL");
+    }
     rc = cli_call_sync(client, PROTO_METHOD_SCENE_ADD, &request, &result,
                        cli_deadline(client, -1));
-    if (rc == 0)
+    if (rc == 0) {
         *object = result.object;
+    }
     return rc;
 }
 
@@ -56,8 +63,9 @@ int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t objec
 {
     struct proto_SCENE_REMOVE_request request = {.scene = scene, .object = object};
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
+    }
     return cli_call_sync(client, PROTO_METHOD_SCENE_REMOVE, &request, NULL,
                          cli_deadline(client, -1));
 }

@@ -27,13 +27,15 @@ int cli_step_check(struct pccd_client *client)
         count += call->step != 0 &&
                  (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE);
     }
-    if (count >= CLI_STEPS)
+    if (count >= CLI_STEPS) {
         return cli_fail(client, PCCD_E_BUSY, "%u steps wait to be taken: poll or wait",
                         count);
+    }
     /* Every call in flight may bring a page, and there must be an entry for it. */
-    if (cli_page_count(client) + CLI_CALLS > CLI_PAGES)
+    if (cli_page_count(client) + CLI_CALLS > CLI_PAGES) {
         return cli_fail(client, PCCD_E_BUSY, "%u answers are not released",
                         cli_page_count(client));
+    }
     return cli_alive(client);
 }
 
@@ -56,12 +58,14 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot, uin
         request.tolerance = settings->tolerance;
         request.deadline_ns = settings->deadline_ns;
     }
-    if (rc == 0)
+    if (rc == 0) {
         rc = cli_call_send(client, PROTO_METHOD_FRAME_SUBMIT, &request, slot,
                            cli_deadline(client, -1), &call);
+    }
     if (rc != 0) {
-        if (slot != CLI_SLOT_NONE)
+        if (slot != CLI_SLOT_NONE) {
             cli_slot_abort(client, slot);
+        }
         return rc;
     }
     call->step = client->next_step;
@@ -74,15 +78,19 @@ int pccd_submit_still(struct pccd_client *client, uint32_t scene,
 {
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (step == NULL)
+    }
+    if (step == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "step is NULL");
+    }
     rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL)
+    if (rc == 0 && client->ring.upload.base == NULL) {
         rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
+    }
     return cli_step_send(client, scene, CLI_SLOT_NONE, 0, 0, settings, step);
 }
 
@@ -136,10 +144,11 @@ static int take_answer(struct pccd_client *client, struct cli_call *call,
 
         answer->step = result->step;
         fill_numbers(result, answer);
-        if (result->mode == PCCD_MODE_PAIRS)
+        if (result->mode == PCCD_MODE_PAIRS) {
             answer->pairs = records;
-        else
+        } else {
             answer->contacts = records;
+        }
         answer->reserved[0] = call->page;
         answer->reserved[1] = answer_tag(client, call->page);
     }
@@ -152,8 +161,9 @@ static struct cli_call *find_step(struct pccd_client *client, uint64_t step)
         struct cli_call *call = &client->calls[i];
 
         if (call->step == step &&
-            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE))
+            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE)) {
             return call;
+        }
     }
     return NULL;
 }
@@ -166,8 +176,9 @@ static struct cli_call *find_oldest_done(struct pccd_client *client)
         struct cli_call *call = &client->calls[i];
 
         if (call->step != 0 && call->state == CLI_CALL_DONE &&
-            (oldest == NULL || call->step < oldest->step))
+            (oldest == NULL || call->step < oldest->step)) {
             oldest = call;
+        }
     }
     return oldest;
 }
@@ -177,8 +188,9 @@ static struct cli_call *find_oldest_done(struct pccd_client *client)
 static void drain(struct pccd_client *client)
 {
     for (uint32_t i = 0; i < CLI_CALLS && !client->dead; i++) {
-        if (cli_receive(client) != 0)
+        if (cli_receive(client) != 0) {
             break;
+        }
     }
 }
 
@@ -186,15 +198,18 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
 {
     struct cli_call *call;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (answer == NULL)
+    }
+    if (answer == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
+    }
     drain(client);
     call = find_oldest_done(client);
-    if (call == NULL)
+    if (call == NULL) {
         return client->dead ? cli_alive(client)
                             : cli_fail(client, PCCD_E_AGAIN, "no answer has arrived");
+    }
     (void)take_answer(client, call, answer);
     return 0;
 }
@@ -205,20 +220,24 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
     struct cli_call *call;
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (answer == NULL)
+    }
+    if (answer == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
+    }
     call = find_step(client, step);
-    if (call == NULL)
+    if (call == NULL) {
         return client->dead ? cli_alive(client)
                             : cli_fail(client, PCCD_E_INVAL, "step %llu is not pending",
                                        (unsigned long long)step);
+    }
     if (timeout_ms == 0) {
         drain(client);
-        if (call->state == CLI_CALL_SENT)
+        if (call->state == CLI_CALL_SENT) {
             return cli_fail(client, PCCD_E_AGAIN, "step %llu has not been answered",
                             (unsigned long long)step);
+        }
     }
     rc = cli_call_wait(client, call, cli_deadline(client, timeout_ms));
     return rc != 0 ? rc : take_answer(client, call, answer);
@@ -233,34 +252,41 @@ int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64
     uint64_t deadline_ns;
     int rc;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (answer == NULL)
+    }
+    if (answer == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
+    }
     deadline_ns = cli_deadline(client, -1);
     rc = cli_step_check(client);
-    if (rc == 0)
+    if (rc == 0) {
         rc = cli_call_send(client, PROTO_METHOD_FRAME_FETCH, &request, CLI_SLOT_NONE,
                            deadline_ns, &call);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
+    }
     rc = cli_call_wait(client, call, deadline_ns);
     if (rc != 0) {
         cli_call_drop(client, call);
         return rc;
     }
-    if (call->status != 0) /* leaves the answer at hand as it is: it may hold a page */
+    if (call->status != 0) { /* leaves the answer at hand as it is: it may hold a page */
         return cli_call_finish(client, call);
+    }
     return take_answer(client, call, answer);
 }
 
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)
 {
-    if (client == NULL || answer == NULL)
+    if (client == NULL || answer == NULL) {
         return;
+    }
     if (answer->reserved[0] != 0 &&
-        answer->reserved[1] == answer_tag(client, answer->reserved[0]))
+        answer->reserved[1] == answer_tag(client, answer->reserved[0])) {
         cli_page_release(client, answer->reserved[0]);
+    }
     answer->contacts = NULL;
     answer->pairs = NULL;
     answer->reserved[0] = answer->reserved[1] = 0;
@@ -272,15 +298,18 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
     struct proto_CANCEL_result result;
     struct cli_call *call;
 
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
+    }
     call = find_step(client, step);
-    if (call == NULL)
+    if (call == NULL) {
         return client->dead ? cli_alive(client)
                             : cli_fail(client, PCCD_E_INVAL, "step %llu is not pending",
                                        (unsigned long long)step);
-    if (call->state == CLI_CALL_DONE)
+    }
+    if (call->state == CLI_CALL_DONE) {
         return 0;
+    }
     request.id = call->id;
     return cli_call_sync(client, PROTO_METHOD_CANCEL, &request, &result,
                          cli_deadline(client, -1));
@@ -296,14 +325,16 @@ static void abandon(struct pccd_client *client, uint64_t step)
     struct proto_CANCEL_request request;
     struct cli_call *cancel = NULL;
 
-    if (call == NULL)
+    if (call == NULL) {
         return;
+    }
     request.id = call->id;
     cli_call_drop(client, call);
     if (call->state == CLI_CALL_LOST &&
         cli_call_send(client, PROTO_METHOD_CANCEL, &request, CLI_SLOT_NONE, cli_now_ns(),
-                      &cancel) == 0)
+                      &cancel) == 0) {
         cli_call_drop(client, cancel);
+    }
 }
 
 static int finish_step(struct pccd_client *client, uint64_t step,
@@ -312,8 +343,9 @@ static int finish_step(struct pccd_client *client, uint64_t step,
     char text[CLI_TEXT_BYTES];
     int rc = pccd_wait(client, step, -1, answer);
 
-    if (rc != PCCD_E_TIMEOUT)
+    if (rc != PCCD_E_TIMEOUT) {
         return rc;
+    }
     memcpy(text, client->error, sizeof(text));
     abandon(client, step);
     return cli_fail(client, rc, "%s", text);
@@ -333,16 +365,18 @@ static int run_step(struct pccd_client *client, uint32_t scene, uint32_t object,
     uint64_t step = 0;
     int rc = pccd_frame_begin(client, scene, 1, x0 != NULL ? 2 * bytes : bytes, &frame);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     rc = x0 != NULL ? pccd_frame_x0x1(&frame, object, format, 0, vertex_count, &to0, &to1)
                     : pccd_frame_x1(&frame, object, format, 0, vertex_count, &to1);
     if (rc != 0) {
         pccd_frame_abort(&frame);
         return rc;
     }
-    if (x0 != NULL)
+    if (x0 != NULL) {
         memcpy(to0, x0, bytes);
+    }
     memcpy(to1, x1, bytes);
     rc = pccd_frame_commit(&frame, settings, &step);
     return rc != 0 ? rc : finish_step(client, step, answer);
@@ -352,10 +386,12 @@ int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer)
 {
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (x1 == NULL || answer == NULL)
+    }
+    if (x1 == NULL || answer == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "%s is NULL", x1 == NULL ? "x1" : "answer");
+    }
     return run_step(client, scene, object, NULL, x1, format, vertex_count, settings,
                     answer);
 }
@@ -365,13 +401,15 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                    uint32_t vertex_count, const struct pccd_step_settings *settings,
                    struct pccd_answer *answer)
 {
-    if (client == NULL)
+    if (client == NULL) {
         return PCCD_E_INVAL;
-    if (x0 == NULL || x1 == NULL || answer == NULL)
+    }
+    if (x0 == NULL || x1 == NULL || answer == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
                         x0 == NULL   ? "x0"
                         : x1 == NULL ? "x1"
                                      : "answer");
+    }
     return run_step(client, scene, object, x0, x1, format, vertex_count, settings,
                     answer);
 }
