@@ -38,9 +38,10 @@ static int fetch_edges(struct check_run *run, uint32_t mesh, struct ctl_error *e
     uint32_t count = run->mesh.info.edge_count;
     /* A mesh of points has no edges; malloc(0) may be NULL. */
     run->edges = malloc(((size_t)count + 1) * sizeof(*run->edges));
-    if (run->edges == NULL)
+    if (run->edges == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " edges",
                              count);
+    }
     int status = pccd_mesh_edges(run->client, mesh, run->edges, count);
     return status == PCCD_OK ? PCCD_OK : fail(run, status, "edges", error);
 }
@@ -52,23 +53,27 @@ int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool wit
     size_t rows = REPORT_PHASE_COUNT + 1;
     run->edges = NULL;
     run->times = malloc(rows * ((size_t)run->repeats + 1) * sizeof(*run->times));
-    if (run->times == NULL)
+    if (run->times == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " repetitions",
                              run->repeats);
+    }
     int status = pccd_mesh_create(run->client, mesh->x, mesh->format, mesh->vertex_count,
                                   (const uint32_t(*)[3])mesh->triangles,
                                   mesh->triangle_count, &handle, &run->mesh.info);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(run, status, "the mesh was not accepted", error);
+    }
     status = pccd_scene_create(run->client, &run->scene);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(run, status, "no scene", error);
+    }
     /* The library does not tell how long the hierarchy took; the call does little else.
      */
     double start = now_ms();
     status = pccd_scene_add(run->client, run->scene, handle, &run->object);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(run, status, "the mesh was not placed", error);
+    }
     run->mesh.build_ms = now_ms() - start + (double)run->mesh.info.build_ns / 1e6;
     return with_edges ? fetch_edges(run, handle, error) : PCCD_OK;
 }
@@ -85,14 +90,17 @@ static int take_pages(struct check_run *run, uint32_t number,
         uint64_t cursor = page.cursor;
         bool is_last =
             page.incomplete != PCCD_INCOMPLETE_RESULT_FULL || cursor >= answer->total;
-        if (csv->file != NULL)
+        if (csv->file != NULL) {
             contacts_csv_page(csv, number, &page);
+        }
         pccd_answer_release(run->client, &page);
-        if (is_last)
+        if (is_last) {
             break;
+        }
         status = pccd_fetch(run->client, run->scene, answer->step, cursor, &page);
-        if (status != PCCD_OK)
+        if (status != PCCD_OK) {
             return fail(run, status, "a page of the answer did not come", error);
+        }
         if (page.first != cursor || page.count == 0) {
             pccd_answer_release(run->client, &page);
             return ctl_error_set(error, PCCD_E_BADMSG,
@@ -129,10 +137,11 @@ static void take_medians(struct check_run *run, struct report_step *step)
         double *values = run->times + (size_t)row * run->repeats;
         statistics_sort(values, run->repeats);
         double median = statistics_median(values, run->repeats);
-        if (row == ROUND_TRIP)
+        if (row == ROUND_TRIP) {
             step->round_trip_ms = median;
-        else
+        } else {
             step->ms[row] = median;
+        }
     }
 }
 
@@ -149,11 +158,13 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
         double round_trip_ms, ms[REPORT_PHASE_COUNT];
         int status =
             run_once(run, i > 0 ? before->x : NULL, after, answer, &round_trip_ms, error);
-        if (status == PCCD_OK)
+        if (status == PCCD_OK) {
             status = take_pages(run, number, i == run->repeats ? csv : &no_file, answer,
                                 &step->is_complete, error);
-        if (status != PCCD_OK)
+        }
+        if (status != PCCD_OK) {
             return status;
+        }
         report_phases(&answer->times, ms);
         if (i == 0) {
             memcpy(hash, answer->hash, sizeof(hash));
@@ -162,17 +173,20 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
             step->round_trip_ms = round_trip_ms;
             continue;
         }
-        if (memcmp(hash, answer->hash, sizeof(hash)) != 0 && step->is_complete)
+        if (memcmp(hash, answer->hash, sizeof(hash)) != 0 && step->is_complete) {
             return ctl_error_set(error, PCCD_E_INTERNAL,
                                  "repetition %" PRIu32 " of step %" PRIu32
                                  " gave another answer than the first run",
                                  i, number);
-        for (uint32_t row = 0; row < REPORT_PHASE_COUNT; row++)
+        }
+        for (uint32_t row = 0; row < REPORT_PHASE_COUNT; row++) {
             run->times[(size_t)row * run->repeats + i - 1] = ms[row];
+        }
         run->times[(size_t)ROUND_TRIP * run->repeats + i - 1] = round_trip_ms;
     }
-    if (run->repeats > 0)
+    if (run->repeats > 0) {
         take_medians(run, step);
+    }
     return PCCD_OK;
 }
 

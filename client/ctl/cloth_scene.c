@@ -75,8 +75,9 @@ static void build_cloth(struct cloth_scene *scene)
 static void normalize(float x[3], const double from[3])
 {
     double length = sqrt(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
-    for (uint32_t axis = 0; axis < 3; axis++)
+    for (uint32_t axis = 0; axis < 3; axis++) {
         x[axis] = (float)(from[axis] / length * CLOTH_BALL_RADIUS);
+    }
 }
 
 /* The vertex in the middle of an edge, made on first use. `middles[low]` lists what has
@@ -93,14 +94,16 @@ static uint32_t middle_vertex(struct cloth_scene *scene, struct middle *middles,
     uint32_t high = ends[0] < ends[1] ? ends[1] : ends[0];
     struct middle *middle = &middles[low];
     for (uint32_t i = 0; i < middle->count; i++) {
-        if (middle->high[i] == high)
+        if (middle->high[i] == high) {
             return middle->vertex[i];
+        }
     }
     uint32_t vertex = (*vertex_count)++;
     double sum[3];
-    for (uint32_t axis = 0; axis < 3; axis++)
+    for (uint32_t axis = 0; axis < 3; axis++) {
         sum[axis] =
             (double)scene->ball_start[low][axis] + (double)scene->ball_start[high][axis];
+    }
     normalize(scene->ball_start[vertex], sum);
     middle->high[middle->count] = high;
     middle->vertex[middle->count] = vertex;
@@ -150,8 +153,9 @@ static void build_ball(struct cloth_scene *scene, struct middle *middles)
         normalize(scene->ball_start[i], corner);
     }
     for (uint32_t i = 0; i < 20; i++) {
-        for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++) {
             scene->ball_triangles[i][k] = faces[i][k];
+        }
     }
     for (uint32_t level = 0; level < CLOTH_BALL_SUBDIVISIONS; level++) {
         subdivide(scene, middles, triangle_count, &vertex_count);
@@ -169,8 +173,9 @@ static void add_springs(struct cloth_scene *scene, int rows, int columns,
     for (int row = 0; row + rows < SIDE; row++) {
         for (int column = 0; column < SIDE; column++) {
             int other = column + columns;
-            if (other < 0 || other >= SIDE)
+            if (other < 0 || other >= SIDE) {
                 continue;
+            }
             double across = (double)columns * CLOTH_WIDTH / (SIDE - 1);
             double along = (double)rows * CLOTH_WIDTH / (SIDE - 1);
             scene->springs[scene->spring_count++] = (struct cloth_spring){
@@ -186,8 +191,9 @@ static int build_springs(struct cloth_scene *scene, struct ctl_error *error)
 {
     size_t springs_max = (size_t)6 * CLOTH_VERTICES;
     scene->springs = malloc(springs_max * sizeof(*scene->springs));
-    if (scene->springs == NULL)
+    if (scene->springs == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the cloth");
+    }
     add_springs(scene, 0, 1, 0.0);
     add_springs(scene, 1, 0, 0.0);
     add_springs(scene, 1, 1, SHEAR_COMPLIANCE);
@@ -204,12 +210,14 @@ static int build_springs(struct cloth_scene *scene, struct ctl_error *error)
  * lags behind, slips over the ball again and again without being carried off it. */
 static double spin(const struct cloth_scene *scene)
 {
-    if (scene->frame < SPIN_DELAY_FRAMES)
+    if (scene->frame < SPIN_DELAY_FRAMES) {
         return 0.0;
+    }
     uint64_t phase = (scene->frame - SPIN_DELAY_FRAMES) % (4 * SPIN_QUARTER_FRAMES);
     double share = (double)phase / SPIN_QUARTER_FRAMES;
-    if (share > 3.0)
+    if (share > 3.0) {
         return SPIN_MAX * (share - 4.0);
+    }
     return SPIN_MAX * (share > 1.0 ? 2.0 - share : share);
 }
 
@@ -234,8 +242,9 @@ static void pull(struct cloth_scene *scene, double dt)
         double *b = scene->x[spring->b];
         double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
         double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        if (length <= 0.0)
+        if (length <= 0.0) {
             continue;
+        }
         double stiffness = 2.0 * inverse_mass + spring->compliance / (dt * dt);
         double pull = inverse_mass * (length - spring->length) / (stiffness * length);
         for (uint32_t axis = 0; axis < 3; axis++) {
@@ -253,8 +262,9 @@ static void meet_ball(struct cloth_scene *scene, double dt)
         double *x = scene->x[i];
         double distance = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         double depth = CLOTH_BALL_RADIUS - distance;
-        if (depth <= 0.0 || distance <= 0.0)
+        if (depth <= 0.0 || distance <= 0.0) {
             continue;
+        }
         double normal[3] = {x[0] / distance, x[1] / distance, x[2] / distance};
         /* How the surface moves below the vertex: about the y axis. */
         double surface[3] = {turn * x[2], 0.0, -turn * x[0]};
@@ -270,8 +280,9 @@ static void meet_ball(struct cloth_scene *scene, double dt)
         }
         double slip = sqrt(slip_squared);
         double hold = FRICTION * depth >= slip ? 1.0 : FRICTION * depth / slip;
-        for (uint32_t axis = 0; axis < 3; axis++)
+        for (uint32_t axis = 0; axis < 3; axis++) {
             x[axis] += depth * normal[axis] - hold * slide[axis];
+        }
     }
 }
 
@@ -298,8 +309,9 @@ void cloth_scene_advance(struct cloth_scene *scene)
         pull(scene, dt);
         meet_ball(scene, dt);
         for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
-            for (uint32_t axis = 0; axis < 3; axis++)
+            for (uint32_t axis = 0; axis < 3; axis++) {
                 scene->v[i][axis] = (scene->x[i][axis] - scene->start[i][axis]) / dt;
+            }
         }
     }
     turn_ball(scene);
@@ -309,8 +321,9 @@ void cloth_scene_advance(struct cloth_scene *scene)
 void cloth_scene_positions(const struct cloth_scene *scene, float (*x)[3])
 {
     for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
-        for (uint32_t axis = 0; axis < 3; axis++)
+        for (uint32_t axis = 0; axis < 3; axis++) {
             x[i][axis] = (float)scene->x[i][axis];
+        }
     }
 }
 
@@ -326,10 +339,11 @@ int cloth_scene_new(struct cloth_scene **scene, struct ctl_error *error)
     struct cloth_scene *made = calloc(1, sizeof(*made));
     struct middle *middles = calloc(CLOTH_BALL_VERTICES, sizeof(*middles));
     int status = PCCD_OK;
-    if (made == NULL || middles == NULL)
+    if (made == NULL || middles == NULL) {
         status = ctl_error_set(error, PCCD_E_NOMEM, "no memory for the scene");
-    else
+    } else {
         status = build_springs(made, error);
+    }
     if (status == PCCD_OK) {
         made->turn_cos = 1.0;
         build_cloth(made);
@@ -345,8 +359,9 @@ int cloth_scene_new(struct cloth_scene **scene, struct ctl_error *error)
 
 void cloth_scene_free(struct cloth_scene *scene)
 {
-    if (scene == NULL)
+    if (scene == NULL) {
         return;
+    }
     free(scene->springs);
     free(scene);
 }

@@ -79,10 +79,12 @@ static uint32_t parse_name(const struct argp_state *state, const char *option,
                            uint32_t count)
 {
     uint32_t value = 0;
-    while (value < count && strcmp(name_of(value), text) != 0)
+    while (value < count && strcmp(name_of(value), text) != 0) {
         value++;
-    if (value == count)
+    }
+    if (value == count) {
         argp_error(state, "--%s: \"%s\" is not known; see --help", option, text);
+    }
     return value;
 }
 
@@ -99,10 +101,12 @@ static const char *method_name(uint32_t value)
 static void check_usage(const struct argp_state *state,
                         const struct check_options *options)
 {
-    if (options->path_count < 2)
+    if (options->path_count < 2) {
         argp_error(state, "two files at least: the mesh before and after the step");
-    if (options->contacts != NULL && options->settings.mode == PCCD_MODE_ANY)
+    }
+    if (options->contacts != NULL && options->settings.mode == PCCD_MODE_ANY) {
         argp_error(state, "--contacts: mode any gives no contacts");
+    }
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -196,13 +200,15 @@ static int read_frame(struct check *check, uint32_t index, struct ctl_error *err
     struct ctl_mesh *before = &check->frames[(index + 1) % 2];
     ctl_mesh_deinit(frame);
     int status = ctl_mesh_read(paths[index], frame, error);
-    if (index == 0 || status != PCCD_OK)
+    if (index == 0 || status != PCCD_OK) {
         return status;
+    }
     status = ctl_mesh_match(before, paths[index - 1], frame, paths[index], error);
     if (status == PCCD_OK && before->format != frame->format) {
         status = ctl_mesh_promote(before, error);
-        if (status == PCCD_OK)
+        if (status == PCCD_OK) {
             status = ctl_mesh_promote(frame, error);
+        }
     }
     return status;
 }
@@ -219,11 +225,13 @@ static int walk(struct check *check, struct ctl_error *error)
         struct report_step *step = &check->steps[i - 1];
         step->from = options->paths[i - 1];
         step->to = options->paths[i];
-        if (i > 1)
+        if (i > 1) {
             status = read_frame(check, i, error);
-        if (status == PCCD_OK)
+        }
+        if (status == PCCD_OK) {
             status = check_run_step(&check->run, &check->frames[(i + 1) % 2],
                                     &check->frames[i % 2], i, &check->csv, step, error);
+        }
         if (status == PCCD_OK && is_sequence && !options->is_json) {
             progress_clear(&check->progress);
             report_print_line(check->report, i, step);
@@ -241,12 +249,15 @@ static int check_all(struct check *check, struct ctl_error *error)
     const struct check_options *options = check->options;
     struct check_run *run = &check->run;
     int status = read_frame(check, 0, error);
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         status = read_frame(check, 1, error);
-    if (status != PCCD_OK)
+    }
+    if (status != PCCD_OK) {
         return status;
-    if (ctl_link_open(&options->link, &run->client) != CTL_DONE)
+    }
+    if (ctl_link_open(&options->link, &run->client) != CTL_DONE) {
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
+    }
     run->settings = options->settings;
     status = check_run_begin(run, &check->frames[0], options->contacts != NULL, error);
     if (status == PCCD_OK && options->contacts != NULL) {
@@ -254,8 +265,9 @@ static int check_all(struct check *check, struct ctl_error *error)
          */
         size_t bytes = check->frames[0].triangle_count * sizeof(*check->csv.triangles);
         void *triangles = malloc(bytes);
-        if (triangles == NULL)
+        if (triangles == NULL) {
             return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the faces");
+        }
         memcpy(triangles, check->frames[0].triangles, bytes);
         check->csv.triangles = triangles;
         check->csv.edges = run->edges;
@@ -263,10 +275,12 @@ static int check_all(struct check *check, struct ctl_error *error)
         check->csv.path = options->contacts;
         status = contacts_csv_open(&check->csv, error);
     }
-    if (status == PCCD_OK && !options->is_json)
+    if (status == PCCD_OK && !options->is_json) {
         report_print_mesh(check->report, &run->mesh);
-    if (status == PCCD_OK)
+    }
+    if (status == PCCD_OK) {
         status = walk(check, error);
+    }
     return status;
 }
 
@@ -274,11 +288,13 @@ static int report_all(struct check *check, struct ctl_error *error)
 {
     uint32_t step_count = check->options->path_count - 1;
     if (check->options->is_json &&
-        !report_json(check->report, &check->run.mesh, check->steps, step_count))
+        !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
                              "the JSON report could not be written");
-    if (!check->options->is_json && step_count == 1)
+    }
+    if (!check->options->is_json && step_count == 1) {
         report_print_step(check->report, &check->run.mesh, &check->steps[0]);
+    }
     return PCCD_OK;
 }
 
@@ -290,21 +306,25 @@ static int run_check(const struct check_options *options)
     uint32_t default_repeats = options->path_count == 2 ? 1 : 0;
     int status, closed;
     check.run.repeats = options->has_repeats ? options->repeats : default_repeats;
-    if (options->contacts != NULL && strcmp(options->contacts, "-") == 0)
+    if (options->contacts != NULL && strcmp(options->contacts, "-") == 0) {
         check.report = stderr;
+    }
     check.steps = calloc(options->path_count - 1, sizeof(*check.steps));
-    if (check.steps == NULL)
+    if (check.steps == NULL) {
         status = ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
-    else
+    } else {
         status = check_all(&check, &error);
-    if (status == PCCD_OK)
+    }
+    if (status == PCCD_OK) {
         status = report_all(&check, &error);
+    }
     closed = contacts_csv_close(&check.csv, &close_error);
     /* An empty text: the fault was told where it was found. */
-    if (status != PCCD_OK && error.text[0] != '\0')
+    if (status != PCCD_OK && error.text[0] != '\0') {
         ctl_complain("%s", error.text);
-    else if (status == PCCD_OK && closed != PCCD_OK)
+    } else if (status == PCCD_OK && closed != PCCD_OK) {
         ctl_complain("%s", close_error.text);
+    }
     check_run_deinit(&check.run);
     pccd_close(check.run.client);
     ctl_mesh_deinit(&check.frames[0]);
@@ -319,10 +339,11 @@ int ctl_cmd_check(int argc, char **argv)
     struct check_options options = {.link = {.policy = CTL_LINK_PRIVATE_UNLESS_ENV}};
     int status = CTL_FAILED;
     options.paths = malloc((size_t)argc * sizeof(*options.paths));
-    if (options.paths == NULL)
+    if (options.paths == NULL) {
         status = ctl_complain("out of memory");
-    else if (argp_parse(&argp, argc, argv, 0, NULL, &options) == 0)
+    } else if (argp_parse(&argp, argc, argv, 0, NULL, &options) == 0) {
         status = run_check(&options);
+    }
     free(options.paths);
     ctl_link_deinit(&options.link);
     return status;

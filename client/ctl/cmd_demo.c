@@ -115,15 +115,18 @@ static int add_object(struct demo *demo, uint32_t index, const float (*start)[3]
     int status =
         pccd_mesh_create(demo->client, start, PCCD_FORMAT_F32, object->vertex_count,
                          object->triangles, object->triangle_count, &mesh, &info);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(demo, status, "a mesh was not accepted", error);
+    }
     demo->edges[index] = malloc(info.edge_count * sizeof(*demo->edges[index]));
-    if (demo->edges[index] == NULL)
+    if (demo->edges[index] == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the edges");
+    }
     object->edges = demo->edges[index];
     status = pccd_mesh_edges(demo->client, mesh, demo->edges[index], info.edge_count);
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         status = pccd_scene_add(demo->client, demo->scene, mesh, &object->object);
+    }
     return status == PCCD_OK ? PCCD_OK
                              : fail(demo, status, "a mesh was not placed", error);
 }
@@ -131,8 +134,9 @@ static int add_object(struct demo *demo, uint32_t index, const float (*start)[3]
 static int set_up(struct demo *demo, struct ctl_error *error)
 {
     int status = cloth_scene_new(&demo->cloth, error);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return status;
+    }
     const struct cloth_scene *cloth = demo->cloth;
     demo->objects[0] =
         (struct demo_object){.vertex_count = CLOTH_VERTICES,
@@ -145,14 +149,17 @@ static int set_up(struct demo *demo, struct ctl_error *error)
                              .x = (const float(*)[3])demo->ball_x,
                              .triangles = (const uint32_t(*)[3])cloth->ball_triangles};
     demo->step_ms = malloc(demo->options->steps * sizeof(*demo->step_ms));
-    if (demo->step_ms == NULL)
+    if (demo->step_ms == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
     status = pccd_scene_create(demo->client, &demo->scene);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(demo, status, "no scene", error);
+    }
     status = add_object(demo, 0, (const float(*)[3])cloth->cloth_start, error);
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         status = add_object(demo, 1, (const float(*)[3])cloth->ball_start, error);
+    }
     return status;
 }
 
@@ -168,13 +175,15 @@ static int submit(struct demo *demo, struct ctl_error *error)
     cloth_scene_advance(demo->cloth);
     cloth_scene_ball_pose(demo->cloth, pose1);
     int status = pccd_frame_begin(demo->client, demo->scene, 2, payload_bytes, &frame);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(demo, status, "no slot for a step", error);
+    }
     status = pccd_frame_x1(&frame, demo->objects[0].object, PCCD_FORMAT_F32, 0,
                            CLOTH_VERTICES, &x1);
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         status = pccd_frame_rigid(&frame, demo->objects[1].object, 0, CLOTH_BALL_VERTICES,
                                   pose0, pose1);
+    }
     if (status != PCCD_OK) {
         pccd_frame_abort(&frame);
         return fail(demo, status, "a step could not be written", error);
@@ -182,8 +191,9 @@ static int submit(struct demo *demo, struct ctl_error *error)
     cloth_scene_positions(demo->cloth, x1);
     status =
         pccd_frame_commit(&frame, &settings, &demo->waiting[demo->submitted % IN_FLIGHT]);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(demo, status, "a step could not be submitted", error);
+    }
     demo->submitted++;
     return PCCD_OK;
 }
@@ -195,14 +205,17 @@ static int collect(struct demo *demo, struct ctl_error *error)
     double ms[REPORT_PHASE_COUNT];
     uint64_t step = demo->waiting[demo->answered % IN_FLIGHT];
     int status = pccd_wait(demo->client, step, -1, &answer);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         return fail(demo, status, "a step failed", error);
-    if (demo->answered > 0)
+    }
+    if (demo->answered > 0) {
         pccd_answer_release(demo->client, &demo->last);
+    }
     demo->last = answer;
     report_phases(&answer.times, ms);
-    for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++)
+    for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         demo->phase_ms[phase] += ms[phase];
+    }
     demo->step_ms[demo->answered] = ms[REPORT_step];
     demo->contacts += answer.total;
     demo->vf += answer.vf;
@@ -220,10 +233,11 @@ static int stream(struct demo *demo, struct ctl_error *error)
     progress_begin(&demo->progress, "steps", steps);
     while (demo->answered < steps && status == PCCD_OK) {
         bool is_full = demo->submitted - demo->answered == IN_FLIGHT;
-        if (demo->submitted < steps && !is_full)
+        if (demo->submitted < steps && !is_full) {
             status = submit(demo, error);
-        else
+        } else {
             status = collect(demo, error);
+        }
         progress_update(&demo->progress, demo->answered);
     }
     progress_clear(&demo->progress);
@@ -260,8 +274,9 @@ static void print_table(const struct demo *demo)
            demo->contacts, demo->vf, demo->ee, demo->possible);
     printf("last step   %" PRIu64 ": %" PRIu64 " vertex-face, %" PRIu64 " edge-edge\n",
            last->total, last->vf, last->ee);
-    if (demo->incomplete > 0)
+    if (demo->incomplete > 0) {
         printf("INCOMPLETE  %" PRIu64 " answers\n", demo->incomplete);
+    }
     printf("per step    p50 %.3f ms, p99 %.3f ms, max %.3f ms; %" PRIu32 " thread%s\n",
            statistics_median(demo->step_ms, steps),
            statistics_quantile(demo->step_ms, steps, 0.99), demo->step_ms[steps - 1],
@@ -291,16 +306,20 @@ static int run_demo(const struct demo_options *options)
     struct ctl_error error = {.text = ""};
     FILE *file = NULL;
     struct demo *demo = calloc(1, sizeof(*demo));
-    if (demo == NULL)
+    if (demo == NULL) {
         return ctl_complain("out of memory");
+    }
     demo->options = options;
     int status = picture_open(options->output, &file, &error);
-    if (status == PCCD_OK && ctl_link_open(&options->link, &demo->client) != CTL_DONE)
+    if (status == PCCD_OK && ctl_link_open(&options->link, &demo->client) != CTL_DONE) {
         status = PCCD_E_NODAEMON; /* and has been told */
-    if (status == PCCD_OK)
+    }
+    if (status == PCCD_OK) {
         status = set_up(demo, &error);
-    if (status == PCCD_OK)
+    }
+    if (status == PCCD_OK) {
         status = stream(demo, &error);
+    }
     if (status == PCCD_OK) {
         place_last(demo);
         print_table(demo);
@@ -309,12 +328,15 @@ static int run_demo(const struct demo_options *options)
         file = NULL;
         pccd_answer_release(demo->client, &demo->last);
     }
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         printf("picture     %s\n", options->output);
-    if (file != NULL)
+    }
+    if (file != NULL) {
         picture_discard(file, options->output);
-    if (status != PCCD_OK && error.text[0] != '\0')
+    }
+    if (status != PCCD_OK && error.text[0] != '\0') {
         ctl_complain("%s", error.text);
+    }
     tear_down(demo);
     return status == PCCD_OK ? CTL_DONE : CTL_FAILED;
 }
@@ -324,8 +346,9 @@ int ctl_cmd_demo(int argc, char **argv)
     struct demo_options options = {.link = {.policy = CTL_LINK_PRIVATE},
                                    .steps = STEPS_DEFAULT,
                                    .output = OUTPUT_DEFAULT};
-    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0)
+    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0) {
         return CTL_FAILED;
+    }
     int status = run_demo(&options);
     ctl_link_deinit(&options.link);
     return status;

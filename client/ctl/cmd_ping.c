@@ -66,8 +66,9 @@ static void pause_for(double seconds)
 {
     struct timespec left = {.tv_sec = (time_t)seconds};
     left.tv_nsec = (long)((seconds - (double)left.tv_sec) * 1e9);
-    while (nanosleep(&left, &left) != 0 && errno == EINTR)
+    while (nanosleep(&left, &left) != 0 && errno == EINTR) {
         continue;
+    }
 }
 
 static int ping_all(struct pccd_client *client, const struct ping_options *options,
@@ -75,15 +76,18 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
 {
     for (uint32_t i = 0; i < options->count; i++) {
         uint64_t round_trip_ns;
-        if (i > 0 && options->interval_s > 0.0)
+        if (i > 0 && options->interval_s > 0.0) {
             pause_for(options->interval_s);
-        if (pccd_ping(client, &round_trip_ns) != PCCD_OK)
+        }
+        if (pccd_ping(client, &round_trip_ns) != PCCD_OK) {
             return ctl_complain("ping %" PRIu32 " of %" PRIu32 ": %s", i + 1,
                                 options->count, pccd_error_text(client));
+        }
         times_us[i] = (double)round_trip_ns / 1e3;
-        if (!options->is_quiet)
+        if (!options->is_quiet) {
             printf("daemon %" PRIu32 ": seq %" PRIu32 ", %.1f us\n",
                    pccd_daemon_pid(client), i + 1, times_us[i]);
+        }
     }
     statistics_sort(times_us, options->count);
     printf("%" PRIu32
@@ -100,13 +104,15 @@ int ctl_cmd_ping(int argc, char **argv)
                                    .count = PINGS_DEFAULT,
                                    .interval_s = INTERVAL_DEFAULT_S};
     struct pccd_client *client = NULL;
-    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0)
+    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0) {
         return CTL_FAILED;
+    }
     double *times_us = malloc(options.count * sizeof(*times_us));
     int status = times_us != NULL ? ctl_link_open(&options.link, &client)
                                   : ctl_complain("out of memory");
-    if (status == CTL_DONE)
+    if (status == CTL_DONE) {
         status = ping_all(client, &options, times_us);
+    }
     pccd_close(client);
     free(times_us);
     ctl_link_deinit(&options.link);

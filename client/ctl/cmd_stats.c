@@ -61,10 +61,12 @@ static void measure(void *context, const char *name, uint64_t value, const char 
     int name_width = (int)strlen(name);
     int value_width = snprintf(NULL, 0, "%" PRIu64, value);
     (void)text;
-    if (name_width > widths->name)
+    if (name_width > widths->name) {
         widths->name = name_width;
-    if (value_width > widths->value)
+    }
+    if (value_width > widths->value) {
         widths->value = value_width;
+    }
 }
 
 static void print_line(void *context, const char *name, uint64_t value, const char *text)
@@ -95,8 +97,9 @@ static int print_list(struct pccd_client *client)
 {
     struct widths widths = {0, 0};
     int status = pccd_stats(client, measure, &widths);
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         status = pccd_stats(client, print_line, &widths);
+    }
     return status;
 }
 
@@ -104,12 +107,14 @@ int ctl_cmd_stats(int argc, char **argv)
 {
     struct stats_options options = {.link = {.policy = CTL_LINK_EXISTING}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0)
+    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0) {
         return CTL_FAILED;
+    }
     int status = ctl_link_open(&options.link, &client);
     if (status == CTL_DONE &&
-        (options.is_json ? print_json(client) : print_list(client)) != PCCD_OK)
+        (options.is_json ? print_json(client) : print_list(client)) != PCCD_OK) {
         status = ctl_complain("stats: %s", pccd_error_text(client));
+    }
     pccd_close(client);
     ctl_link_deinit(&options.link);
     return status;

@@ -14,8 +14,9 @@
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     (void)text;
-    if (key != ARGP_KEY_INIT)
+    if (key != ARGP_KEY_INIT) {
         return ARGP_ERR_UNKNOWN;
+    }
     state->child_inputs[0] = state->input;
     return 0;
 }
@@ -30,16 +31,18 @@ int ctl_cmd_version(int argc, char **argv)
 {
     struct ctl_link link = {.policy = CTL_LINK_EXISTING};
     struct pccd_client *client = NULL;
-    if (argp_parse(&argp, argc, argv, 0, NULL, &link) != 0)
+    if (argp_parse(&argp, argc, argv, 0, NULL, &link) != 0) {
         return CTL_FAILED;
+    }
     printf("tool     %s\n", argp_program_version);
     printf("library  libpccd %s\n", pccd_version());
     fflush(stdout);
     int status = ctl_link_open(&link, &client);
-    if (status == CTL_DONE)
+    if (status == CTL_DONE) {
         printf("daemon   answers, process %u\n", pccd_daemon_pid(client));
-    else
+    } else {
         printf("daemon   does not answer\n");
+    }
     pccd_close(client);
     ctl_link_deinit(&link);
     return CTL_DONE;

@@ -33,10 +33,11 @@ uint64_t ctl_option_count(const struct argp_state *state, const char *name,
     /* strtoull takes a minus sign; only digits are meant here. */
     unsigned long long value = strtoull(text, &stop, 10);
     if (text[0] < '0' || text[0] > '9' || *stop != '\0' || errno != 0 || value < low ||
-        value > high)
+        value > high) {
         argp_error(state,
                    "--%s: \"%s\" is not a whole number from %" PRIu64 " to %" PRIu64,
                    name, text, low, high);
+    }
     return value;
 }
 
@@ -45,8 +46,9 @@ double ctl_option_real(const struct argp_state *state, const char *name, const c
 {
     char *stop;
     double value = strtod(text, &stop);
-    if (stop == text || *stop != '\0' || !(value >= low && value <= high))
+    if (stop == text || *stop != '\0' || !(value >= low && value <= high)) {
         argp_error(state, "--%s: \"%s\" is not a number from %g to %g", name, text, low,
                    high);
+    }
     return value;
 }

@@ -15,9 +15,10 @@
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
 {
     csv->file = strcmp(csv->path, "-") == 0 ? stdout : fopen(csv->path, "we");
-    if (csv->file == NULL)
+    if (csv->file == NULL) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", csv->path,
                              strerror(errno));
+    }
     fprintf(csv->file, "%skind,i0,i1,i2,i3,toi,toi_hi,proved\n",
             csv->has_step ? "step," : "");
     return PCCD_OK;
@@ -27,8 +28,9 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
 static void print_features(const struct contacts_csv *csv, uint32_t step, uint32_t kind,
                            uint32_t a, uint32_t b)
 {
-    if (csv->has_step)
+    if (csv->has_step) {
         fprintf(csv->file, "%" PRIu32 ",", step);
+    }
     if (kind == PCCD_VF) {
         const uint32_t *face = csv->triangles[b];
         fprintf(csv->file, "vf,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",", a,
@@ -59,14 +61,17 @@ void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
 int contacts_csv_close(struct contacts_csv *csv, struct ctl_error *error)
 {
     FILE *file = csv->file;
-    if (file == NULL)
+    if (file == NULL) {
         return PCCD_OK;
+    }
     csv->file = NULL;
     bool is_bad = fflush(file) != 0 || ferror(file) != 0;
-    if (file != stdout)
+    if (file != stdout) {
         is_bad |= fclose(file) != 0;
-    if (is_bad)
+    }
+    if (is_bad) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", csv->path,
                              strerror(errno));
+    }
     return PCCD_OK;
 }

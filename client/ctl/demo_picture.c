@@ -19,8 +19,9 @@ static const float eye_direction[3] = {0.45f, 0.32f, 1.0f};
 static const struct demo_object *find_object(const struct demo_object objects[2],
                                              uint32_t object)
 {
-    if (objects[0].object == object)
+    if (objects[0].object == object) {
         return &objects[0];
+    }
     return objects[1].object == object ? &objects[1] : NULL;
 }
 
@@ -31,22 +32,26 @@ static bool locate(const struct demo_object objects[2],
 {
     const struct demo_object *a = find_object(objects, contact->object_a);
     const struct demo_object *b = find_object(objects, contact->object_b);
-    if (a == NULL || b == NULL)
+    if (a == NULL || b == NULL) {
         return false;
+    }
     if (contact->kind == PCCD_VF) {
-        if (contact->feature_b >= b->triangle_count)
+        if (contact->feature_b >= b->triangle_count) {
             return false;
+        }
         const uint32_t *v = b->triangles[contact->feature_b];
         float second = contact->param[0], third = contact->param[1];
-        for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++) {
             at[k] = (1.0f - second - third) * b->x[v[0]][k] + second * b->x[v[1]][k] +
                     third * b->x[v[2]][k];
+        }
         return true;
     }
     const struct pccd_edge *edge = &a->edges[contact->feature_a];
-    for (uint32_t k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++) {
         at[k] =
             a->x[edge->a][k] + contact->param[0] * (a->x[edge->b][k] - a->x[edge->a][k]);
+    }
     return true;
 }
 
@@ -78,8 +83,9 @@ int demo_picture_write(const struct demo_object objects[2],
     for (uint64_t i = 0; i < answer->count; i++) {
         const struct pccd_contact *contact = &answer->contacts[i];
         marks[mark_count].group = contact->kind == PCCD_VF ? 0 : 1;
-        if (locate(objects, contact, marks[mark_count].at))
+        if (locate(objects, contact, marks[mark_count].at)) {
             mark_count++;
+        }
     }
     snprintf(title, sizeof(title), "pccd demo, step %" PRIu64 ", %" PRIu32 " triangles",
              answer->step, objects[0].triangle_count + objects[1].triangle_count);

@@ -32,8 +32,9 @@ static void set_url(struct argp_state *state, const char *prefix, const char *re
 {
     struct ctl_link *link = state->input;
     char *url = NULL;
-    if (asprintf(&url, "%s%s", prefix, rest) < 0)
+    if (asprintf(&url, "%s%s", prefix, rest) < 0) {
         argp_failure(state, CTL_FAILED, 0, "out of memory");
+    }
     free(link->url);
     link->url = url;
 }
@@ -58,8 +59,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         link->timeout_ms = (int)ctl_option_count(state, "timeout", text, 1, 3600000);
         return 0;
     case ARGP_KEY_END:
-        if (link->is_private && link->url != NULL)
+        if (link->is_private && link->url != NULL) {
             argp_error(state, "--private and --url exclude each other");
+        }
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -83,11 +85,13 @@ int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
                            (link->url == NULL &&
                             (link->policy == CTL_LINK_PRIVATE ||
                              (link->policy == CTL_LINK_PRIVATE_UNLESS_ENV && !has_told)));
-    if (asked.private_daemon)
+    if (asked.private_daemon) {
         asked.no_autostart = false;
+    }
     int status = pccd_connect(&asked, client);
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         return CTL_DONE;
+    }
     const char *text = pccd_error_text(NULL);
     return ctl_complain("no connection: %s",
                         text[0] != '\0' ? text : pccd_status_text(status));

@@ -39,8 +39,9 @@ static void print_help(FILE *to)
     fputs("Usage: pccdctl COMMAND [OPTION...]\n"
           "Continuous collision detection of triangle meshes, by the daemon pccdd.\n\n",
           to);
-    for (size_t i = 0; i < COMMAND_COUNT; i++)
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
         fprintf(to, "  %-9s %s\n", commands[i].name, commands[i].text);
+    }
     fputs("\n\"pccdctl COMMAND --help\" explains a command.\n"
           "Exit status: 0 when done, 1 after an error.\n",
           to);
@@ -49,8 +50,9 @@ static void print_help(FILE *to)
 static const struct command *find_command(const char *name)
 {
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        if (strcmp(name, commands[i].name) == 0)
+        if (strcmp(name, commands[i].name) == 0) {
             return &commands[i];
+        }
     }
     return NULL;
 }
@@ -67,8 +69,9 @@ static int run_command(const struct command *command, int argc, char **argv)
     snprintf(title, sizeof(title), "%s", command->title);
     argv[0] = title;
     int status = command->run(argc, argv);
-    if (fflush(stdout) != 0 || ferror(stdout) != 0)
+    if (fflush(stdout) != 0 || ferror(stdout) != 0) {
         status = ctl_complain("cannot write to the standard output");
+    }
     return status;
 }
 
@@ -90,15 +93,18 @@ int main(int argc, char **argv)
     }
     if (is_any(argv[1], "help", "--help", "-?")) {
         command = argc > 2 ? find_command(argv[2]) : NULL;
-        if (command != NULL)
+        if (command != NULL) {
             return run_command(command, 2, help_arguments);
-        if (argc > 2)
+        }
+        if (argc > 2) {
             return ctl_complain("no command \"%s\"; see pccdctl --help", argv[2]);
+        }
         print_help(stdout);
         return CTL_DONE;
     }
     command = find_command(argv[1]);
-    if (command == NULL)
+    if (command == NULL) {
         return ctl_complain("no command \"%s\"; see pccdctl --help", argv[1]);
+    }
     return run_command(command, argc - 1, argv + 1);
 }

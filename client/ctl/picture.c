@@ -54,8 +54,9 @@ static void cross(const float a[3], const float b[3], float out[3])
 static void normalize(float x[3])
 {
     float length = sqrtf(dot(x, x)) + 1e-30f;
-    for (uint32_t k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++) {
         x[k] /= length;
+    }
 }
 
 /* The middle of the bounding box. */
@@ -79,8 +80,9 @@ static void place_camera(const struct picture *picture, struct camera *camera)
     static const float up[3] = {0, 1, 0};
     float *right = camera->axes[0], *above = camera->axes[1], *away = camera->axes[2];
     find_centre(picture, camera->centre);
-    for (uint32_t k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++) {
         away[k] = -picture->from[k];
+    }
     normalize(away);
     cross(away, up, right);
     normalize(right);
@@ -91,8 +93,9 @@ static void place_camera(const struct picture *picture, struct camera *camera)
     for (uint32_t m = 0; m < picture->mesh_count; m++) {
         for (uint32_t i = 0; i < picture->meshes[m].vertex_count; i++) {
             float d[3];
-            for (uint32_t k = 0; k < 3; k++)
+            for (uint32_t k = 0; k < 3; k++) {
                 d[k] = picture->meshes[m].x[i][k] - camera->centre[k];
+            }
             float needed =
                 fmaxf(fabsf(dot(d, right)) / wide, fabsf(dot(d, above)) / high) -
                 dot(d, away);
@@ -106,8 +109,9 @@ static void project(const struct camera *camera, const float x[3],
                     struct raster_corner *corner)
 {
     float d[3];
-    for (uint32_t k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++) {
         d[k] = x[k] - camera->centre[k];
+    }
     float depth = dot(d, camera->axes[2]) + camera->distance;
     corner->nearness = 1.0f / fmaxf(depth, 1e-6f);
     float scale = camera->focus * corner->nearness;
@@ -126,11 +130,13 @@ static void smooth_normals(const struct picture_mesh *mesh, struct raster_corner
             b[k] = mesh->x[v[2]][k] - mesh->x[v[0]][k];
         }
         cross(a, b, normal);
-        for (uint32_t k = 0; k < 9; k++)
+        for (uint32_t k = 0; k < 9; k++) {
             corners[v[k / 3]].normal[k % 3] += normal[k % 3];
+        }
     }
-    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         normalize(corners[i].normal);
+    }
 }
 
 static bool draw_mesh(struct raster *raster, const struct camera *camera,
@@ -138,10 +144,12 @@ static bool draw_mesh(struct raster *raster, const struct camera *camera,
 {
     struct raster_corner *corners = calloc(mesh->vertex_count, sizeof(*corners));
     struct raster_surface surface = {.line_width = LINE_WIDTH * OVERSAMPLING};
-    if (corners == NULL)
+    if (corners == NULL) {
         return false;
-    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+    }
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         project(camera, mesh->x[i], &corners[i]);
+    }
     smooth_normals(mesh, corners);
     memcpy(surface.front, mesh->front, sizeof(surface.front));
     memcpy(surface.back, mesh->back, sizeof(surface.back));
@@ -200,8 +208,9 @@ static void halve(struct raster *raster)
             const uint8_t *corner = raster->rgb + (size_t)y * OVERSAMPLING * stride +
                                     (size_t)(x / 3) * OVERSAMPLING * 3 + x % 3;
             uint32_t sum = OVERSAMPLING * OVERSAMPLING / 2;
-            for (uint32_t i = 0; i < OVERSAMPLING * OVERSAMPLING; i++)
+            for (uint32_t i = 0; i < OVERSAMPLING * OVERSAMPLING; i++) {
                 sum += corner[i / OVERSAMPLING * stride + i % OVERSAMPLING * 3];
+            }
             raster->rgb[(size_t)y * PICTURE_WIDTH * 3 + x] =
                 (uint8_t)(sum / (OVERSAMPLING * OVERSAMPLING));
         }
@@ -218,12 +227,14 @@ static int save(const struct raster *raster, FILE *file, const char *path,
     struct stat info;
     /* An older and longer file must not show behind the new one. */
     if (fstat(fileno(file), &info) == 0 && S_ISREG(info.st_mode) &&
-        ftruncate(fileno(file), 0) != 0)
+        ftruncate(fileno(file), 0) != 0) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot empty: %s", path,
                              strerror(errno));
-    if (png_image_write_to_stdio(&image, file, 0, raster->rgb, 0, NULL) == 0)
+    }
+    if (png_image_write_to_stdio(&image, file, 0, raster->rgb, 0, NULL) == 0) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
                              image.message);
+    }
     return PCCD_OK;
 }
 
@@ -234,8 +245,9 @@ int picture_open(const char *path, FILE **file, struct ctl_error *error)
     if (opened == NULL) {
         int status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
                                    strerror(errno));
-        if (fd >= 0)
+        if (fd >= 0) {
             close(fd);
+        }
         return status;
     }
     *file = opened;
@@ -248,8 +260,9 @@ void picture_discard(FILE *file, const char *path)
     bool is_empty =
         fstat(fileno(file), &info) == 0 && S_ISREG(info.st_mode) && info.st_size == 0;
     fclose(file);
-    if (is_empty)
+    if (is_empty) {
         unlink(path);
+    }
 }
 
 int picture_write(const struct picture *picture, FILE *file, const char *path,
@@ -264,8 +277,9 @@ int picture_write(const struct picture *picture, FILE *file, const char *path,
         raster_clear(&raster, sky_top, sky_bottom);
         place_camera(picture, &camera);
     }
-    for (uint32_t m = 0; m < picture->mesh_count && has_memory; m++)
+    for (uint32_t m = 0; m < picture->mesh_count && has_memory; m++) {
         has_memory = draw_mesh(&raster, &camera, &picture->meshes[m]);
+    }
     if (has_memory) {
         draw_marks(&raster, &camera, picture);
         draw_legend(&raster, picture);
@@ -275,9 +289,10 @@ int picture_write(const struct picture *picture, FILE *file, const char *path,
         status =
             ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
     }
-    if (fclose(file) != 0 && status == PCCD_OK)
+    if (fclose(file) != 0 && status == PCCD_OK) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
                                strerror(errno));
+    }
     raster_deinit(&raster);
     return status;
 }

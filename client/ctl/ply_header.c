@@ -50,8 +50,9 @@ static int read_type(struct header_reader *reader, struct ctl_word *line,
                      enum ply_type *type)
 {
     struct ctl_word word;
-    if (!ctl_word_next(line, &word))
+    if (!ctl_word_next(line, &word)) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "property without a type");
+    }
     for (uint32_t i = 0; i < PLY_TYPE_COUNT; i++) {
         if (ctl_word_is(&word, types[i].name) || ctl_word_is(&word, types[i].alias)) {
             *type = (enum ply_type)i;
@@ -65,23 +66,27 @@ static int read_type(struct header_reader *reader, struct ctl_word *line,
 static int read_format(struct header_reader *reader, struct ctl_word *line)
 {
     struct ctl_word word, version;
-    if (reader->header->encoding != PLY_NONE)
+    if (reader->header->encoding != PLY_NONE) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "a second format line");
-    if (!ctl_word_next(line, &word) || !ctl_word_next(line, &version))
+    }
+    if (!ctl_word_next(line, &word) || !ctl_word_next(line, &version)) {
         return FAIL(reader, PCCD_E_FORMAT, "%s",
                     "format without an encoding and a version");
-    if (ctl_word_is(&word, "ascii"))
+    }
+    if (ctl_word_is(&word, "ascii")) {
         reader->header->encoding = PLY_ASCII;
-    else if (ctl_word_is(&word, "binary_little_endian"))
+    } else if (ctl_word_is(&word, "binary_little_endian")) {
         reader->header->encoding = PLY_LITTLE_ENDIAN;
-    else if (ctl_word_is(&word, "binary_big_endian"))
+    } else if (ctl_word_is(&word, "binary_big_endian")) {
         reader->header->encoding = PLY_BIG_ENDIAN;
-    else
+    } else {
         return FAIL(reader, PCCD_E_FORMAT, "unknown encoding \"%.*s\"",
                     ctl_word_length(&word), word.at);
-    if (!ctl_word_is(&version, "1.0"))
+    }
+    if (!ctl_word_is(&version, "1.0")) {
         return FAIL(reader, PCCD_E_FORMAT, "version \"%.*s\" where 1.0 is known",
                     ctl_word_length(&version), version.at);
+    }
     return PCCD_OK;
 }
 
@@ -90,13 +95,16 @@ static int read_element(struct header_reader *reader, struct ctl_word *line)
     struct ply_header *header = reader->header;
     struct ctl_word name, count_word;
     int64_t count;
-    if (!ctl_word_next(line, &name) || !ctl_word_next(line, &count_word))
+    if (!ctl_word_next(line, &name) || !ctl_word_next(line, &count_word)) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "element without a name and a count");
-    if (!ctl_word_integer(&count_word, &count) || count < 0)
+    }
+    if (!ctl_word_integer(&count_word, &count) || count < 0) {
         return FAIL(reader, PCCD_E_FORMAT, "\"%.*s\" is not a count",
                     ctl_word_length(&count_word), count_word.at);
-    if (header->element_count == PLY_ELEMENTS_MAX)
+    }
+    if (header->element_count == PLY_ELEMENTS_MAX) {
         return FAIL(reader, PCCD_E_LIMIT, "more than %d elements", PLY_ELEMENTS_MAX);
+    }
     header->elements[header->element_count++] =
         (struct ply_element){.name = name,
                              .count = (uint64_t)count,
@@ -112,21 +120,26 @@ static int read_property(struct header_reader *reader, struct ctl_word *line)
     struct ctl_word rest = *line;
     struct ctl_word word;
     int status = PCCD_OK;
-    if (header->element_count == 0)
+    if (header->element_count == 0) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "property before any element");
-    if (header->property_count == PLY_PROPERTIES_MAX)
+    }
+    if (header->property_count == PLY_PROPERTIES_MAX) {
         return FAIL(reader, PCCD_E_LIMIT, "more than %d properties", PLY_PROPERTIES_MAX);
+    }
     if (ctl_word_next(&rest, &word) && ctl_word_is(&word, "list")) {
         property.is_list = true;
         *line = rest;
         status = read_type(reader, line, &property.count_type);
     }
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         status = read_type(reader, line, &property.type);
-    if (status != PCCD_OK)
+    }
+    if (status != PCCD_OK) {
         return status;
-    if (!ctl_word_next(line, &property.name))
+    }
+    if (!ctl_word_next(line, &property.name)) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "property without a name");
+    }
     header->properties[header->property_count++] = property;
     header->elements[header->element_count - 1].property_count++;
     return PCCD_OK;
@@ -138,10 +151,12 @@ static int read_line(struct header_reader *reader, struct ctl_word *line, bool *
     struct ctl_word word;
     struct ctl_word surplus;
     int status;
-    if (!ctl_word_next(line, &word))
+    if (!ctl_word_next(line, &word)) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "blank line in the header");
-    if (ctl_word_is(&word, "comment") || ctl_word_is(&word, "obj_info"))
+    }
+    if (ctl_word_is(&word, "comment") || ctl_word_is(&word, "obj_info")) {
         return PCCD_OK;
+    }
     if (ctl_word_is(&word, "end_header")) {
         *is_end = true;
         status = PCCD_OK;
@@ -155,9 +170,10 @@ static int read_line(struct header_reader *reader, struct ctl_word *line, bool *
         return FAIL(reader, PCCD_E_FORMAT, "unknown header line \"%.*s\"",
                     ctl_word_length(&word), word.at);
     }
-    if (status == PCCD_OK && ctl_word_next(line, &surplus))
+    if (status == PCCD_OK && ctl_word_next(line, &surplus)) {
         return FAIL(reader, PCCD_E_FORMAT, "\"%.*s\" is too much on a header line",
                     ctl_word_length(&surplus), surplus.at);
+    }
     return status;
 }
 
@@ -167,14 +183,17 @@ static int find_element(struct header_reader *reader, const char *name,
 {
     struct ply_element *element = NULL;
     for (uint32_t i = 0; i < reader->header->element_count; i++) {
-        if (!ctl_word_is(&reader->header->elements[i].name, name))
+        if (!ctl_word_is(&reader->header->elements[i].name, name)) {
             continue;
-        if (element != NULL)
+        }
+        if (element != NULL) {
             return FAIL(reader, PCCD_E_FORMAT, "two elements \"%s\"", name);
+        }
         element = &reader->header->elements[i];
     }
-    if (element == NULL)
+    if (element == NULL) {
         return FAIL(reader, PCCD_E_FORMAT, "the header has no element \"%s\"", name);
+    }
     *found = element;
     return PCCD_OK;
 }
@@ -189,15 +208,18 @@ static int find_axes(struct header_reader *reader, const struct ply_element *ele
     for (uint32_t axis = 0; axis < 3; axis++) {
         struct ply_property *found = NULL;
         for (uint32_t i = 0; i < element->property_count && found == NULL; i++) {
-            if (ctl_word_is(&properties[i].name, axes[axis]))
+            if (ctl_word_is(&properties[i].name, axes[axis])) {
                 found = &properties[i];
+            }
         }
-        if (found == NULL)
+        if (found == NULL) {
             return FAIL(reader, PCCD_E_FORMAT,
                         "element \"vertex\" has no property \"%s\"", axes[axis]);
-        if (found->is_list)
+        }
+        if (found->is_list) {
             return FAIL(reader, PCCD_E_FORMAT, "property \"%s\" of \"vertex\" is a list",
                         axes[axis]);
+        }
         found->role = (enum ply_role)axis;
         reader->header->is_narrow &= types[found->type].is_narrow;
     }
@@ -228,11 +250,12 @@ static uint64_t row_bytes_min(const struct ply_header *header,
     for (uint32_t i = 0; i < element->property_count; i++) {
         const struct ply_property *property =
             &header->properties[element->property_first + i];
-        if (header->encoding == PLY_ASCII)
+        if (header->encoding == PLY_ASCII) {
             bytes += 2; /* a digit and what parts it from the next */
-        else
+        } else {
             bytes +=
                 types[property->is_list ? property->count_type : property->type].bytes;
+        }
     }
     return bytes;
 }
@@ -247,17 +270,20 @@ static int check_counts(struct header_reader *reader)
     for (uint32_t i = 0; i < header->element_count; i++) {
         const struct ply_element *element = &header->elements[i];
         uint64_t row_bytes = row_bytes_min(header, element);
-        if (element->count == 0)
+        if (element->count == 0) {
             continue;
-        if (row_bytes == 0)
+        }
+        if (row_bytes == 0) {
             return FAIL(reader, PCCD_E_FORMAT, "element \"%.*s\" has no properties",
                         ctl_word_length(&element->name), element->name.at);
-        if (element->count > left / row_bytes)
+        }
+        if (element->count > left / row_bytes) {
             return FAIL(reader, PCCD_E_FORMAT,
                         "%llu rows of element \"%.*s\" are announced, but the file ends "
                         "before",
                         (unsigned long long)element->count,
                         ctl_word_length(&element->name), element->name.at);
+        }
         left -= element->count * row_bytes;
     }
     return PCCD_OK;
@@ -266,19 +292,25 @@ static int check_counts(struct header_reader *reader)
 static int check_header(struct header_reader *reader)
 {
     struct ply_element *vertex, *face;
-    if (reader->header->encoding == PLY_NONE)
+    if (reader->header->encoding == PLY_NONE) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "the header has no format line");
+    }
     int status = find_element(reader, "vertex", &vertex);
-    if (status == PCCD_OK)
+    if (status == PCCD_OK) {
         status = find_element(reader, "face", &face);
-    if (status == PCCD_OK)
+    }
+    if (status == PCCD_OK) {
         status = find_axes(reader, vertex);
-    if (status == PCCD_OK)
+    }
+    if (status == PCCD_OK) {
         status = find_indices(reader, face);
-    if (status == PCCD_OK)
+    }
+    if (status == PCCD_OK) {
         status = check_counts(reader);
-    if (status != PCCD_OK)
+    }
+    if (status != PCCD_OK) {
         return status;
+    }
     reader->header->vertex_count = vertex->count;
     reader->header->face_count = face->count;
     return PCCD_OK;
@@ -293,14 +325,17 @@ int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
     header->encoding = PLY_NONE;
     header->element_count = 0;
     header->property_count = 0;
-    if (!ctl_text_line(text, &line) || !ctl_word_is(&line, "ply"))
+    if (!ctl_text_line(text, &line) || !ctl_word_is(&line, "ply")) {
         return FAIL(&reader, PCCD_E_FORMAT, "%s", "the first line is not \"ply\"");
+    }
     while (!is_end) {
-        if (!ctl_text_line(text, &line))
+        if (!ctl_text_line(text, &line)) {
             return FAIL(&reader, PCCD_E_FORMAT, "%s", "the file ends inside the header");
+        }
         int status = read_line(&reader, &line, &is_end);
-        if (status != PCCD_OK)
+        if (status != PCCD_OK) {
             return status;
+        }
     }
     return check_header(&reader);
 }

@@ -33,16 +33,19 @@ void progress_begin(struct progress *progress, const char *label, uint64_t total
 
 void progress_update(struct progress *progress, uint64_t done)
 {
-    if (!progress->is_on)
+    if (!progress->is_on) {
         return;
+    }
     uint64_t now = now_ns();
     if (progress->drawn_ns != 0 && now - progress->drawn_ns < REDRAW_NS &&
-        done < progress->total)
+        done < progress->total) {
         return;
+    }
     char bar[BAR_CHARS + 1];
     uint64_t filled = done * BAR_CHARS / progress->total;
-    for (uint64_t i = 0; i < BAR_CHARS; i++)
+    for (uint64_t i = 0; i < BAR_CHARS; i++) {
         bar[i] = i < filled ? '#' : '.';
+    }
     bar[BAR_CHARS] = '\0';
     fprintf(stderr, "\r%s [%s] %" PRIu64 "/%" PRIu64 "\033[K", progress->label, bar, done,
             progress->total);
@@ -51,7 +54,8 @@ void progress_update(struct progress *progress, uint64_t done)
 
 void progress_clear(struct progress *progress)
 {
-    if (progress->is_on && progress->drawn_ns != 0)
+    if (progress->is_on && progress->drawn_ns != 0) {
         fputs("\r\033[K", stderr);
+    }
     progress->drawn_ns = 0;
 }

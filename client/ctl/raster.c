@@ -109,8 +109,9 @@ bool raster_init(struct raster *raster, uint32_t width, uint32_t height)
     raster->height = height;
     raster->rgb = malloc(pixels * 3);
     raster->nearness = malloc(pixels * sizeof(*raster->nearness));
-    if (raster->rgb != NULL && raster->nearness != NULL)
+    if (raster->rgb != NULL && raster->nearness != NULL) {
         return true;
+    }
     raster_deinit(raster);
     return false;
 }
@@ -131,8 +132,9 @@ static uint8_t byte_of(float share)
 
 static void put(struct raster *raster, size_t pixel, const float colour[3])
 {
-    for (uint32_t k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++) {
         raster->rgb[pixel * 3 + k] = byte_of(colour[k]);
+    }
 }
 
 static void mix(struct raster *raster, size_t pixel, const float colour[3], float share)
@@ -148,10 +150,12 @@ void raster_clear(struct raster *raster, const float top[3], const float bottom[
     for (uint32_t y = 0; y < raster->height; y++) {
         float share = (float)y / (float)raster->height;
         float colour[3];
-        for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++) {
             colour[k] = top[k] + (bottom[k] - top[k]) * share;
-        for (uint32_t x = 0; x < raster->width; x++)
+        }
+        for (uint32_t x = 0; x < raster->width; x++) {
             put(raster, (size_t)y * raster->width + x, colour);
+        }
     }
     memset(raster->nearness, 0,
            (size_t)raster->width * raster->height * sizeof(*raster->nearness));
@@ -164,8 +168,9 @@ static void shade(const struct raster_surface *surface, const float direction[3]
 {
     float sign = is_back ? -1.0f : 1.0f;
     float length = 0.0f, to_light = 0.0f, to_eye = 0.0f, to_half = 0.0f;
-    for (uint32_t k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++) {
         length += direction[k] * direction[k];
+    }
     length = sqrtf(length) + 1e-20f;
     float half_length = 0.0f;
     for (uint32_t k = 0; k < 3; k++) {
@@ -180,11 +185,13 @@ static void shade(const struct raster_surface *surface, const float direction[3]
     float bright = AMBIENT * (0.65f + 0.35f * sky) + 0.52f * fmaxf(to_light, 0.0f) +
                    0.16f * fmaxf(to_eye, 0.0f);
     float shine = fmaxf(to_half, 0.0f);
-    for (uint32_t power = 0; power < 5; power++)
+    for (uint32_t power = 0; power < 5; power++) {
         shine *= shine;
-    for (uint32_t k = 0; k < 3; k++)
+    }
+    for (uint32_t k = 0; k < 3; k++) {
         colour[k] =
             (is_back ? surface->back[k] : surface->front[k]) * bright + 0.16f * shine;
+    }
 }
 
 static float edge(const struct raster_corner *a, const struct raster_corner *b, float x,
@@ -210,8 +217,9 @@ void raster_triangle(struct raster *raster, const struct raster_corner c[3],
                      const struct raster_surface *surface)
 {
     float area = edge(&c[0], &c[1], c[2].x, c[2].y);
-    if (area == 0.0f)
+    if (area == 0.0f) {
         return;
+    }
     /* The canvas' y points down: what is seen counter-clockwise has a negative area. */
     bool is_back = area > 0.0f;
     float heights[3];
@@ -230,23 +238,27 @@ void raster_triangle(struct raster *raster, const struct raster_corner c[3],
             float w[3] = {edge(&c[1], &c[2], at_x, at_y) / area,
                           edge(&c[2], &c[0], at_x, at_y) / area,
                           edge(&c[0], &c[1], at_x, at_y) / area};
-            if (minimum3(w[0], w[1], w[2]) < 0.0f)
+            if (minimum3(w[0], w[1], w[2]) < 0.0f) {
                 continue;
+            }
             size_t pixel = (size_t)y * raster->width + x;
             float near_here =
                 w[0] * c[0].nearness + w[1] * c[1].nearness + w[2] * c[2].nearness;
-            if (near_here <= raster->nearness[pixel])
+            if (near_here <= raster->nearness[pixel]) {
                 continue;
+            }
             raster->nearness[pixel] = near_here;
             float normal[3], colour[3];
-            for (uint32_t k = 0; k < 3; k++)
+            for (uint32_t k = 0; k < 3; k++) {
                 normal[k] =
                     w[0] * c[0].normal[k] + w[1] * c[1].normal[k] + w[2] * c[2].normal[k];
+            }
             shade(surface, normal, is_back, colour);
             float border =
                 minimum3(w[0] * heights[0], w[1] * heights[1], w[2] * heights[2]);
-            for (uint32_t k = 0; border < surface->line_width && k < 3; k++)
+            for (uint32_t k = 0; border < surface->line_width && k < 3; k++) {
                 colour[k] *= LINE_SHADE;
+            }
             put(raster, pixel, colour);
         }
     }
@@ -258,8 +270,9 @@ void raster_dot(struct raster *raster, const struct raster_corner *at, float rad
     uint32_t x0, x1, y0, y1;
     float rim[3] = {colour[0] * RIM_SHADE, colour[1] * RIM_SHADE, colour[2] * RIM_SHADE};
     if (at->x < 0.0f || at->y < 0.0f || at->x >= (float)raster->width ||
-        at->y >= (float)raster->height)
+        at->y >= (float)raster->height) {
         return;
+    }
     clip(at->x - radius, at->x + radius, raster->width, &x0, &x1);
     clip(at->y - radius, at->y + radius, raster->height, &y0, &y1);
     size_t centre = (size_t)at->y * raster->width + (size_t)at->x;
@@ -267,8 +280,9 @@ void raster_dot(struct raster *raster, const struct raster_corner *at, float rad
     for (uint32_t y = y0; y <= y1; y++) {
         for (uint32_t x = x0; x <= x1; x++) {
             float away = hypotf((float)x + 0.5f - at->x, (float)y + 0.5f - at->y);
-            if (away > radius)
+            if (away > radius) {
                 continue;
+            }
             bool is_rim = !is_hidden && away > radius * 0.72f;
             mix(raster, (size_t)y * raster->width + x, is_rim ? rim : colour,
                 is_hidden ? hidden : 1.0f);
@@ -281,8 +295,9 @@ static void block(struct raster *raster, uint32_t x, uint32_t y, uint32_t size,
                   const float colour[3])
 {
     for (uint32_t row = y; row < y + size && row < raster->height; row++) {
-        for (uint32_t column = x; column < x + size && column < raster->width; column++)
+        for (uint32_t column = x; column < x + size && column < raster->width; column++) {
             put(raster, (size_t)row * raster->width + column, colour);
+        }
     }
 }
 
@@ -290,13 +305,15 @@ void raster_text(struct raster *raster, uint32_t x, uint32_t y, uint32_t scale,
                  const float colour[3], const char *text)
 {
     for (const char *c = text; *c != '\0'; c++, x += (GLYPH_COLUMNS + 1) * scale) {
-        if (*c < GLYPH_FIRST || *c > GLYPH_LAST)
+        if (*c < GLYPH_FIRST || *c > GLYPH_LAST) {
             continue;
+        }
         const uint8_t *glyph = glyphs[*c - GLYPH_FIRST];
         for (uint32_t column = 0; column < GLYPH_COLUMNS; column++) {
             for (uint32_t row = 0; row < GLYPH_ROWS; row++) {
-                if ((glyph[column] >> row & 1) != 0)
+                if ((glyph[column] >> row & 1) != 0) {
                     block(raster, x + column * scale, y + row * scale, scale, colour);
+                }
             }
         }
     }

@@ -74,8 +74,9 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     fputs(", ", to);
     print_count(to, info->triangle_count, "triangle", "triangles");
     fputc('\n', to);
-    if (info->duplicate_count + info->degenerate_count + info->isolated_count == 0)
+    if (info->duplicate_count + info->degenerate_count + info->isolated_count == 0) {
         return;
+    }
     fputs("           of these ", to);
     print_count(to, info->duplicate_count, "duplicate triangle", "duplicate triangles");
     fputs(", ", to);
@@ -107,20 +108,22 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
             "           %" PRIu64 " proved, %" PRIu64 " possible; %" PRIu64
             " touch at the start\n",
             answer->total - answer->possible, answer->possible, answer->initial);
-    if (answer->toi_first < NO_TOI)
+    if (answer->toi_first < NO_TOI) {
         fprintf(to, "first at   t = %.17g\n", answer->toi_first);
-    else
+    } else {
         fputs("first at   never\n", to);
+    }
 }
 
 static void print_times(FILE *to, const struct report_mesh *mesh,
                         const struct report_step *step)
 {
-    if (step->repeats > 0)
+    if (step->repeats > 0) {
         fprintf(to, "time       median of %" PRIu32 " after one to warm up (%.3f ms)",
                 step->repeats, step->first_ms);
-    else
+    } else {
         fputs("time       first run", to);
+    }
     fprintf(to, "; method %s, %" PRIu32 " thread%s\n",
             or_unknown(report_method_name(step->answer.method)), step->answer.threads,
             step->answer.threads == 1 ? "" : "s");
@@ -142,10 +145,11 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
     fprintf(to, "step       %s -> %s, mode %s\n", step->from, step->to,
             or_unknown(report_mode_name(answer->mode)));
     print_records(to, answer);
-    if (step->is_complete)
+    if (step->is_complete) {
         fputs("answer     complete\n", to);
-    else
+    } else {
         fprintf(to, "answer     INCOMPLETE: %s\n", why_incomplete(answer->incomplete));
+    }
     fprintf(to, "hash       %016" PRIx64 "%016" PRIx64 "\n", answer->hash[0],
             answer->hash[1]);
     fprintf(to,
@@ -164,9 +168,11 @@ void report_print_line(FILE *to, uint32_t number, const struct report_step *step
             "%4" PRIu32 "  %s: %" PRIu64 " (%" PRIu64 " vf, %" PRIu64 " ee, %" PRIu64
             " possible)",
             number, step->to, answer->total, answer->vf, answer->ee, answer->possible);
-    if (answer->toi_first < NO_TOI)
+    if (answer->toi_first < NO_TOI) {
         fprintf(to, ", first at %.9g", answer->toi_first);
-    if (!step->is_complete)
+    }
+    if (!step->is_complete) {
         fprintf(to, ", INCOMPLETE: %s", why_incomplete(answer->incomplete));
+    }
     fprintf(to, ", %.3f ms\n", step->ms[REPORT_step]);
 }

@@ -27,8 +27,9 @@
  * NULL value, so `ok` is all that has to be looked at. */
 static void set(json_t *object, const char *key, json_t *value, bool *ok)
 {
-    if (json_object_set_new(object, key, value) != 0)
+    if (json_object_set_new(object, key, value) != 0) {
         *ok = false;
+    }
 }
 
 static void set_count(json_t *object, const char *key, uint64_t value, bool *ok)
@@ -62,8 +63,9 @@ static json_t *times_object(const struct report_mesh *mesh,
 {
     json_t *object = json_object();
     set(object, "build", json_real(mesh->build_ms), ok);
-    for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++)
+    for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         set(object, report_phase_names[phase], json_real(step->ms[phase]), ok);
+    }
     set(object, "first_step", json_real(step->first_ms), ok);
     set(object, "round_trip", json_real(step->round_trip_ms), ok);
     return object;
@@ -97,8 +99,9 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     set_count(object, "ee", answer->ee, ok);
     set_count(object, "possible", answer->possible, ok);
     set_count(object, "initial", answer->initial, ok);
-    if (answer->mode == PCCD_MODE_ANY)
+    if (answer->mode == PCCD_MODE_ANY) {
         set(object, "verdict", mode_text(verdict < 4 ? verdicts[verdict] : NULL), ok);
+    }
     set_toi(object, answer->toi_first, ok);
     set(object, "complete", json_boolean(step->is_complete), ok);
     set(object, "hash", json_string(hash), ok);
@@ -116,8 +119,9 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
     for (uint32_t i = 0; i < step_count; i++) {
         json_t *element = json_object();
         add_step(element, mesh, &steps[i], ok);
-        if (json_array_append_new(array, element) != 0)
+        if (json_array_append_new(array, element) != 0) {
             *ok = false;
+        }
         contacts += steps[i].answer.total;
         vf += steps[i].answer.vf;
         ee += steps[i].answer.ee;
@@ -138,10 +142,11 @@ bool report_json(FILE *to, const struct report_mesh *mesh,
     json_t *object = json_object();
     bool ok = object != NULL;
     add_mesh(object, mesh, &ok);
-    if (step_count == 1)
+    if (step_count == 1) {
         add_step(object, mesh, &steps[0], &ok);
-    else
+    } else {
         add_steps(object, mesh, steps, step_count, &ok);
+    }
     ok = ok && json_dumpf(object, to, JSON_INDENT(2)) == 0;
     ok = ok && fputc('\n', to) != EOF;
     json_decref(object);

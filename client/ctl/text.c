@@ -32,20 +32,24 @@ static int read_all(int fd, size_t capacity, struct ctl_file *file,
         if (file->bytes + 1 >= capacity) {
             size_t wanted = capacity * 2;
             char *grown = wanted > capacity ? realloc(file->data, wanted) : NULL;
-            if (grown == NULL)
+            if (grown == NULL) {
                 return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes",
                                      file->path, wanted);
+            }
             file->data = grown;
             capacity = wanted;
         }
         ssize_t got = read(fd, file->data + file->bytes, capacity - file->bytes - 1);
-        if (got < 0 && errno == EINTR)
+        if (got < 0 && errno == EINTR) {
             continue;
-        if (got < 0)
+        }
+        if (got < 0) {
             return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot read: %s", file->path,
                                  strerror(errno));
-        if (got == 0)
+        }
+        if (got == 0) {
             break;
+        }
         file->bytes += (size_t)got;
     }
     file->data[file->bytes] = '\0';
@@ -58,9 +62,10 @@ int ctl_file_read(const char *path, struct ctl_file *file, struct ctl_error *err
     struct stat info;
     int status;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
+    if (fd < 0) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot open: %s", path,
                              strerror(errno));
+    }
     if (fstat(fd, &info) != 0) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot stat: %s", path,
                                strerror(errno));
@@ -68,8 +73,9 @@ int ctl_file_read(const char *path, struct ctl_file *file, struct ctl_error *err
     }
     /* Two more bytes: one for the NUL, one so that the end is seen without growing. */
     size_t capacity = S_ISREG(info.st_mode) ? (size_t)info.st_size + 2 : 0;
-    if (capacity < READ_BYTES_MIN)
+    if (capacity < READ_BYTES_MIN) {
         capacity = READ_BYTES_MIN;
+    }
     loaded.data = malloc(capacity);
     if (loaded.data == NULL) {
         status = ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes", path,
@@ -79,10 +85,11 @@ int ctl_file_read(const char *path, struct ctl_file *file, struct ctl_error *err
     status = read_all(fd, capacity, &loaded, error);
 done:
     close(fd);
-    if (status != PCCD_OK)
+    if (status != PCCD_OK) {
         free(loaded.data);
-    else
+    } else {
         *file = loaded;
+    }
     return status;
 }
 
@@ -95,14 +102,16 @@ void ctl_file_deinit(struct ctl_file *file)
 
 bool ctl_text_line(struct ctl_text *text, struct ctl_word *line)
 {
-    if (text->at == text->end)
+    if (text->at == text->end) {
         return false;
+    }
     const char *stop = memchr(text->at, '\n', (size_t)(text->end - text->at));
     line->at = text->at;
     line->end = stop != NULL ? stop : text->end;
     text->at = stop != NULL ? stop + 1 : text->end;
-    if (line->end > line->at && line->end[-1] == '\r')
+    if (line->end > line->at && line->end[-1] == '\r') {
         line->end--;
+    }
     text->line++;
     return true;
 }
@@ -115,11 +124,13 @@ static bool is_blank(char c)
 bool ctl_word_next(struct ctl_word *line, struct ctl_word *word)
 {
     const char *at = line->at;
-    while (at < line->end && is_blank(*at))
+    while (at < line->end && is_blank(*at)) {
         at++;
+    }
     word->at = at;
-    while (at < line->end && !is_blank(*at))
+    while (at < line->end && !is_blank(*at)) {
         at++;
+    }
     word->end = at;
     line->at = at;
     return word->end > word->at;
@@ -142,8 +153,9 @@ bool ctl_word_float(const struct ctl_word *word, double *value)
 {
     char *stop;
     float number = strtof(word->at, &stop);
-    if (stop != word->end)
+    if (stop != word->end) {
         return false;
+    }
     *value = (double)number;
     return true;
 }
@@ -152,8 +164,9 @@ bool ctl_word_double(const struct ctl_word *word, double *value)
 {
     char *stop;
     double number = strtod(word->at, &stop);
-    if (stop != word->end)
+    if (stop != word->end) {
         return false;
+    }
     *value = number;
     return true;
 }
@@ -163,8 +176,9 @@ bool ctl_word_integer(const struct ctl_word *word, int64_t *value)
     char *stop;
     errno = 0;
     long long number = strtoll(word->at, &stop, 10);
-    if (stop != word->end || errno == ERANGE)
+    if (stop != word->end || errno == ERANGE) {
         return false;
+    }
     *value = number;
     return true;
 }

@@ -23,8 +23,9 @@ static struct pccd_client *client;
 
 static void check(int status, const char *what)
 {
-    if (status == 0)
+    if (status == 0) {
         return;
+    }
     fprintf(stderr, "%s: %s: %s\n", what, pccd_status_name(status),
             pccd_error_text(client));
     pccd_close(client);
@@ -56,8 +57,9 @@ static uint64_t expected_contacts(uint32_t step)
 {
     uint64_t count = 0;
 
-    for (uint32_t i = 0; i < VERTICES; i++)
+    for (uint32_t i = 0; i < VERTICES; i++) {
         count += (height(step - 1, i) > 0) != (height(step, i) > 0);
+    }
     return count;
 }
 
@@ -74,8 +76,9 @@ static uint32_t add_cloth(uint32_t scene)
         const uint32_t quad[6] = {corner,     corner + 1,        corner + SIDE,
                                   corner + 1, corner + SIDE + 1, corner + SIDE};
 
-        for (uint32_t k = 0; k < 6; k++)
+        for (uint32_t k = 0; k < 6; k++) {
             triangles[2 * i + k / 3][k % 3] = quad[k];
+        }
     }
     check(pccd_mesh_create(client, x, PCCD_FORMAT_F32, VERTICES,
                            (const uint32_t(*)[3])triangles, 2 * CELLS, &mesh, NULL),
@@ -120,11 +123,12 @@ static int finish(uint64_t number, uint32_t step, uint64_t *contacts)
     check(pccd_wait(client, number, -1, &answer), "wait");
     wrong = answer.incomplete != PCCD_COMPLETE || answer.vf != expected ||
             answer.ee != 0 || answer.count != expected;
-    if (wrong)
+    if (wrong) {
         fprintf(stderr,
                 "step %u: %llu vertex-face contacts instead of %llu, %llu edge-edge\n",
                 step, (unsigned long long)answer.vf, (unsigned long long)expected,
                 (unsigned long long)answer.ee);
+    }
     *contacts += answer.count;
     pccd_answer_release(client, &answer);
     return wrong;
@@ -147,11 +151,13 @@ int main(void)
     cloth = add_cloth(scene);
     for (uint32_t step = 1; step <= STEPS; step++) {
         numbers[step] = submit(scene, cloth, step);
-        if (step >= FLYING)
+        if (step >= FLYING) {
             wrong |= finish(numbers[step - FLYING + 1], step - FLYING + 1, &contacts);
+        }
     }
-    for (uint32_t step = STEPS - FLYING + 2; step <= STEPS; step++)
+    for (uint32_t step = STEPS - FLYING + 2; step <= STEPS; step++) {
         wrong |= finish(numbers[step], step, &contacts);
+    }
     printf("%u steps of %u vertices, %llu contacts\n", STEPS, VERTICES,
            (unsigned long long)contacts);
     pccd_close(client);

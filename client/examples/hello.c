@@ -13,8 +13,9 @@ static struct pccd_client *client;
 
 static void check(int status)
 {
-    if (status == 0)
+    if (status == 0) {
         return;
+    }
     fprintf(stderr, "%s: %s\n", pccd_status_name(status), pccd_error_text(client));
     pccd_close(client); /* exit status 1 */
     exit(1);
@@ -40,11 +41,12 @@ int main(void)
     check(pccd_scene_add(client, scene, floor_mesh, &floor_object));
     check(pccd_scene_add(client, scene, mesh, &object));
     check(pccd_step_x1(client, scene, object, x1, PCCD_FORMAT_F32, 3, NULL, &answer));
-    for (uint64_t i = 0; i < answer.count; i++)
+    for (uint64_t i = 0; i < answer.count; i++) {
         printf("%s %u meets %u at t = %.6f\n",
                answer.contacts[i].kind == PCCD_VF ? "vertex" : "edge",
                answer.contacts[i].feature_a, answer.contacts[i].feature_b,
                answer.contacts[i].toi);
+    }
     /* Its three vertices pass through the floor half-way. */
     int wrong = answer.count != 3 || answer.vf != 3 || answer.toi_first > 0.5 ||
                 answer.toi_first < 0.499;

@@ -33,23 +33,28 @@ static int fall(struct pccd_client *client, int floors, const char *who)
 
         rc = pccd_mesh_create(client, floor_x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh,
                               NULL);
-        if (rc == 0)
+        if (rc == 0) {
             rc = pccd_scene_add(client, scene, mesh, &object);
+        }
     }
-    if (rc == 0)
+    if (rc == 0) {
         rc = pccd_mesh_create(client, x0, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = pccd_scene_add(client, scene, mesh, &object);
+    }
     for (int step = 1; rc == 0 && step <= STEPS; step++) {
         const float z = 0.5f - (float)step;
         const float x1[3][3] = {{0, 0, z}, {1, 0, z}, {0, 1, z}};
         struct pccd_answer answer;
 
         rc = pccd_step_x1(client, scene, object, x1, PCCD_FORMAT_F32, 3, NULL, &answer);
-        if (rc == 0 && answer.vf != (step <= floors ? 3u : 0u))
+        if (rc == 0 && answer.vf != (step <= floors ? 3u : 0u)) {
             rc = 1;
-        if (rc == 0)
+        }
+        if (rc == 0) {
             contacts += answer.count;
+        }
         pccd_answer_release(client, &answer);
     }
     printf("%s: %llu contacts%s%s\n", who, (unsigned long long)contacts,
