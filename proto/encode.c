@@ -18,8 +18,9 @@
 static int append(void *context, const char *bytes, size_t count)
 {
     struct proto_encoder *encoder = context;
-    if (count > sizeof(encoder->data) - encoder->bytes)
+    if (count > sizeof(encoder->data) - encoder->bytes) {
         return -1;
+    }
     memcpy(encoder->data + encoder->bytes, bytes, count);
     encoder->bytes += count;
     return 0;
@@ -96,13 +97,15 @@ static int pack_body(msgpack_packer *packer, const struct proto_fields *fields,
 {
     size_t count = 0;
     int rc = 0;
-    for (uint32_t i = 0; i < fields->count; i++)
+    for (uint32_t i = 0; i < fields->count; i++) {
         count += is_left_out(&fields->items[i], body) ? 0 : 1;
+    }
     rc |= msgpack_pack_map(packer, count);
     for (uint32_t i = 0; i < fields->count; i++) {
         const struct proto_field *field = &fields->items[i];
-        if (is_left_out(field, body))
+        if (is_left_out(field, body)) {
             continue;
+        }
         rc |= pack_name(packer, field->name);
         rc |= pack_value(packer, field, (const char *)body + field->offset);
     }

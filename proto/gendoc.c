@@ -63,13 +63,16 @@ static int same_result(int method)
     for (int other = 0; other < method; other++) {
         const struct proto_fields *fields = &proto_messages[other].result;
         uint32_t same = 0;
-        if (fields->count != own->count || own->count < 2)
+        if (fields->count != own->count || own->count < 2) {
             continue;
+        }
         while (same < own->count &&
-               strcmp(own->items[same].name, fields->items[same].name) == 0)
+               strcmp(own->items[same].name, fields->items[same].name) == 0) {
             same++;
-        if (same == own->count)
+        }
+        if (same == own->count) {
             return other;
+        }
     }
     return method;
 }
@@ -81,13 +84,14 @@ static void print_messages(void)
         printf("%s### `%s`\n\n%c%s.\n", i > 0 ? "\n" : "", message->name,
                toupper((unsigned char)message->text[0]), message->text + 1);
         print_fields(i < PROTO_METHOD_COUNT ? "Param" : "Field", &message->request);
-        if (i == PROTO_METHOD_STATS)
+        if (i == PROTO_METHOD_STATS) {
             puts("\nThe result is the table of [counters](#counters).");
-        else if (i < PROTO_METHOD_COUNT && same_result(i) != i)
+        } else if (i < PROTO_METHOD_COUNT && same_result(i) != i) {
             printf("\nThe result has the fields of `%s`.\n",
                    proto_messages[same_result(i)].name);
-        else if (i < PROTO_METHOD_COUNT)
+        } else if (i < PROTO_METHOD_COUNT) {
             print_fields("Result", &message->result);
+        }
     }
 }
 
@@ -95,8 +99,9 @@ static void print_stats(void)
 {
     const struct proto_fields *fields = &proto_messages[PROTO_METHOD_STATS].result;
     puts("| Counter | Meaning |\n|---|---|");
-    for (uint32_t i = 0; i < fields->count; i++)
+    for (uint32_t i = 0; i < fields->count; i++) {
         printf("| `%s` | %s |\n", fields->items[i].name, fields->items[i].text);
+    }
 }
 
 static void print_statuses(void)
@@ -163,8 +168,9 @@ static int find_region(const char *line, const char *edge)
     char marker[64];
     for (size_t i = 0; i < REGION_COUNT; i++) {
         snprintf(marker, sizeof(marker), "<!-- %s: %s -->\n", edge, regions[i].name);
-        if (strcmp(line, marker) == 0)
+        if (strcmp(line, marker) == 0) {
             return (int)i;
+        }
     }
     return -1;
 }
@@ -204,10 +210,11 @@ static int rewrite(void)
 static void print_frozen(const char *message, const char *part,
                          const struct proto_fields *fields)
 {
-    for (uint32_t i = 0; i < fields->count; i++)
+    for (uint32_t i = 0; i < fields->count; i++) {
         printf("%s %s %s %s %s\n", message, part, fields->items[i].name,
                type_name(fields->items[i].type),
                fields->items[i].need == PROTO_NEED_REQ ? "REQ" : "OPT");
+    }
 }
 
 static void print_manifest(void)
@@ -223,13 +230,15 @@ static void print_manifest(void)
 int main(int argc, char **argv)
 {
     int rc = 0;
-    if (argc == 2 && strcmp(argv[1], "manifest") == 0)
+    if (argc == 2 && strcmp(argv[1], "manifest") == 0) {
         print_manifest();
-    else if (argc == 1)
+    } else if (argc == 1) {
         rc = rewrite();
-    else
+    } else {
         rc = 2;
-    if (rc == 2)
+    }
+    if (rc == 2) {
         fputs("usage: gendoc < PROTOCOL.md > NEW, or gendoc manifest\n", stderr);
+    }
     return fflush(stdout) == 0 ? rc : 1;
 }

@@ -30,8 +30,9 @@ static int map_pages(struct proto_memory *memory, int protection)
 {
     void *base =
         mmap(NULL, memory->bytes, protection, MAP_SHARED | MAP_POPULATE, memory->fd, 0);
-    if (base == MAP_FAILED)
+    if (base == MAP_FAILED) {
         return status_of_errno(errno);
+    }
     memory->base = base;
     return 0;
 }
@@ -39,9 +40,9 @@ static int map_pages(struct proto_memory *memory, int protection)
 static int allocate(int fd, size_t bytes)
 {
     int cause;
-    do
+    do {
         cause = posix_fallocate(fd, 0, (off_t)bytes);
-    while (cause == EINTR);
+    } while (cause == EINTR);
     return cause == 0 ? 0 : status_of_errno(cause);
 }
 
@@ -55,14 +56,17 @@ int proto_memory_create(struct proto_memory *memory, const char *name, size_t by
     assert(bytes > 0 && bytes % PROTO_SHM_PAGE == 0);
     made.bytes = bytes;
     made.fd = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    if (made.fd < 0)
+    if (made.fd < 0) {
         return status_of_errno(errno);
+    }
     rc = allocate(made.fd, bytes);
-    if (rc != 0)
+    if (rc != 0) {
         goto fail;
+    }
     rc = map_pages(&made, PROT_READ | PROT_WRITE);
-    if (rc != 0)
+    if (rc != 0) {
         goto fail;
+    }
     if (fcntl(made.fd, F_ADD_SEALS, seals) != 0) {
         rc = status_of_errno(errno);
         goto fail;
@@ -85,13 +89,16 @@ int proto_memory_map(struct proto_memory *memory, int fd, size_t bytes, bool rea
      * that only the daemon writes, and to no other. */
     int wanted = SEALS | (read_only ? F_SEAL_FUTURE_WRITE : 0);
     int seals = fcntl(fd, F_GET_SEALS);
-    if (seals < 0 || (seals & (SEALS | F_SEAL_FUTURE_WRITE)) != wanted)
+    if (seals < 0 || (seals & (SEALS | F_SEAL_FUTURE_WRITE)) != wanted) {
         goto fail;
-    if (fstat(fd, &info) != 0 || bytes == 0 || info.st_size != (off_t)bytes)
+    }
+    if (fstat(fd, &info) != 0 || bytes == 0 || info.st_size != (off_t)bytes) {
         goto fail;
+    }
     rc = map_pages(&made, read_only ? PROT_READ : PROT_READ | PROT_WRITE);
-    if (rc != 0)
+    if (rc != 0) {
         goto fail;
+    }
     *memory = made;
     return 0;
 
@@ -102,9 +109,11 @@ fail:
 
 void proto_memory_deinit(struct proto_memory *memory)
 {
-    if (memory->base != NULL)
+    if (memory->base != NULL) {
         munmap(memory->base, memory->bytes);
-    if (memory->fd >= 0)
+    }
+    if (memory->fd >= 0) {
         close(memory->fd);
+    }
     *memory = (struct proto_memory)PROTO_MEMORY_NONE;
 }

@@ -19,8 +19,9 @@ struct header {
 static uint64_t big_endian(const uint8_t *at, unsigned bytes)
 {
     uint64_t value = 0;
-    for (unsigned i = 0; i < bytes; i++)
+    for (unsigned i = 0; i < bytes; i++) {
         value = value << 8 | at[i];
+    }
     return value;
 }
 
@@ -29,8 +30,9 @@ static uint64_t big_endian(const uint8_t *at, unsigned bytes)
 static int read_counted(const uint8_t *at, size_t left, unsigned width, unsigned per_item,
                         struct header *header)
 {
-    if (left < 1 + (size_t)width)
+    if (left < 1 + (size_t)width) {
         return PCCD_E_BADMSG;
+    }
     uint64_t length = big_endian(at + 1, width);
     header->bytes = 1 + (size_t)width;
     left -= header->bytes;
@@ -38,8 +40,9 @@ static int read_counted(const uint8_t *at, size_t left, unsigned width, unsigned
         header->children = length * per_item;
         return header->children > left ? PCCD_E_BADMSG : 0;
     }
-    if (length > left)
+    if (length > left) {
         return PCCD_E_BADMSG;
+    }
     header->bytes += (size_t)length;
     return 0;
 }
@@ -56,8 +59,9 @@ static int read_header(const uint8_t *at, size_t left, struct header *header)
 {
     uint8_t type = at[0];
     *header = (struct header){1, 0};
-    if (type <= 0x7f || type >= 0xe0) /* small integer */
+    if (type <= 0x7f || type >= 0xe0) { /* small integer */
         return 0;
+    }
     if (type <= 0x8f) { /* small map */
         header->children = 2u * (type & 0x0fu);
         return header->children > left - 1 ? PCCD_E_BADMSG : 0;
@@ -66,8 +70,9 @@ static int read_header(const uint8_t *at, size_t left, struct header *header)
         header->children = type & 0x0fu;
         return header->children > left - 1 ? PCCD_E_BADMSG : 0;
     }
-    if (type <= 0xbf) /* small string */
+    if (type <= 0xbf) { /* small string */
         return read_fixed(left, 1u + (type & 0x1fu), header);
+    }
     switch (type) {
     case 0xc0: /* nil */
     case 0xc2: /* false */
@@ -117,40 +122,48 @@ int proto_prescan(const void *message, size_t bytes, struct proto_error *error)
     uint32_t elements = 0;
     size_t at = 0;
 
-    if (bytes > PROTO_MESSAGE_BYTES_MAX)
+    if (bytes > PROTO_MESSAGE_BYTES_MAX) {
         return proto_error_set(error, PCCD_E_BADMSG,
                                "%zu bytes; a message has at most %u", bytes,
                                PROTO_MESSAGE_BYTES_MAX);
+    }
     do {
         struct header header;
-        if (at == bytes)
+        if (at == bytes) {
             return proto_error_set(error, PCCD_E_BADMSG,
                                    "the message ends at byte %zu, "
                                    "inside an object",
                                    at);
-        if (++elements > PROTO_ELEMENTS_MAX)
+        }
+        if (++elements > PROTO_ELEMENTS_MAX) {
             return proto_error_set(error, PCCD_E_BADMSG,
                                    "more than %u objects in a message",
                                    PROTO_ELEMENTS_MAX);
-        if (read_header(data + at, bytes - at, &header) != 0)
+        }
+        if (read_header(data + at, bytes - at, &header) != 0) {
             return proto_error_set(error, PCCD_E_BADMSG,
                                    "byte %zu: type 0x%02x is not "
                                    "allowed or claims more than the message holds",
                                    at, data[at]);
+        }
         at += header.bytes;
-        if (depth > 0)
+        if (depth > 0) {
             open[depth - 1]--;
+        }
         if (header.children > 0) {
-            if (depth == PROTO_DEPTH_MAX)
+            if (depth == PROTO_DEPTH_MAX) {
                 return proto_error_set(error, PCCD_E_BADMSG, "nested deeper than %u",
                                        PROTO_DEPTH_MAX);
+            }
             open[depth++] = header.children;
         }
-        while (depth > 0 && open[depth - 1] == 0)
+        while (depth > 0 && open[depth - 1] == 0) {
             depth--;
+        }
     } while (depth > 0);
-    if (at != bytes)
+    if (at != bytes) {
         return proto_error_set(error, PCCD_E_BADMSG, "%zu bytes follow the message",
                                bytes - at);
+    }
     return 0;
 }

@@ -62,9 +62,9 @@ int proto_send(int socket, const void *message, size_t bytes, const int *fds,
         cmsg->cmsg_len = CMSG_LEN(fd_bytes);
         memcpy(CMSG_DATA(cmsg), fds, fd_bytes);
     }
-    do
+    do {
         sent = sendmsg(socket, &header, MSG_NOSIGNAL);
-    while (sent < 0 && errno == EINTR);
+    } while (sent < 0 && errno == EINTR);
     return sent < 0 ? status_of_errno(errno) : 0;
 }
 
@@ -74,16 +74,18 @@ static int take_fds(struct msghdr *header, int *fds)
     int count = 0;
     for (struct cmsghdr *cmsg = CMSG_FIRSTHDR(header); cmsg != NULL;
          cmsg = CMSG_NXTHDR(header, cmsg)) {
-        if (cmsg->cmsg_level != SOL_SOCKET || cmsg->cmsg_type != SCM_RIGHTS)
+        if (cmsg->cmsg_level != SOL_SOCKET || cmsg->cmsg_type != SCM_RIGHTS) {
             continue;
+        }
         size_t in_block = (cmsg->cmsg_len - CMSG_LEN(0)) / sizeof(int);
         for (size_t i = 0; i < in_block; i++, count++) {
             int fd;
             memcpy(&fd, CMSG_DATA(cmsg) + i * sizeof(int), sizeof(fd));
-            if (fds != NULL && count < PROTO_FDS_MAX)
+            if (fds != NULL && count < PROTO_FDS_MAX) {
                 fds[count] = fd;
-            else
+            } else {
                 close(fd);
+            }
         }
     }
     return count;
@@ -117,8 +119,9 @@ int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int 
                                  .msg_controllen = sizeof(control.bytes)};
         got = recvmsg(socket, &header, MSG_CMSG_CLOEXEC);
     } while (got < 0 && errno == EINTR);
-    if (got < 0)
+    if (got < 0) {
         return status_of_errno(errno);
+    }
 
     int count = take_fds(&header, fds);
     if (got == 0 || (header.msg_flags & MSG_TRUNC) != 0) {
@@ -136,12 +139,14 @@ int proto_default_socket_path(char *path, size_t capacity)
     size_t longest = sizeof(((struct sockaddr_un *)0)->sun_path); /* with the NUL */
     int length;
 
-    if (directory != NULL && directory[0] == '/')
+    if (directory != NULL && directory[0] == '/') {
         length = snprintf(path, capacity, "%s/pccd/pccd.sock", directory);
-    else
+    } else {
         length =
             snprintf(path, capacity, "/tmp/pccd-%lu/pccd.sock", (unsigned long)getuid());
-    if (length < 0 || (size_t)length >= capacity || (size_t)length >= longest)
+    }
+    if (length < 0 || (size_t)length >= capacity || (size_t)length >= longest) {
         return PCCD_E_LIMIT;
+    }
     return 0;
 }
