@@ -43,13 +43,15 @@ static void work_until_killed(const char *url, int started_fd, unsigned seed)
     options.result_bytes = 65536;
     options.slot_bytes =
         seed % 2 == 0 ? 4096 : 65536; /* even ones upload in many chunks */
-    if (pccd_connect(&options, &client) != 0 || test_grid_make(client, 40, &grid) != 0)
+    if (pccd_connect(&options, &client) != 0 || test_grid_make(client, 40, &grid) != 0) {
         _exit(1);
+    }
     (void)!write(started_fd, "x", 1);
     for (;;) {
         for (int i = 0; i < 4; i++) {
-            if (test_grid_submit(&grid, NULL, &step) != 0)
+            if (test_grid_submit(&grid, NULL, &step) != 0) {
                 _exit(2);
+            }
         }
         if (seed % 3 != 0 && test_grid_make(client, 60, &extra) == 0) {
             (void)pccd_scene_destroy(client, extra.scene);
@@ -57,8 +59,9 @@ static void work_until_killed(const char *url, int started_fd, unsigned seed)
             test_grid_free(&extra);
         }
         for (int i = 0; i < 4; i++) {
-            if (pccd_wait(client, step - (uint64_t)(3 - i), -1, &answer) != 0)
+            if (pccd_wait(client, step - (uint64_t)(3 - i), -1, &answer) != 0) {
                 _exit(3);
+            }
             pccd_answer_release(client, &answer);
         }
     }
@@ -81,8 +84,9 @@ static void death__of_clients_leaves_nothing_behind(void **state)
     test_witness_turn();
     test_witness_turn();
     fds_before = test_witness_fd_count();
-    for (size_t i = 0; i < HELD; i++)
+    for (size_t i = 0; i < HELD; i++) {
         before[i] = test_stat(client, held[i]);
+    }
     for (unsigned round = 0; round < CLIENTS_KILLED; round++) {
         int fds[2];
         int status = 0;
@@ -92,8 +96,9 @@ static void death__of_clients_leaves_nothing_behind(void **state)
         assert_int_equal(pipe(fds), 0);
         child = fork();
         assert_true(child >= 0);
-        if (child == 0)
+        if (child == 0) {
             work_until_killed(test_witness.daemon.url, fds[1], round);
+        }
         (void)close(fds[1]);
         assert_int_equal(read(fds[0], &byte, 1), 1);
         (void)close(fds[0]);
@@ -106,9 +111,10 @@ static void death__of_clients_leaves_nothing_behind(void **state)
     for (size_t i = 0; i < HELD; i++) {
         uint64_t after = test_stat_await(client, held[i], before[i]);
 
-        if (after != before[i])
+        if (after != before[i]) {
             fail_msg("%s: %llu before, %llu after", held[i],
                      (unsigned long long)before[i], (unsigned long long)after);
+        }
     }
     assert_true(test_witness_fd_count() <= fds_before);
     test_witness_turn();
@@ -130,8 +136,9 @@ static void death__by_close_with_steps_in_flight_is_clean(void **state)
 
         assert_non_null(client);
         assert_int_equal(test_grid_make(client, 50, &grid), 0);
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++) {
             assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        }
         assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 100, &frame), 0);
         pccd_close(client);
         test_grid_free(&grid);
@@ -220,8 +227,9 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
     assert_int_equal(pccd_wait(client, steps[0], -1, &kept), 0);
     assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 64, &frame), 0);
     assert_int_equal(kill(daemon.pid, SIGSTOP), 0); /* nothing is answered from here on */
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+    }
     killer = kill_later(daemon.pid, killed_us);
     memset(&answer, 0, sizeof(answer));
     assert_int_equal(pccd_wait(client, steps[1], 20000, &answer), PCCD_E_DISCONNECTED);
@@ -268,8 +276,9 @@ static void death__of_the_daemon_ends_a_ping_and_an_upload(void **state)
         client = test_connect(daemon.url);
         assert_non_null(client);
         assert_int_equal(pccd_ping(client, NULL), 0);
-        if (!upload)
+        if (!upload) {
             assert_int_equal(kill(daemon.pid, SIGSTOP), 0);
+        }
         killer = kill_later(daemon.pid, killed_us);
         do {
             test_grid_free(&grid);
@@ -321,21 +330,25 @@ static bool is_running(pid_t pid)
     char state = 'Z';
     FILE *file;
 
-    if (kill(pid, 0) != 0)
+    if (kill(pid, 0) != 0) {
         return false;
+    }
     (void)snprintf(path, sizeof(path), "/proc/%ld/stat", (long)pid);
     file = fopen(path, "r");
-    if (file != NULL && fscanf(file, "%*d (%*[^)]) %c", &state) != 1)
+    if (file != NULL && fscanf(file, "%*d (%*[^)]) %c", &state) != 1) {
         state = 'Z';
-    if (file != NULL)
+    }
+    if (file != NULL) {
         (void)fclose(file);
+    }
     return state != 'Z';
 }
 
 static void await_gone(pid_t pid)
 {
-    for (int i = 0; i < 2500 && is_running(pid); i++)
+    for (int i = 0; i < 2500 && is_running(pid); i++) {
         test_sleep_ms(2);
+    }
     assert_false(is_running(pid));
 }
 
@@ -400,8 +413,9 @@ static void private__daemon_goes_when_its_client_is_killed(void **state)
     if (child == 0) {
         struct pccd_client *client = NULL;
 
-        if (connect_private(&client) != 0)
+        if (connect_private(&client) != 0) {
             _exit(1);
+        }
         daemon.pid = (pid_t)pccd_daemon_pid(client);
         (void)snprintf(daemon.folder, sizeof(daemon.folder), "%s", pccd_url(client) + 5);
         *strrchr(daemon.folder, '/') = '\0';
@@ -430,8 +444,9 @@ static void private__daemon_that_is_killed_is_an_error(void **state)
     assert_int_equal(connect_private(&client), 0);
     assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
     begin_ms = test_now_ms();
-    while (pccd_ping(client, NULL) == 0 && test_now_ms() - begin_ms < DEATH_MS)
+    while (pccd_ping(client, NULL) == 0 && test_now_ms() - begin_ms < DEATH_MS) {
         ;
+    }
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
     pccd_close(client);
     assert_true(test_now_ms() - begin_ms < DEATH_MS);

@@ -93,16 +93,18 @@ static void flow__answers_can_be_taken_and_released_in_any_order(void **state)
         struct pccd_answer answers[4];
         uint64_t steps[4];
 
-        for (int i = 0; i < 4; i++)
+        for (int i = 0; i < 4; i++) {
             steps[i] = submit_turn(&crossing);
+        }
         for (int i = 0; i < 4; i++) {
             assert_int_equal(pccd_wait(client, steps[order[i]], -1, &answers[order[i]]),
                              0);
             assert_int_equal(answers[order[i]].step, steps[order[i]]);
             assert_int_equal(answers[order[i]].count, 3);
         }
-        for (int i = 0; i < 4; i++)
+        for (int i = 0; i < 4; i++) {
             assert_true(test_crossing_is_right(&crossing, &answers[release[i]]));
+        }
     }
     pccd_close(client);
 }
@@ -117,13 +119,15 @@ static void flow__poll_gives_each_answer_once_oldest_first(void **state)
     uint64_t until_ms = test_now_ms() + 10000;
     int taken = 0;
 
-    for (int i = 0; i < 12; i++) /* more than slots: begin waits for one to come back */
+    for (int i = 0; i < 12; i++) { /* more than slots: begin waits for one to come back */
         steps[i] = submit_turn(crossing);
+    }
     while (taken < 12 && test_now_ms() < until_ms) {
         int rc = pccd_poll(client, &answer);
 
-        if (rc == PCCD_E_AGAIN)
+        if (rc == PCCD_E_AGAIN) {
             continue;
+        }
         assert_int_equal(rc, 0);
         assert_int_equal(answer.step, steps[taken]);
         assert_true(test_crossing_is_right(crossing, &answer));
@@ -144,8 +148,9 @@ static void flow__answers_that_nobody_takes_are_bounded(void **state)
     struct pccd_frame frame;
     int taken = 0;
 
-    for (int i = 0; i < 32; i++)
+    for (int i = 0; i < 32; i++) {
         (void)submit_turn(crossing);
+    }
     assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frame),
                      PCCD_E_BUSY);
     assert_non_null(strstr(pccd_error_text(client), "poll or wait"));
@@ -174,8 +179,9 @@ static void flow__frames_keep_to_what_they_announced(void **state)
                      PCCD_E_LIMIT);
     assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, UINT64_MAX, &frames[0]),
                      PCCD_E_LIMIT);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frames[i]), 0);
+    }
     assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frames[4]),
                      PCCD_E_BUSY);
     assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 1u << 22, &frames[4]),
@@ -198,8 +204,9 @@ static void flow__frames_keep_to_what_they_announced(void **state)
     pccd_frame_abort(&frames[0]);
     pccd_frame_abort(&frames[0]);
     assert_int_equal(pccd_frame_commit(&copy, NULL, &step), PCCD_E_INVAL);
-    for (int i = 1; i < 4; i++)
+    for (int i = 1; i < 4; i++) {
         pccd_frame_abort(&frames[i]);
+    }
     assert_int_equal(pccd_frame_bytes(0, 0), 0);
     assert_true(pccd_frame_bytes(3, 100) >= 3 * 32 + 100);
     assert_true(test_crossing_turn(crossing));
@@ -249,8 +256,9 @@ static void collect_pages(struct test_grid *grid, struct pccd_answer *answer,
         memcpy(records + got, answer->contacts, answer->count * sizeof(*records));
         got += answer->count;
         pccd_answer_release(grid->client, answer);
-        if (got == answer->total)
+        if (got == answer->total) {
             break;
+        }
         assert_int_equal(pccd_fetch(grid->client, grid->scene, answer->step, got, answer),
                          0);
         pages++;
@@ -392,8 +400,9 @@ static void flow__cancel_stops_a_step_and_only_that(void **state)
     uint64_t steps[4];
 
     assert_int_equal(test_grid_make(client, 100, &grid), 0);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+    }
     assert_int_equal(pccd_cancel(client, steps[3]), 0);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(pccd_wait(client, steps[i], -1, &answer), 0);
@@ -492,10 +501,12 @@ static void flow__warm_steps_build_and_allocate_nothing(void **state)
             assert_int_equal(answer.counters.allocs, 0);
             assert_int_equal(test_stat(client, "step_allocs_last"), 0);
         }
-        if (i == 1)
+        if (i == 1) {
             bytes = test_stat(client, "engine_bytes_now");
-        if (i > 1)
+        }
+        if (i > 1) {
             assert_int_equal(test_stat(client, "engine_bytes_now"), bytes);
+        }
         pccd_answer_release(client, &answer);
     }
     assert_int_equal(test_stat(client, "builds"), builds);

@@ -78,12 +78,14 @@ static void expect_refusal(const char *what, int code)
 
     if (rc != 0 || raw.envelope.kind != PROTO_RESPONSE || !raw.envelope.failed ||
         raw.envelope.error.code != code || !raw.envelope.error.fatal ||
-        raw.envelope.error.text[0] == '\0')
+        raw.envelope.error.text[0] == '\0') {
         fail_msg("%s: status %d, error %d \"%s\"", what, rc, raw.envelope.error.code,
                  raw.envelope.error.text);
+    }
     rc = test_raw_receive(&raw);
-    if (rc != PCCD_E_DISCONNECTED)
+    if (rc != PCCD_E_DISCONNECTED) {
         fail_msg("%s: not closed but %d", what, rc);
+    }
 }
 
 /* If it failed, a malformed message would be misread, crash the daemon or go
@@ -98,8 +100,9 @@ static void message__malformed_is_refused_one_by_one(void **state)
         const struct malformed *message = &malformed[i / 2];
 
         assert_true(test_raw_open(&raw, test_witness.daemon.socket));
-        if (i % 2 == 1) /* before and after hello */
+        if (i % 2 == 1) { /* before and after hello */
             assert_int_equal(test_raw_hello(&raw), 0);
+        }
         assert_true(test_raw_send(&raw, message->bytes, message->count, 0));
         expect_refusal(message->what, PCCD_E_BADMSG);
         test_raw_close(&raw);
@@ -125,8 +128,9 @@ static void message__cut_at_every_byte_is_refused(void **state)
         assert_true(test_raw_send(&raw, encoder.data, count, 0));
         expect_refusal("a cut message", PCCD_E_BADMSG);
         test_raw_close(&raw);
-        if (count % 16 == 0)
+        if (count % 16 == 0) {
             test_witness_turn();
+        }
     }
     test_witness_turn();
 }
@@ -209,9 +213,10 @@ static void message__wrong_requests_are_answered_and_survived(void **state)
         assert_true(test_raw_send(&raw, unserved[i].bytes, unserved[i].count, 0));
         assert_int_equal(test_raw_receive(&raw), 0);
         if (!raw.envelope.failed || raw.envelope.id != 5 ||
-            raw.envelope.error.code != unserved[i].code || raw.envelope.error.fatal)
+            raw.envelope.error.code != unserved[i].code || raw.envelope.error.fatal) {
             fail_msg("%s: id %u, error %d \"%s\"", unserved[i].what, raw.envelope.id,
                      raw.envelope.error.code, raw.envelope.error.text);
+        }
         assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL), 0);
         test_witness_turn();
     }
@@ -242,8 +247,9 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
         test_raw_close(&raw);
     }
     test_witness_turn();
-    for (int i = 0; i < 500 && test_witness_fd_count() > before; i++)
+    for (int i = 0; i < 500 && test_witness_fd_count() > before; i++) {
         test_sleep_ms(2);
+    }
     assert_true(test_witness_fd_count() <= before);
 }
 
@@ -254,8 +260,10 @@ static uint32_t flood(const char *bytes, size_t count, uint32_t max)
 {
     uint32_t sent = 0;
 
-    while (sent < max && send(raw.socket, bytes, count, MSG_NOSIGNAL | MSG_DONTWAIT) > 0)
+    while (sent < max &&
+           send(raw.socket, bytes, count, MSG_NOSIGNAL | MSG_DONTWAIT) > 0) {
         sent++;
+    }
     return sent;
 }
 
@@ -309,21 +317,25 @@ static void flood__of_connections_leaves_nothing(void **state)
     (void)state;
     for (int i = 0; i < 400; i++) {
         assert_true(test_raw_open(&raw, test_witness.daemon.socket));
-        if (i % 4 == 1)
+        if (i % 4 == 1) {
             assert_int_equal(test_raw_hello(&raw), 0);
-        if (i % 4 == 2)
+        }
+        if (i % 4 == 2) {
             assert_true(test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), 0));
+        }
         if (i % 4 == 3) {
             assert_int_equal(test_raw_hello(&raw), 0);
             assert_int_equal(test_raw_attach(&raw, 2, 65536), 0);
         }
         test_raw_close(&raw);
-        if (i % 20 == 0)
+        if (i % 20 == 0) {
             test_witness_turn();
+        }
     }
     assert_int_equal(test_stat_await(client, "sessions_now", sessions), sessions);
-    for (int i = 0; i < 500 && test_witness_fd_count() > before; i++)
+    for (int i = 0; i < 500 && test_witness_fd_count() > before; i++) {
         test_sleep_ms(2);
+    }
     assert_true(test_witness_fd_count() <= before);
 }
 
@@ -343,18 +355,20 @@ static void flood__of_steps_is_answered_busy(void **state)
                      0);
     submit.scene = created.scene;
     for (int round = 0; round < 20; round++) {
-        for (int i = 0; i < 60; i++)
+        for (int i = 0; i < 60; i++) {
             assert_int_not_equal(
                 test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit), 0);
+        }
         for (int i = 0; i < 60; i++) {
             assert_int_equal(test_raw_receive(&raw), 0);
-            if (!raw.envelope.failed)
+            if (!raw.envelope.failed) {
                 done++;
-            else if (raw.envelope.error.code == PCCD_E_BUSY)
+            } else if (raw.envelope.error.code == PCCD_E_BUSY) {
                 busy++;
-            else
+            } else {
                 fail_msg("error %d \"%s\"", raw.envelope.error.code,
                          raw.envelope.error.text);
+            }
         }
         test_witness_turn();
     }

@@ -60,24 +60,27 @@ static int next_request(void)
 
     if (proto_receive(peer.socket, peer.message, sizeof(peer.message), &bytes, NULL,
                       &fd_count) != 0 ||
-        proto_decode(peer.decoder, peer.message, bytes, &peer.envelope, &error) != 0)
+        proto_decode(peer.decoder, peer.message, bytes, &peer.envelope, &error) != 0) {
         _exit(0);
+    }
     return peer.envelope.method;
 }
 
 static void answer(uint32_t id, int method, const void *result, const int *fds, int count)
 {
     if (proto_encode_result(&peer.encoder, id, method, result) != 0 ||
-        proto_send(peer.socket, peer.encoder.data, peer.encoder.bytes, fds, count) != 0)
+        proto_send(peer.socket, peer.encoder.data, peer.encoder.bytes, fds, count) != 0) {
         _exit(0);
+    }
 }
 
 static void answer_hello(uint32_t version)
 {
     struct proto_HELLO_result result = {.version = version, .pid = 4711};
 
-    if (next_request() == PROTO_METHOD_HELLO)
+    if (next_request() == PROTO_METHOD_HELLO) {
         answer(peer.envelope.id, PROTO_METHOD_HELLO, &result, NULL, 0);
+    }
 }
 
 /* Answer shm.attach with true memories, of which the message says what it likes. */
@@ -89,8 +92,9 @@ static void answer_attach(struct proto_SHM_ATTACH_result result, int fd_count)
 
     if (next_request() != PROTO_METHOD_SHM_ATTACH ||
         proto_memory_create(&upload, "upload", RING_BYTES, false) != 0 ||
-        proto_memory_create(&records, "results", RESULT_BYTES, true) != 0)
+        proto_memory_create(&records, "results", RESULT_BYTES, true) != 0) {
         _exit(0);
+    }
     fds[0] = upload.fd;
     fds[1] = records.fd;
     answer(peer.envelope.id, PROTO_METHOD_SHM_ATTACH, &result, fds, fd_count);
@@ -139,8 +143,9 @@ static void start_peer(script_fn script)
     if (child == 0) {
         peer.socket = accept(listener, NULL, NULL);
         peer.decoder = proto_decoder_new();
-        if (peer.socket < 0 || peer.decoder == NULL)
+        if (peer.socket < 0 || peer.decoder == NULL) {
             _exit(1);
+        }
         script();
         _exit(0);
     }
@@ -201,8 +206,9 @@ static void peer__that_chooses_an_unknown_version_is_left(void **state)
 
 static void say_nothing(void)
 {
-    for (;;)
+    for (;;) {
         (void)pause();
+    }
 }
 
 /* If it failed, a daemon that hangs would hang a program that starts. */
@@ -224,8 +230,9 @@ static void go_away(void)
     struct proto_GOAWAY_request note = {.code = -PCCD_E_SHUTDOWN, .text = "lunch"};
 
     (void)next_request();
-    if (proto_encode_notification(&peer.encoder, PROTO_NOTE_GOAWAY, &note) == 0)
+    if (proto_encode_notification(&peer.encoder, PROTO_NOTE_GOAWAY, &note) == 0) {
         (void)proto_send(peer.socket, peer.encoder.data, peer.encoder.bytes, NULL, 0);
+    }
 }
 
 /* If it failed, the user would not learn why the daemon closed. */
@@ -316,8 +323,9 @@ static void peer__that_lies_about_memory_is_not_believed(void **state)
         start_peer(lie_about_memory);
         client = connect_good();
         rc = pccd_submit_still(client, 1, NULL, &step);
-        if (rc != PCCD_E_BADMSG)
+        if (rc != PCCD_E_BADMSG) {
             fail_msg("lie %u: status %d \"%s\"", lie, rc, pccd_error_text(client));
+        }
         pccd_close(client);
         (void)stop_peer(NULL);
     }
@@ -407,8 +415,9 @@ static void peer__that_answers_in_any_order_is_understood(void **state)
     (void)state;
     start_peer(answer_backwards);
     client = connect_good();
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         assert_int_equal(pccd_submit_still(client, 1, NULL, &steps[i]), 0);
+    }
     for (uint64_t i = 0; i < 4; i++) {
         assert_int_equal(pccd_wait(client, steps[i], -1, &answered), 0);
         assert_int_equal(answered.count, i + 1);
@@ -436,14 +445,16 @@ static void peer__that_stops_answering_bounds_what_is_begun(void **state)
     (void)state;
     start_peer(stop_answering);
     client = connect_good();
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         assert_int_equal(pccd_submit_still(client, 1, NULL, &steps[i]), 0);
+    }
     begin_ms = test_now_ms();
     assert_int_equal(pccd_submit_still(client, 1, NULL, &steps[4]), PCCD_E_TIMEOUT);
     assert_int_equal(pccd_wait(client, steps[0], 50, &answered), PCCD_E_TIMEOUT);
     assert_int_equal(pccd_poll(client, &answered), PCCD_E_AGAIN);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
+    }
     assert_true(test_now_ms() - begin_ms < 20 * TIMEOUT_MS);
     assert_int_equal(kill(child, SIGKILL), 0);
     assert_int_equal(pccd_wait(client, steps[3], -1, &answered), PCCD_E_DISCONNECTED);

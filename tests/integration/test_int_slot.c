@@ -167,11 +167,13 @@ static void slot__torn_while_it_is_read_is_refused(void **state)
     for (int i = 0; (i < 300 || torn == 0) && test_now_ms() < until_ms; i++) {
         int rc = submit(0, seq, 1);
 
-        if (rc != 0 && rc != PCCD_E_SLOT_STALE && rc != PCCD_E_SLOT_TORN)
+        if (rc != 0 && rc != PCCD_E_SLOT_STALE && rc != PCCD_E_SLOT_TORN) {
             fail_msg("error %d \"%s\"", rc, raw.error.text);
+        }
         torn += rc == PCCD_E_SLOT_TORN;
-        if (i % 50 == 0)
+        if (i % 50 == 0) {
             test_witness_turn();
+        }
     }
     atomic_store(&keep_writing, false);
     assert_int_equal(pthread_join(writer, NULL), 0);
@@ -236,8 +238,9 @@ static void segment__lies_are_refused_one_by_one(void **state)
                                                   : segment.object;
         memcpy(test_raw_payload(&raw, 0), &segment, sizeof(segment));
         rc = submit(0, test_raw_publish(&raw, 0), 1);
-        if (rc != lies[i].code || raw.error.fatal || raw.error.text[0] == '\0')
+        if (rc != lies[i].code || raw.error.fatal || raw.error.text[0] == '\0') {
             fail_msg("%s: status %d \"%s\"", lies[i].what, rc, raw.error.text);
+        }
         test_witness_turn();
     }
     expect_good_step();
@@ -351,8 +354,9 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
     assert_int_equal(send_chunk(handle, 2, 0, 1), PCCD_E_INVAL);
     assert_int_equal(send_chunk(handle, 0, 5, 1), PCCD_E_STATE); /* leaves a gap */
     assert_int_equal(send_chunk(handle + 77, 0, 0, 1), PCCD_E_HANDLE);
-    for (uint32_t first = 0; first < 20000; first += 5000)
+    for (uint32_t first = 0; first < 20000; first += 5000) {
         assert_int_equal(send_chunk(handle, 0, first, 5000), 0);
+    }
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL),
                      PCCD_E_STATE);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL),

@@ -122,9 +122,10 @@ static void mesh__larger_than_a_slot_arrives_whole(void **state)
     edges = calloc(edge_count, sizeof(*edges));
     assert_non_null(edges);
     assert_int_equal(pccd_mesh_edges(client, grid.mesh, edges, edge_count), 0);
-    for (uint32_t i = 1; i < edge_count; i++)
+    for (uint32_t i = 1; i < edge_count; i++) {
         assert_true(edges[i - 1].b < edges[i].b ||
                     (edges[i - 1].b == edges[i].b && edges[i - 1].a < edges[i].a));
+    }
     free(edges);
     /* The step needs a ring with larger slots. */
     assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
@@ -174,8 +175,9 @@ static void step__x1_in_float_meets_the_floor(void **state)
 {
     struct test_crossing *crossing = *state;
 
-    for (int i = 0; i < 20; i++)
+    for (int i = 0; i < 20; i++) {
         assert_true(test_crossing_turn(crossing));
+    }
 }
 
 /* If it failed, end positions in double would be read wrongly. */
@@ -436,8 +438,9 @@ static void tilted_ends(float x0[3][3], float x1[3][3])
     x0[1][2] = 1.5f;
     x0[2][2] = 2.0f;
     memcpy(x1, x0, sizeof(test_triangle_x));
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         x1[i][2] -= 3.0f;
+    }
 }
 
 /* If it failed, a mode would answer another question than the one asked. */
@@ -495,11 +498,12 @@ static void step__modes_answer_what_they_say(void **state)
     for (uint32_t vertex = 0; vertex < 3; vertex++) {
         bool found = false;
 
-        for (uint64_t i = 0; i < answer.count; i++)
+        for (uint64_t i = 0; i < answer.count; i++) {
             found = found || (answer.pairs[i].kind == PCCD_VF &&
                               answer.pairs[i].object_a == crossing->object &&
                               answer.pairs[i].feature_a == vertex &&
                               answer.pairs[i].object_b == crossing->floor);
+        }
         assert_true(found);
     }
     pccd_answer_release(client, &answer);
@@ -522,8 +526,9 @@ static void step__threads_do_not_change_the_hash(void **state)
         assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
         assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
         assert_true(test_grid_is_right(&grid, &answer));
-        if (i < 2)
+        if (i < 2) {
             memcpy(hash[i], answer.hash, sizeof(hash[i]));
+        }
         assert_memory_equal(hash[i % 2], answer.hash, sizeof(answer.hash));
         pccd_answer_release(grid.client, &answer);
     }

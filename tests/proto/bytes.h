@@ -19,8 +19,9 @@ struct bytes {
 
 static inline void put(struct bytes *bytes, const void *from, size_t count)
 {
-    if (count > sizeof(bytes->data) - bytes->count)
+    if (count > sizeof(bytes->data) - bytes->count) {
         abort();
+    }
     memcpy(bytes->data + bytes->count, from, count);
     bytes->count += count;
 }
@@ -36,8 +37,9 @@ static inline void put_number(struct bytes *bytes, unsigned type, uint64_t value
                               int width)
 {
     put_byte(bytes, type);
-    for (int i = width - 1; i >= 0; i--)
+    for (int i = width - 1; i >= 0; i--) {
         put_byte(bytes, (unsigned)(value >> (8 * i)) & 0xff);
+    }
 }
 
 static inline void put_array(struct bytes *bytes, unsigned count)

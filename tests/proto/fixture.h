@@ -60,14 +60,16 @@ static inline int decode(struct fixture *fixture, const uint8_t *data, size_t co
     int rc =
         proto_decode(fixture->decoder, copy, count, &fixture->envelope, &fixture->error);
     if (rc == 0 && fixture->envelope.body != NULL) {
-        if (fixture->envelope.kind == PROTO_RESPONSE)
+        if (fixture->envelope.kind == PROTO_RESPONSE) {
             fields = &proto_messages[method].result;
-        else if (fixture->envelope.method >= 0)
+        } else if (fixture->envelope.method >= 0) {
             fields = &proto_messages[fixture->envelope.method].request;
-        else
+        } else {
             fields = NULL;
-        if (fields != NULL)
+        }
+        if (fields != NULL) {
             rc = proto_decode_body(&fixture->envelope, fields, body, &fixture->error);
+        }
     }
     free(copy);
     return rc;

@@ -64,13 +64,15 @@ static void random_text(struct random *random, char *text)
     size_t wanted = random_below(random, PROTO_STR_MAX + 1), bytes = 0;
     for (;;) {
         const char *piece = pieces[random_below(random, 8)];
-        if (bytes + strlen(piece) > wanted)
+        if (bytes + strlen(piece) > wanted) {
             break;
+        }
         memcpy(text + bytes, piece, strlen(piece) + 1);
         bytes += strlen(piece);
     }
-    while (bytes < wanted)
+    while (bytes < wanted) {
         text[bytes++] = 'z';
+    }
     text[bytes] = '\0';
 }
 
@@ -78,8 +80,9 @@ static double random_double(struct random *random)
 {
     static const double corners[] = {0.0,      1e-12,        1.0,      DBL_MAX,
                                      -DBL_MAX, DBL_TRUE_MIN, INFINITY, -1e18};
-    if (random_below(random, 2) == 0)
+    if (random_below(random, 2) == 0) {
         return corners[random_below(random, 8)];
+    }
     return ldexp((double)random_u64(random), (int)random_below(random, 200) - 100);
 }
 
@@ -243,8 +246,9 @@ static void error__comes_back_with_code_text_and_fatal(void **state)
         struct proto_error sent;
         struct proto_envelope envelope;
         void *copy;
-        if (codes[i] == PCCD_OK)
+        if (codes[i] == PCCD_OK) {
             continue;
+        }
         sent.code = codes[i];
         sent.fatal = random_below(&fixture->random, 2) == 1;
         random_text(&fixture->random, sent.text);
@@ -401,10 +405,12 @@ static void manifest__fits_the_decoder(void **state)
         assert_in_range(message->request.count, 1, 64);
         assert_in_range(message->result.count, i < PROTO_METHOD_COUNT ? 1 : 0, 64);
         assert_in_range(message->since, PROTO_VERSION_MIN, PROTO_VERSION_MAX);
-        for (uint32_t f = 0; f < message->request.count; f++)
-            for (uint32_t g = 0; g < f; g++)
+        for (uint32_t f = 0; f < message->request.count; f++) {
+            for (uint32_t g = 0; g < f; g++) {
                 assert_string_not_equal(message->request.items[f].name,
                                         message->request.items[g].name);
+            }
+        }
     }
 }
 

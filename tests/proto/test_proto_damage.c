@@ -19,8 +19,9 @@ static bool encode_nth(struct fixture *fixture, int which, int *method)
     bool is_result = which / PROTO_METHOD_COUNT == 1;
     if (which >= 2 * PROTO_METHOD_COUNT) {
         *method = 0;
-        if (which == 2 * PROTO_METHOD_COUNT)
+        if (which == 2 * PROTO_METHOD_COUNT) {
             return proto_encode_error(&fixture->encoder, 3, &error) == 0;
+        }
         struct proto_GOAWAY_request goaway = {20, "shutting down"};
         return which == 2 * PROTO_METHOD_COUNT + 1 &&
                proto_encode_notification(&fixture->encoder, PROTO_NOTE_GOAWAY, &goaway) ==
@@ -60,9 +61,10 @@ static void damage__truncated_at_every_byte_is_refused(void **state)
     for (; encode_nth(fixture, which, &method); which++) {
         assert_int_equal(
             decode(fixture, fixture->encoder.data, fixture->encoder.bytes, method), 0);
-        for (size_t count = 0; count < fixture->encoder.bytes; count++)
+        for (size_t count = 0; count < fixture->encoder.bytes; count++) {
             assert_int_equal(decode(fixture, fixture->encoder.data, count, method),
                              PCCD_E_BADMSG);
+        }
     }
     assert_int_equal(which, 2 * PROTO_METHOD_COUNT + 2);
 }
@@ -73,22 +75,24 @@ static void damage__every_byte_to_every_value_is_taken_or_refused(void **state)
     struct fixture *fixture = *state;
     uint64_t taken = 0, refused = 0;
     int method;
-    for (int which = 0; encode_nth(fixture, which, &method); which++)
+    for (int which = 0; encode_nth(fixture, which, &method); which++) {
         for (size_t at = 0; at < fixture->encoder.bytes; at++) {
             uint8_t right = fixture->encoder.data[at];
             for (unsigned value = 0; value < 256; value++) {
                 fixture->encoder.data[at] = (uint8_t)value;
                 int rc = decode(fixture, fixture->encoder.data, fixture->encoder.bytes,
                                 method);
-                if (rc == 0)
+                if (rc == 0) {
                     taken++;
-                else if (rc == PCCD_E_BADMSG && fixture->error.text[0] != '\0')
+                } else if (rc == PCCD_E_BADMSG && fixture->error.text[0] != '\0') {
                     refused++;
-                else
+                } else {
                     fail_msg("message %d, byte %zu = %u: %d", which, at, value, rc);
+                }
             }
             fixture->encoder.data[at] = right;
         }
+    }
     assert_true(taken > 1000 && refused > taken / 100);
 }
 
@@ -101,10 +105,11 @@ static void damage__random_bytes_are_taken_or_refused(void **state)
         size_t count = random_below(&random, 40);
         fixture->bytes.count = 0;
         for (size_t i = 0; i < count;
-             i++) /* biased to containers, so that nesting occurs */
+             i++) { /* biased to containers, so that nesting occurs */
             put_byte(&fixture->bytes, random_below(&random, 3) == 0
                                           ? 0x80 + (unsigned)random_below(&random, 0x14)
                                           : (unsigned)random_below(&random, 256));
+        }
         int rc = decode(fixture, fixture->bytes.data, count, 0);
         assert_true(rc == 0 || rc == PCCD_E_BADMSG);
     }

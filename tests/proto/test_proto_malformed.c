@@ -15,15 +15,17 @@ static void assert_refused(struct fixture *fixture, const char *about)
     int rc = decode(fixture, fixture->bytes.data, fixture->bytes.count, 0);
     assert_int_equal(rc, PCCD_E_BADMSG);
     assert_int_equal(fixture->error.code, PCCD_E_BADMSG);
-    if (strstr(fixture->error.text, about) == NULL)
+    if (strstr(fixture->error.text, about) == NULL) {
         fail_msg("\"%s\" does not say \"%s\"", fixture->error.text, about);
+    }
 }
 
 static void assert_taken(struct fixture *fixture)
 {
     int rc = decode(fixture, fixture->bytes.data, fixture->bytes.count, 0);
-    if (rc != 0)
+    if (rc != 0) {
         fail_msg("refused: %s", fixture->error.text);
+    }
 }
 
 #define SET(fixture, literal)                                                            \
@@ -88,12 +90,13 @@ static void prescan__refuses_cut_headers(void **state)
                    {0xcc, 1}, {0xcd, 2}, {0xce, 4}, {0xcf, 8}, {0xd0, 1},
                    {0xd1, 2}, {0xd2, 4}, {0xd3, 8}, {0xd9, 1}, {0xda, 2},
                    {0xdb, 4}, {0xdc, 2}, {0xdd, 4}, {0xde, 2}, {0xdf, 4}};
-    for (size_t i = 0; i < sizeof(headers) / sizeof(headers[0]); i++)
+    for (size_t i = 0; i < sizeof(headers) / sizeof(headers[0]); i++) {
         for (int width = 0; width < headers[i].width; width++) {
             fixture->bytes.count = 0;
             put_number(&fixture->bytes, headers[i].type, 0, width);
             assert_refused(fixture, "claims more");
         }
+    }
 }
 
 /* If this failed, ext types and the unused 0xc1 would get as far as msgpack-c. */
@@ -120,21 +123,24 @@ static void prescan__bounds_the_depth(void **state)
     struct fixture *fixture = *state;
     struct proto_error error;
     fixture->bytes.count = 0;
-    for (unsigned i = 0; i < PROTO_DEPTH_MAX; i++)
+    for (unsigned i = 0; i < PROTO_DEPTH_MAX; i++) {
         put_array(&fixture->bytes, 1);
+    }
     put_byte(&fixture->bytes, 0xc0);
     assert_int_equal(proto_prescan(fixture->bytes.data, fixture->bytes.count, &error), 0);
 
     fixture->bytes.count = 0;
-    for (unsigned i = 0; i < PROTO_DEPTH_MAX + 1; i++)
+    for (unsigned i = 0; i < PROTO_DEPTH_MAX + 1; i++) {
         put_array(&fixture->bytes, 1);
+    }
     put_byte(&fixture->bytes, 0xc0);
     assert_refused(fixture, "nested deeper");
 
     /* An empty container opens no level. */
     fixture->bytes.count = 0;
-    for (unsigned i = 0; i < PROTO_DEPTH_MAX; i++)
+    for (unsigned i = 0; i < PROTO_DEPTH_MAX; i++) {
         put_array(&fixture->bytes, 1);
+    }
     put_array(&fixture->bytes, 0);
     assert_int_equal(proto_prescan(fixture->bytes.data, fixture->bytes.count, &error), 0);
 }
@@ -147,13 +153,15 @@ static void prescan__bounds_the_number_of_objects(void **state)
     for (unsigned extra = 0; extra < 2; extra++) {
         fixture->bytes.count = 0;
         put_number(&fixture->bytes, 0xdc, PROTO_ELEMENTS_MAX - 1 + extra, 2);
-        for (unsigned i = 0; i < PROTO_ELEMENTS_MAX - 1 + extra; i++)
+        for (unsigned i = 0; i < PROTO_ELEMENTS_MAX - 1 + extra; i++) {
             put_byte(&fixture->bytes, 0xc0);
-        if (extra == 0)
+        }
+        if (extra == 0) {
             assert_int_equal(
                 proto_prescan(fixture->bytes.data, fixture->bytes.count, &error), 0);
-        else
+        } else {
             assert_refused(fixture, "more than 4096 objects");
+        }
     }
 }
 
@@ -351,22 +359,25 @@ static void body__needs_every_required_field(void **state)
             put_request(&fixture->bytes, 1, proto_messages[method].name);
             put_map(&fixture->bytes, fields->count - 1);
             for (uint32_t i = 0; i < fields->count; i++) {
-                if (i == left_out)
+                if (i == left_out) {
                     continue;
+                }
                 put_str(&fixture->bytes, fields->items[i].name);
-                if (fields->items[i].type == PROTO_TYPE_str)
+                if (fields->items[i].type == PROTO_TYPE_str) {
                     put_str(&fixture->bytes, "text");
-                else if (fields->items[i].type == PROTO_TYPE_bool)
+                } else if (fields->items[i].type == PROTO_TYPE_bool) {
                     put_byte(&fixture->bytes, 0xc3);
-                else
+                } else {
                     put_byte(&fixture->bytes, 1);
+                }
             }
             snprintf(about, sizeof(about), "\"%s\" is missing",
                      fields->items[left_out].name);
-            if (fields->items[left_out].need == PROTO_NEED_REQ)
+            if (fields->items[left_out].need == PROTO_NEED_REQ) {
                 assert_refused(fixture, about);
-            else
+            } else {
                 assert_taken(fixture);
+            }
         }
     }
 }
@@ -378,9 +389,10 @@ static void put_field(struct fixture *fixture, const char *method, const char *f
     int found = proto_method_by_name(method, strlen(method));
     const struct proto_fields *fields = &proto_messages[found].request;
     unsigned count = 1;
-    for (uint32_t i = 0; i < fields->count; i++)
+    for (uint32_t i = 0; i < fields->count; i++) {
         count += fields->items[i].need == PROTO_NEED_REQ &&
                  strcmp(fields->items[i].name, field) != 0;
+    }
     put_request(&fixture->bytes, 1, method);
     put_map(&fixture->bytes, count);
     for (uint32_t i = 0; i < fields->count; i++) {

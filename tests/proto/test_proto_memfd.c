@@ -29,8 +29,9 @@
 static int count_open(void)
 {
     int count = 0;
-    for (int fd = 0; fd < 1024; fd++)
+    for (int fd = 0; fd < 1024; fd++) {
         count += fcntl(fd, F_GETFD) != -1;
+    }
     return count;
 }
 
@@ -40,8 +41,9 @@ static int make_memfd(off_t bytes, int seals)
     int fd = memfd_create("test", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     assert_true(fd >= 0);
     assert_int_equal(ftruncate(fd, bytes), 0);
-    if (seals != 0)
+    if (seals != 0) {
         assert_int_equal(fcntl(fd, F_ADD_SEALS, seals), 0);
+    }
     return fd;
 }
 
@@ -71,8 +73,9 @@ static void memory__is_shared(void **state)
     for (int read_only = 0; read_only < 2; read_only++) {
         assert_int_equal(proto_memory_create(&ours, "test", BYTES, read_only), 0);
         assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, read_only), 0);
-        for (size_t i = 0; i < BYTES; i += 4096)
+        for (size_t i = 0; i < BYTES; i += 4096) {
             assert_int_equal(((char *)ours.base)[i], 0);
+        }
         memcpy((char *)ours.base + BYTES - 5, "there", 5);
         assert_memory_equal((char *)theirs.base + BYTES - 5, "there", 5);
         if (!read_only) {
@@ -114,9 +117,10 @@ static void map__refuses_another_size(void **state)
     (void)state;
     assert_int_equal(proto_memory_create(&ours, "test", BYTES, false), 0);
     int open_before = count_open();
-    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++)
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
         assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), sizes[i], false),
                          PCCD_E_BADMSG);
+    }
     assert_int_equal(count_open(), open_before);
     assert_null(theirs.base);
     assert_int_equal(theirs.fd, -1);
@@ -131,11 +135,13 @@ static void map__refuses_missing_seals(void **state)
                                 F_SEAL_GROW | F_SEAL_SEAL, F_SEAL_SHRINK | F_SEAL_SEAL};
     (void)state;
     int open_before = count_open();
-    for (size_t i = 0; i < sizeof(seals) / sizeof(seals[0]); i++)
-        for (int read_only = 0; read_only < 2; read_only++)
+    for (size_t i = 0; i < sizeof(seals) / sizeof(seals[0]); i++) {
+        for (int read_only = 0; read_only < 2; read_only++) {
             assert_int_equal(proto_memory_map(&theirs, make_memfd((off_t)BYTES, seals[i]),
                                               BYTES, read_only),
                              PCCD_E_BADMSG);
+        }
+    }
     /* Right but for who may write. */
     assert_int_equal(
         proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS), BYTES, true),
@@ -180,8 +186,9 @@ static void memory__is_there_from_the_start(void **state)
     assert_int_equal(fstat(memory.fd, &info), 0);
     assert_true((size_t)info.st_blocks * 512 >= BYTES);
     assert_int_equal(mincore(memory.base, BYTES, resident), 0);
-    for (size_t i = 0; i < sizeof(resident); i++)
+    for (size_t i = 0; i < sizeof(resident); i++) {
         assert_int_equal(resident[i] & 1, 1);
+    }
     proto_memory_deinit(&memory);
 }
 

@@ -35,8 +35,9 @@ struct fixture {
 static int count_open(void)
 {
     int count = 0;
-    for (int fd = 0; fd < FD_LIMIT; fd++)
+    for (int fd = 0; fd < FD_LIMIT; fd++) {
         count += fcntl(fd, F_GETFD) != -1;
+    }
     return count;
 }
 
@@ -44,8 +45,10 @@ static int set_up(void **state)
 {
     static struct fixture fixture;
     int pair[2];
-    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair) != 0)
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair) !=
+        0) {
         return -1;
+    }
     fixture.near = pair[0];
     fixture.far = pair[1];
     fixture.open_before = count_open();
@@ -56,8 +59,9 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct fixture *fixture = *state;
-    if (fixture->near >= 0)
+    if (fixture->near >= 0) {
         close(fixture->near);
+    }
     close(fixture->far);
     return 0;
 }
@@ -164,8 +168,9 @@ static void descriptors__surplus_ones_are_closed_and_counted(void **state)
                          0);
         assert_int_equal(fd_count, counts[i]);
         assert_int_equal(count_open(), fixture->open_before + stored);
-        for (int k = 0; k < stored; k++)
+        for (int k = 0; k < stored; k++) {
             assert_int_equal(close(fds[k]), 0);
+        }
     }
 }
 
@@ -220,15 +225,17 @@ static void socket__that_would_block_says_again(void **state)
                                    &bytes, NULL, &fd_count),
                      PCCD_E_AGAIN);
     while (sent < 10000 &&
-           (rc = proto_send(fixture->near, block, sizeof(block), NULL, 0)) == 0)
+           (rc = proto_send(fixture->near, block, sizeof(block), NULL, 0)) == 0) {
         sent++;
+    }
     assert_int_equal(rc, PCCD_E_AGAIN);
     assert_true(sent >= 1);
     /* What was sent before is whole, and nothing of the refused message came. */
-    for (int i = 0; i < sent; i++)
+    for (int i = 0; i < sent; i++) {
         assert_int_equal(proto_receive(fixture->far, fixture->buffer,
                                        sizeof(fixture->buffer), &bytes, NULL, &fd_count),
                          0);
+    }
     assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
                                    &bytes, NULL, &fd_count),
                      PCCD_E_AGAIN);

@@ -27,8 +27,9 @@ struct pccd_client *test_connect(const char *url)
     options.url = url;
     options.timeout_ms = TIMEOUT_MS;
     options.result_bytes = 1u << 20;
-    if (pccd_connect(&options, &client) != 0)
+    if (pccd_connect(&options, &client) != 0) {
         fprintf(stderr, "# connect: %s\n", pccd_error_text(NULL));
+    }
     return client;
 }
 
@@ -40,19 +41,24 @@ int test_crossing_make(struct pccd_client *client, struct test_crossing *crossin
     crossing->client = client;
     crossing->z = 1;
     rc = pccd_scene_create(client, &crossing->scene);
-    if (rc == 0)
+    if (rc == 0) {
         rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
                               &crossing->floor_mesh, NULL);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle,
                               1, &crossing->mesh, NULL);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = pccd_scene_add(client, crossing->scene, crossing->floor_mesh,
                             &crossing->floor);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = pccd_scene_add(client, crossing->scene, crossing->mesh, &crossing->object);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         fprintf(stderr, "# scene: %s\n", pccd_error_text(client));
+    }
     return rc;
 }
 
@@ -108,16 +114,18 @@ static void look(void *context, const char *name, uint64_t value, const char *te
     struct search *search = context;
 
     (void)text;
-    if (strcmp(name, search->name) == 0)
+    if (strcmp(name, search->name) == 0) {
         search->value = value;
+    }
 }
 
 uint64_t test_stat(struct pccd_client *client, const char *name)
 {
     struct search search = {name, UINT64_MAX};
 
-    if (pccd_stats(client, look, &search) != 0)
+    if (pccd_stats(client, look, &search) != 0) {
         return UINT64_MAX;
+    }
     return search.value;
 }
 
@@ -128,8 +136,9 @@ uint64_t test_stat_await(struct pccd_client *client, const char *name, uint64_t 
 
     do {
         seen = test_stat(client, name);
-        if (seen == value)
+        if (seen == value) {
             break;
+        }
         test_sleep_ms(2);
     } while (test_now_ms() < until_ms);
     return seen;

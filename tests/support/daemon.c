@@ -63,14 +63,17 @@ static void become_daemon(const struct test_daemon *daemon, const char *const *o
         arguments[count++] = "--ready-fd";
         arguments[count++] = "3";
         (void)dup2(ready_fd, READY_FD);
-        if (ready_fd == READY_FD)
+        if (ready_fd == READY_FD) {
             (void)fcntl(READY_FD, F_SETFD, 0);
+        }
     }
-    for (size_t i = 0; options != NULL && options[i] != NULL && i < OPTIONS_MAX; i++)
+    for (size_t i = 0; options != NULL && options[i] != NULL && i < OPTIONS_MAX; i++) {
         arguments[count++] = options[i];
+    }
     arguments[count] = NULL;
-    if (log_fd >= 0)
+    if (log_fd >= 0) {
         (void)dup2(log_fd, 2);
+    }
     execv(program, (char *const *)(uintptr_t)arguments);
     _exit(127);
 }
@@ -83,8 +86,9 @@ static bool await_ready(int fd)
     while (test_now_ms() < until_ms) {
         struct pollfd watched = {.fd = fd, .events = POLLIN};
 
-        if (poll(&watched, 1, 100) > 0)
+        if (poll(&watched, 1, 100) > 0) {
             return read(fd, &byte, 1) == 1;
+        }
     }
     return false;
 }
@@ -92,8 +96,9 @@ static bool await_ready(int fd)
 static bool make_directory(struct test_daemon *daemon)
 {
     (void)snprintf(daemon->directory, sizeof(daemon->directory), "/tmp/pccd-test-XXXXXX");
-    if (mkdtemp(daemon->directory) == NULL)
+    if (mkdtemp(daemon->directory) == NULL) {
         return false;
+    }
     (void)snprintf(daemon->socket, sizeof(daemon->socket), "%s/s", daemon->directory);
     (void)snprintf(daemon->url, sizeof(daemon->url), "unix:%s", daemon->socket);
     (void)snprintf(daemon->log, sizeof(daemon->log), "%s/log", daemon->directory);
@@ -110,8 +115,9 @@ bool test_daemon_restart(struct test_daemon *daemon, const char *const *options)
         return false;
     }
     daemon->pid = fork();
-    if (daemon->pid == 0)
+    if (daemon->pid == 0) {
         become_daemon(daemon, options, ready_fds[1]);
+    }
     (void)close(ready_fds[1]);
     ready = daemon->pid > 0 && await_ready(ready_fds[0]);
     (void)close(ready_fds[0]);
@@ -125,10 +131,12 @@ bool test_daemon_restart(struct test_daemon *daemon, const char *const *options)
 bool test_daemon_start(struct test_daemon *daemon, const char *const *options)
 {
     memset(daemon, 0, sizeof(*daemon));
-    if (!make_directory(daemon))
+    if (!make_directory(daemon)) {
         return false;
-    if (test_daemon_restart(daemon, options))
+    }
+    if (test_daemon_restart(daemon, options)) {
         return true;
+    }
     (void)test_daemon_finish(daemon);
     return false;
 }
@@ -142,12 +150,15 @@ static int await_end(pid_t pid, int timeout_ms)
     for (;;) {
         pid_t got = waitpid(pid, &status, WNOHANG);
 
-        if (got == pid)
+        if (got == pid) {
             return status;
-        if (got < 0 && errno != EINTR)
+        }
+        if (got < 0 && errno != EINTR) {
             return -1;
-        if (test_now_ms() >= until_ms)
+        }
+        if (test_now_ms() >= until_ms) {
             return -1;
+        }
         test_sleep_ms(1);
     }
 }
@@ -157,10 +168,12 @@ int test_daemon_start_second(const struct test_daemon *daemon)
     pid_t pid = fork();
     int status;
 
-    if (pid < 0)
+    if (pid < 0) {
         return -1;
-    if (pid == 0)
+    }
+    if (pid == 0) {
         become_daemon(daemon, NULL, -1);
+    }
     status = await_end(pid, SECOND_MS);
     if (status < 0) {
         (void)kill(pid, SIGKILL);
@@ -174,10 +187,12 @@ int test_daemon_end(struct test_daemon *daemon, int signal, int timeout_ms)
 {
     int status;
 
-    if (daemon->pid <= 0)
+    if (daemon->pid <= 0) {
         return -1;
-    if (signal != 0)
+    }
+    if (signal != 0) {
         (void)kill(daemon->pid, signal);
+    }
     status = await_end(daemon->pid, timeout_ms);
     if (status < 0) {
         fprintf(stderr, "# the daemon does not end: killed\n");
@@ -192,13 +207,15 @@ static void remove_directory(const char *path)
 {
     DIR *entries = opendir(path);
 
-    if (entries == NULL)
+    if (entries == NULL) {
         return;
+    }
     for (int i = 0; i < ENTRIES_MAX; i++) {
         const struct dirent *entry = readdir(entries);
 
-        if (entry == NULL)
+        if (entry == NULL) {
             break;
+        }
         (void)unlinkat(dirfd(entries), entry->d_name, 0); /* fails on . and .. */
     }
     (void)closedir(entries);
@@ -211,10 +228,12 @@ static void show_log(const struct test_daemon *daemon)
     char line[512];
     FILE *file = fopen(daemon->log, "r");
 
-    if (file == NULL)
+    if (file == NULL) {
         return;
-    while (fgets(line, sizeof(line), file) != NULL)
+    }
+    while (fgets(line, sizeof(line), file) != NULL) {
         fprintf(stderr, "# daemon: %s", line);
+    }
     (void)fclose(file);
 }
 
@@ -231,8 +250,9 @@ bool test_daemon_finish(struct test_daemon *daemon)
             show_log(daemon);
         }
     }
-    if (daemon->directory[0] != '\0')
+    if (daemon->directory[0] != '\0') {
         remove_directory(daemon->directory);
+    }
     return clean;
 }
 
@@ -242,8 +262,9 @@ bool test_daemon_logged(const struct test_daemon *daemon, const char *text)
     FILE *file = fopen(daemon->log, "r");
     size_t bytes;
 
-    if (file == NULL)
+    if (file == NULL) {
         return false;
+    }
     bytes = fread(log, 1, sizeof(log) - 1, file);
     log[bytes] = '\0';
     (void)fclose(file);

@@ -31,8 +31,9 @@ static int add_grid(struct test_grid *grid)
     uint32_t(*triangles)[3] = calloc(2 * (size_t)cells * cells, sizeof(*triangles));
     int rc;
 
-    if (triangles == NULL)
+    if (triangles == NULL) {
         return PCCD_E_NOMEM;
+    }
     for (uint32_t i = 0; i < cells * cells; i++) {
         uint32_t corner = i / cells * grid->side + i % cells;
         const uint32_t first[3] = {corner, corner + 1, corner + grid->side};
@@ -61,19 +62,24 @@ int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *
     grid->vertex_count = side * side;
     grid->z = 1;
     grid->x = calloc(grid->vertex_count, sizeof(*grid->x));
-    if (grid->x == NULL)
+    if (grid->x == NULL) {
         return PCCD_E_NOMEM;
+    }
     test_grid_positions(grid, grid->z);
     rc = pccd_scene_create(client, &grid->scene);
-    if (rc == 0)
+    if (rc == 0) {
         rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
                               &floor_mesh, NULL);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = pccd_scene_add(client, grid->scene, floor_mesh, &grid->floor);
-    if (rc == 0)
+    }
+    if (rc == 0) {
         rc = add_grid(grid);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         fprintf(stderr, "# grid: %s\n", pccd_error_text(client));
+    }
     return rc;
 }
 
@@ -91,11 +97,13 @@ int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *se
     void *x1 = NULL;
     int rc = pccd_frame_begin(grid->client, grid->scene, 1, bytes, &frame);
 
-    if (rc == 0)
+    if (rc == 0) {
         rc = pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, grid->vertex_count,
                            &x1);
-    if (rc != 0)
+    }
+    if (rc != 0) {
         return rc;
+    }
     grid->z = -grid->z;
     test_grid_positions(grid, grid->z);
     memcpy(x1, grid->x, bytes);
@@ -105,8 +113,9 @@ int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *se
 bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *answer)
 {
     if (answer->status != 0 || answer->incomplete != PCCD_COMPLETE || answer->ee != 0 ||
-        answer->vf != grid->vertex_count || answer->count != grid->vertex_count)
+        answer->vf != grid->vertex_count || answer->count != grid->vertex_count) {
         return false;
+    }
     for (uint32_t i = 0; i < grid->vertex_count; i++) {
         const struct pccd_contact *contact = &answer->contacts[i];
         float x = (float)(i % grid->side) / (float)grid->side - 0.5f;
@@ -120,8 +129,9 @@ bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *
 
         if (contact->kind != PCCD_VF || contact->feature_a != i ||
             contact->object_a != grid->object || contact->object_b != grid->floor ||
-            !inside)
+            !inside) {
             return false;
+        }
     }
     return true;
 }

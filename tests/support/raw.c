@@ -40,8 +40,9 @@ bool test_raw_open(struct test_raw *raw, const char *socket_path)
 
 void test_raw_close(struct test_raw *raw)
 {
-    if (raw->socket >= 0)
+    if (raw->socket >= 0) {
         (void)close(raw->socket);
+    }
     raw->socket = -1;
     proto_decoder_free(raw->decoder);
     raw->decoder = NULL;
@@ -63,8 +64,9 @@ bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd
         int fds[FDS_MAX];
         struct cmsghdr *rights;
 
-        for (int i = 0; i < FDS_MAX; i++)
+        for (int i = 0; i < FDS_MAX; i++) {
             fds[i] = raw->socket;
+        }
         memset(&control, 0, sizeof(control));
         header.msg_control = &control;
         header.msg_controllen = CMSG_SPACE((size_t)fd_count * sizeof(int));
@@ -87,13 +89,15 @@ static int receive_bytes(struct test_raw *raw, size_t *bytes, int fds[PROTO_FDS_
     struct pollfd watched = {.fd = raw->socket, .events = POLLIN};
     int rc;
 
-    if (poll(&watched, 1, WAIT_MS) <= 0)
+    if (poll(&watched, 1, WAIT_MS) <= 0) {
         return PCCD_E_TIMEOUT;
+    }
     rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
                        fd_count);
-    if (rc == PCCD_E_DISCONNECTED) /* a reset: what was said before it follows */
+    if (rc == PCCD_E_DISCONNECTED) { /* a reset: what was said before it follows */
         rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
                            fd_count);
+    }
     return rc;
 }
 
@@ -104,8 +108,9 @@ int test_raw_receive(struct test_raw *raw)
     size_t bytes = 0;
     int rc = receive_bytes(raw, &bytes, fds, &fd_count);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     rc = proto_decode(raw->decoder, raw->message, bytes, &raw->envelope, &raw->error);
     if (fd_count == 2) { /* upload, results: mapped once their sizes are known */
         raw->upload.fd = fds[0];
@@ -122,8 +127,9 @@ uint32_t test_raw_request(struct test_raw *raw, int method, const void *request)
     uint32_t id = raw->next_id++;
 
     if (proto_encode_request(&raw->encoder, id, method, request) != 0 ||
-        !test_raw_send(raw, raw->encoder.data, raw->encoder.bytes, 0))
+        !test_raw_send(raw, raw->encoder.data, raw->encoder.bytes, 0)) {
         return 0;
+    }
     return id;
 }
 
@@ -132,10 +138,12 @@ int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result)
     for (int i = 0; i < DATAGRAMS_MAX; i++) {
         int rc = test_raw_receive(raw);
 
-        if (rc != 0)
+        if (rc != 0) {
             return rc;
-        if (raw->envelope.kind != PROTO_RESPONSE || raw->envelope.id != id)
+        }
+        if (raw->envelope.kind != PROTO_RESPONSE || raw->envelope.id != id) {
             continue;
+        }
         if (raw->envelope.failed) {
             raw->error = raw->envelope.error;
             return raw->error.code;
@@ -176,11 +184,13 @@ int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_byt
     proto_memory_deinit(&raw->result);
     raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
     rc = test_raw_call(raw, PROTO_METHOD_SHM_ATTACH, &request, &raw->ring);
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     rc = proto_memory_map(&raw->upload, raw->upload.fd, raw->ring.upload_bytes, false);
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     return proto_memory_map(&raw->result, raw->result.fd, raw->ring.result_bytes, true);
 }
 
@@ -214,14 +224,16 @@ int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_cou
     struct proto_MESH_COMMIT_request commit;
     int rc = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
 
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     data.mesh = commit.mesh = *mesh = created.mesh;
     memcpy(test_raw_payload(raw, 0), x, vertex_count * sizeof(*x));
     data.seq = test_raw_publish(raw, 0);
     rc = test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
-    if (rc != 0)
+    if (rc != 0) {
         return rc;
+    }
     memcpy(test_raw_payload(raw, 0), triangles, triangle_count * sizeof(*triangles));
     data.part = 1;
     data.count = triangle_count;

@@ -25,8 +25,9 @@ int test_witness_start(void **state)
     struct pccd_client *client;
 
     (void)state;
-    if (!test_daemon_start(&test_witness.daemon, NULL))
+    if (!test_daemon_start(&test_witness.daemon, NULL)) {
         return -1;
+    }
     client = test_connect(test_witness.daemon.url);
     return client != NULL && test_crossing_make(client, &test_witness.crossing) == 0 ? 0
                                                                                      : -1;
@@ -51,8 +52,9 @@ void test_witness_open_raw(struct test_raw *raw, uint64_t slot_bytes)
 {
     assert_true(test_raw_open(raw, test_witness.daemon.socket));
     assert_int_equal(test_raw_hello(raw), 0);
-    if (slot_bytes > 0)
+    if (slot_bytes > 0) {
         assert_int_equal(test_raw_attach(raw, 2, slot_bytes), 0);
+    }
 }
 
 int test_witness_fd_count(void)
@@ -64,8 +66,9 @@ int test_witness_fd_count(void)
     (void)snprintf(path, sizeof(path), "/proc/%ld/fd", (long)test_witness.daemon.pid);
     entries = opendir(path);
     assert_non_null(entries);
-    while (count < FDS_MAX && readdir(entries) != NULL)
+    while (count < FDS_MAX && readdir(entries) != NULL) {
         count++;
+    }
     (void)closedir(entries);
     return count;
 }

@@ -51,8 +51,9 @@ static void put_value(struct kit_bytes *bytes, const char *type, bool is_big,
         memcpy(raw, &whole, size); /* little-endian: the low bytes come first */
     }
     assert_true(bytes->count + size <= KIT_FILE_BYTES_MAX);
-    for (size_t i = 0; i < size; i++)
+    for (size_t i = 0; i < size; i++) {
         bytes->data[bytes->count++] = (char)raw[is_big ? size - 1 - i : i];
+    }
 }
 
 static void put(struct kit_bytes *bytes, const struct kit_variant *variant,
@@ -70,8 +71,9 @@ static void put(struct kit_bytes *bytes, const struct kit_variant *variant,
 
 static void end_row(struct kit_bytes *bytes, const struct kit_variant *variant)
 {
-    if (strcmp(variant->encoding, "ascii") == 0)
+    if (strcmp(variant->encoding, "ascii") == 0) {
         kit_put_text(bytes, "\n");
+    }
 }
 
 static void put_header(struct kit_bytes *bytes, const struct kit_variant *variant)
@@ -102,8 +104,9 @@ void kit_make_ply(struct kit_bytes *bytes, const struct kit_variant *variant)
     put_header(bytes, variant);
     for (int row = 0; row < 2 && variant->has_extras; row++) {
         put(bytes, variant, "uchar", row);
-        for (int i = 0; i < row; i++)
+        for (int i = 0; i < row; i++) {
             put(bytes, variant, "short", 7);
+        }
         put(bytes, variant, "double", 0.25);
         end_row(bytes, variant);
     }
@@ -114,17 +117,20 @@ void kit_make_ply(struct kit_bytes *bytes, const struct kit_variant *variant)
             put(bytes, variant, "float", 0.5);
             put(bytes, variant, "float", 0.5);
         }
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             put(bytes, variant, variant->coordinate, kit_x[v][k]);
+        }
         end_row(bytes, variant);
     }
     for (int f = 0; f < KIT_FACES; f++) {
         int corners = *face++;
         put(bytes, variant, variant->count, corners);
-        for (int k = 0; k < corners; k++)
+        for (int k = 0; k < corners; k++) {
             put(bytes, variant, variant->index, *face++);
-        if (variant->has_extras)
+        }
+        if (variant->has_extras) {
             put(bytes, variant, "int", -3);
+        }
         end_row(bytes, variant);
     }
 }

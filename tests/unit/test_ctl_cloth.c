@@ -66,9 +66,10 @@ static void cloth__ball_is_a_closed_sphere(void **state)
             b[k] =
                 (double)scene->ball_start[v[2]][k] - (double)scene->ball_start[v[0]][k];
         }
-        for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++) {
             out += (a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]) *
                    (double)scene->ball_start[v[0]][k];
+        }
         assert_true(out > 0.0);
     }
     assert_int_equal(
@@ -98,8 +99,9 @@ static void cloth__grid_uses_every_vertex_and_faces_up(void **state)
         assert_true(up > 0.0);
         area += up / 2.0;
     }
-    for (uint32_t i = 0; i < CLOTH_VERTICES; i++)
+    for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
         assert_in_range(uses[i], 1, 8);
+    }
     assert_true(fabs(area - 4.0) < 1e-4); /* a square of 2 m */
     cloth_scene_free(scene);
 }
@@ -112,10 +114,12 @@ static void cloth__two_runs_give_the_same_bytes(void **state)
     struct cloth_scene *first = new_scene();
     struct cloth_scene *second = new_scene();
     (void)state;
-    for (uint32_t i = 0; i < FRAMES; i++)
+    for (uint32_t i = 0; i < FRAMES; i++) {
         cloth_scene_advance(first);
-    for (uint32_t i = 0; i < FRAMES; i++)
+    }
+    for (uint32_t i = 0; i < FRAMES; i++) {
         cloth_scene_advance(second);
+    }
     cloth_scene_positions(first, a);
     cloth_scene_positions(second, b);
     cloth_scene_ball_pose(first, pose_a);
@@ -133,8 +137,9 @@ static void cloth__falls_and_drapes_over_the_ball(void **state)
     uint32_t touching = 0;
     double lowest = 0.0, stretch = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < FRAMES; i++)
+    for (uint32_t i = 0; i < FRAMES; i++) {
         cloth_scene_advance(scene);
+    }
     for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
         const double *x = scene->x[i];
         double distance = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
@@ -149,8 +154,9 @@ static void cloth__falls_and_drapes_over_the_ball(void **state)
         double length =
             sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
                  (a[2] - b[2]) * (a[2] - b[2]));
-        if (spring->compliance == 0.0)
+        if (spring->compliance == 0.0) {
             stretch = fmax(stretch, length / spring->length);
+        }
     }
     assert_in_range(touching, CLOTH_VERTICES / 20, CLOTH_VERTICES);
     assert_true(lowest < -0.3);
@@ -165,8 +171,9 @@ static void cloth__ball_turns_without_growing(void **state)
     struct cloth_scene *scene = new_scene();
     double pose[12];
     (void)state;
-    for (uint32_t i = 0; i < FRAMES; i++)
+    for (uint32_t i = 0; i < FRAMES; i++) {
         cloth_scene_advance(scene);
+    }
     cloth_scene_ball_pose(scene, pose);
     assert_true(fabs(pose[0] * pose[0] + pose[2] * pose[2] - 1.0) < 1e-12);
     assert_true(pose[8] == -pose[2] && pose[10] == pose[0]);

@@ -38,9 +38,10 @@ static void check_malformed(const struct malformed *cases, size_t count, const c
         assert_null(mesh.x);
         assert_null(mesh.triangles);
         if (status != cases[i].status || strncmp(error.text, path, strlen(path)) != 0 ||
-            strcmp(error.text + strlen(path), cases[i].message) != 0)
+            strcmp(error.text + strlen(path), cases[i].message) != 0) {
             fail_msg("case %zu: status %d, \"%s\" where %d, \"%s%s\" is due", i, status,
                      error.text, cases[i].status, path, cases[i].message);
+        }
     }
 }
 

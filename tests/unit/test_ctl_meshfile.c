@@ -62,8 +62,9 @@ static void meshfile__reads_every_ply_encoding_the_same(void **state)
         kit_make_ply(&bytes, &variants[i]);
         kit_write_file("pyramid.ply", bytes.data, bytes.count, path);
         int status = ctl_mesh_read(path, &mesh, &error);
-        if (status != PCCD_OK)
+        if (status != PCCD_OK) {
             fail_msg("variant %zu: %s", i, error.text);
+        }
         check_pyramid(&mesh, variants[i].format);
         ctl_mesh_deinit(&mesh);
     }
@@ -93,8 +94,9 @@ static void meshfile__reads_every_obj_form_the_same(void **state)
         kit_put_text(&bytes, rests[i]);
         kit_write_file("pyramid.OBJ", bytes.data, bytes.count, path);
         int status = ctl_mesh_read(path, &mesh, &error);
-        if (status != PCCD_OK)
+        if (status != PCCD_OK) {
             fail_msg("form %zu: %s", i, error.text);
+        }
         check_pyramid(&mesh, PCCD_FORMAT_F64);
         ctl_mesh_deinit(&mesh);
     }
@@ -172,10 +174,12 @@ static void meshfile__reads_the_real_frames(void **state)
         struct ctl_error error = {.text = ""};
         snprintf(path, sizeof(path), "%s/%s", data != NULL ? data : "../shared/data",
                  frames[i].name);
-        if (access(path, R_OK) != 0)
+        if (access(path, R_OK) != 0) {
             skip();
-        if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK)
+        }
+        if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
             fail_msg("%s", error.text);
+        }
         assert_int_equal(mesh.format, frames[i].format);
         assert_int_equal(mesh.vertex_count, frames[i].vertices);
         assert_int_equal(mesh.triangle_count, frames[i].triangles);

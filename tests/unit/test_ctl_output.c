@@ -36,8 +36,9 @@ static void statistics__give_medians_and_nearest_ranks(void **state)
     assert_true(statistics_median(odd, 3) == 3.0);
     statistics_sort(even, 4);
     assert_true(statistics_median(even, 4) == 3.5);
-    for (int i = 0; i < 200; i++)
+    for (int i = 0; i < 200; i++) {
         many[i] = 200 - i;
+    }
     statistics_sort(many, 200);
     assert_true(statistics_quantile(many, 200, 0.99) == 198.0);
     assert_true(statistics_quantile(many, 200, 1.0) == 200.0);
@@ -172,8 +173,9 @@ static void json__holds_the_promised_keys(void **state)
     assert_true(json_is_true(json_object_get(object, "complete")));
     assert_string_equal(json_string_value(json_object_get(object, "hash")),
                         "00000000000001230000000000000abc");
-    for (size_t i = 0; i < sizeof(phases) / sizeof(phases[0]); i++)
+    for (size_t i = 0; i < sizeof(phases) / sizeof(phases[0]); i++) {
         assert_true(json_is_real(json_object_get(ms, phases[i])));
+    }
     assert_true(json_real_value(json_object_get(ms, "build")) == 0.5);
     assert_true(json_real_value(json_object_get(ms, "tests")) == 1.5);
     assert_true(json_real_value(json_object_get(ms, "step")) == 4.0);
