@@ -141,12 +141,12 @@ struct eng_scene {
 /* The object that staged or stands at `object_idx`, or NULL. */
 struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx);
 
-/* A capacity for `end` items: grown by half, so that adding objects one by one copies each
- * array a logarithmic number of times. */
+/* A capacity for `end` items: grown by half, so that adding objects one by one copies
+ * each array a logarithmic number of times. */
 uint32_t eng_world_grown(uint32_t capacity, uint32_t end);
 
-/* Grow one array of items of `bytes`; `array` is the address of the pointer to it, which is
- * unchanged on failure (ENG_E_NOMEM). */
+/* Grow one array of items of `bytes`; `array` is the address of the pointer to it, which
+ * is unchanged on failure (ENG_E_NOMEM). */
 int eng_world_grow(void *array, uint32_t capacity, size_t bytes);
 
 /* Make room in the arrays up to `end` of each range allocator. ENG_E_NOMEM: unchanged. */
