@@ -1,7 +1,7 @@
 /* daemon/engine/memory.c - the engine's allocations, counted.
  *
  * Room:     engine.
- * Does:     put a 64-byte header with the size before each block, so that bytes can be
+ * Does:     put a 128-byte header with the size before each block, so that bytes can be
  *           counted down when a block goes.
  * Threads:  [any]; the two counters are atomics.
  */
@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HEADER_BYTES 64u
+#define ALIGNMENT    128u
+#define HEADER_BYTES ALIGNMENT
 
 static atomic_uint_fast64_t alloc_count;
 static atomic_uint_fast64_t alloc_bytes;
@@ -20,11 +21,11 @@ void *eng_alloc(size_t count, size_t bytes)
 {
     size_t total;
     if (__builtin_mul_overflow(count, bytes, &total) ||
-        __builtin_add_overflow(total, HEADER_BYTES + 63u, &total)) {
+        __builtin_add_overflow(total, HEADER_BYTES + ALIGNMENT - 1, &total)) {
         return NULL;
     }
-    total &= ~(size_t)63;
-    unsigned char *base = aligned_alloc(64, total);
+    total &= ~(size_t)(ALIGNMENT - 1);
+    unsigned char *base = aligned_alloc(ALIGNMENT, total);
     if (!base) {
         return NULL;
     }

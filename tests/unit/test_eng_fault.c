@@ -19,6 +19,8 @@
 
 /* ---- the double of memory.c -------------------- */
 
+#define HEADER 128u /* alignment, and room for the size */
+
 static uint64_t allocations; /* since the start */
 static uint64_t held_blocks;
 static uint64_t held_bytes;
@@ -40,24 +42,25 @@ static bool should_fail(void)
 void *eng_alloc(size_t count, size_t bytes)
 {
     size_t total;
-    if (__builtin_mul_overflow(count, bytes, &total) || total > SIZE_MAX - 128 ||
+    if (__builtin_mul_overflow(count, bytes, &total) || total > SIZE_MAX - 2 * HEADER ||
         should_fail()) {
         return NULL;
     }
-    unsigned char *base = aligned_alloc(64, (total + 127) & ~(size_t)63);
+    unsigned char *base =
+        aligned_alloc(HEADER, (total + 2 * HEADER - 1) & ~(size_t)(HEADER - 1));
     assert_non_null(base);
     memcpy(base, &total, sizeof total);
-    memset(base + 64, 0xa5, total); /* nobody may count on zeros */
+    memset(base + HEADER, 0xa5, total); /* nobody may count on zeros */
     allocations++;
     held_blocks++;
     held_bytes += total;
-    return base + 64;
+    return base + HEADER;
 }
 
 static size_t size_of(const void *block)
 {
     size_t total;
-    memcpy(&total, (const unsigned char *)block - 64, sizeof total);
+    memcpy(&total, (const unsigned char *)block - HEADER, sizeof total);
     return total;
 }
 
@@ -78,7 +81,7 @@ void eng_free(void *block)
         held_blocks--;
         held_bytes -= size_of(block);
         memset(block, 0x5a, size_of(block)); /* nobody may look at it any more */
-        free((unsigned char *)block - 64);
+        free((unsigned char *)block - HEADER);
     }
 }
 
