@@ -31,6 +31,11 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "rebuild_ratio is %g; this version takes only 0", ratio);
     }
+    if (session->scene_count >= SRV_SCENES_MAX) {
+        return proto_error_set(&call->error, PCCD_E_BUSY,
+                               "%u scenes wait to be freed behind what is computed now",
+                               session->scene_count - session->scenes.count);
+    }
     struct srv_scene *scene = srv_scene_new(session, session->scene_salt++);
     if (scene == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");

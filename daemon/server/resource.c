@@ -123,6 +123,7 @@ static void scene_free_rest(struct srv_job *job)
     }
     srv_handles_deinit(&scene->objects);
     session->loop->metrics.counters.scenes_now--;
+    session->scene_count--;
     free(scene);
     srv_session_reaped(session);
 }
@@ -134,6 +135,7 @@ struct srv_scene *srv_scene_new(struct srv_session *session, uint32_t salt)
         srv_resource_init(&scene->resource, session, scene_free_engine, scene_free_rest);
         srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE, salt);
         session->loop->metrics.counters.scenes_now++;
+        session->scene_count++;
     }
     return scene;
 }

@@ -14,10 +14,15 @@
 
 #include "compute.h"
 #include "handles.h"
+#include "limits.h"
 #include "quota.h"
 
 #define SRV_REQUESTS_MAX 32u /* of one session in flight, steps among them */
 #define SRV_REFUSED_MAX  16u /* sessions, of all users, that wait to hear so */
+
+/* Scenes of one session in memory: those it has, and as many that wait to be freed. No
+ * quota counts them, and while a long step runs nothing is freed. */
+#define SRV_SCENES_MAX (2u * PROTO_SCENES_PER_CLIENT)
 
 enum srv_session_state {
     SRV_SESSION_NEW = 0,     /* connected, no hello yet */
@@ -46,6 +51,7 @@ struct srv_session {
     uint32_t request_count;
     uint32_t submit_count; /* of these, steps */
     uint32_t reap_count;   /* resources that are being freed */
+    uint32_t scene_count;  /* scenes in memory, those being freed too */
 };
 
 /* A session for a new connection of user `uid`. It is REFUSED when the user's quota of

@@ -18,7 +18,11 @@
 
 #include <cmocka.h>
 
+#include "prng.h"
 #include "witness.h"
+
+#define SOUP         1000 /* triangles */
+#define SCENES_TRIED 1000
 
 static struct test_raw raw;
 
@@ -378,6 +382,68 @@ static void flood__of_steps_is_answered_busy(void **state)
     test_raw_close(&raw);
 }
 
+/* A scene of SOUP triangles all over each other in one plane, which a step works on for
+ * a good while, and the request that begins it. Returns the request's id. */
+static uint32_t begin_long_step(void)
+{
+    static float x[3 * SOUP][3];
+    static uint32_t triangles[SOUP][3];
+    struct prng prng = {SOUP};
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_request add;
+    struct proto_FRAME_SUBMIT_request submit = {.segments = 0};
+    uint32_t id;
+
+    for (uint32_t i = 0; i < 3 * SOUP; i++) {
+        x[i][0] = (float)prng_between(&prng, 0.0, 1.0);
+        x[i][1] = (float)prng_between(&prng, 0.0, 1.0);
+        triangles[i / 3][i % 3] = i;
+    }
+    assert_int_equal(
+        test_raw_mesh(&raw, x, 3 * SOUP, (const uint32_t(*)[3])triangles, SOUP, &add.mesh),
+        0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
+                     0);
+    add.scene = submit.scene = created.scene;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL), 0);
+    id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
+    assert_int_not_equal(id, 0);
+    return id;
+}
+
+/* Without a bound on the scenes that wait to be freed, a client that creates and destroys
+ * them behind a long step of its own would fill the daemon's memory. */
+static void flood__of_scenes_behind_a_step_is_bounded(void **state)
+{
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_DESTROY_request destroy;
+    struct proto_CANCEL_request cancel;
+    uint32_t count = 0;
+    int rc;
+
+    (void)state;
+    test_witness_open_raw(&raw, 65536);
+    cancel.id = begin_long_step();
+    while ((rc = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created)) ==
+               0 &&
+           count < SCENES_TRIED) {
+        destroy.scene = created.scene;
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL),
+                         0);
+        count++;
+    }
+    assert_int_equal(rc, PCCD_E_BUSY);
+    assert_true(count >= PROTO_SCENES_PER_CLIENT);
+    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel), 0);
+    /* What is left: the witness's scene, and the one of the long step. */
+    assert_int_equal(test_stat_await(test_witness.crossing.client, "scenes_now", 2), 2);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
+                     0);
+    test_raw_close(&raw);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -391,6 +457,7 @@ int main(void)
         cmocka_unit_test(flood__of_errors_does_not_delay_others),
         cmocka_unit_test(flood__of_connections_leaves_nothing),
         cmocka_unit_test(flood__of_steps_is_answered_busy),
+        cmocka_unit_test(flood__of_scenes_behind_a_step_is_bounded),
     };
 
     return cmocka_run_group_tests_name("hostile", tests, test_witness_start,
