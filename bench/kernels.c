@@ -153,6 +153,7 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
     struct bench_samples alone = {0};
     struct bench_samples filter = {0};
     struct bench_samples ready = {0};
+    struct bench_samples again = {0};
     struct answers with;
     struct answers without;
     bool good = true;
@@ -172,12 +173,15 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
         uint64_t t2 = bench_now_ns();
         with_filter(scene, c, exact, NULL);
         uint64_t t3 = bench_now_ns();
+        solver_alone(scene, c, exact, &without);
+        uint64_t t4 = bench_now_ns();
         good = bench_check(same_hits(&with, &without, c->count), name,
                            "the filter changes answers of the solver");
         if (r > 0) {
             bench_add(&both, (double)(t1 - t0) / c->count);
             bench_add(&alone, (double)(t2 - t1) / c->count);
             bench_add(&filter, (double)(t3 - t2) / c->count);
+            bench_add(&again, (double)(t4 - t3) / c->count);
             bench_add(&ready, lanes_ready_ns(scene, c));
         }
     }
@@ -193,6 +197,9 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
               &alone);
         print(name, is_vf ? "VF filter, solver" : "EE filter, solver", "ns", &both,
               "solver alone", &alone);
+        /* The same work again: its ratio shows the noise of the others. */
+        print(name, is_vf ? "VF solver, again" : "EE solver, again", "ns", &again,
+              "solver alone", &alone);
         print(name, is_vf ? "VF solver alone" : "EE solver alone", "ns", &alone, NULL,
               NULL);
     }
@@ -202,6 +209,7 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
     bench_free(&alone);
     bench_free(&filter);
     bench_free(&ready);
+    bench_free(&again);
 }
 
 /* Queries that the solver cannot decide by itself, put to exact arithmetic at once. */
