@@ -242,15 +242,39 @@ static int say_hello(struct pccd_client *client, const char *name, uint64_t dead
     return 0;
 }
 
-static int open_session(struct pccd_client *client, const char *path, const char *name,
-                        uint64_t deadline_ns)
+/* Who listens on a path that nobody chose must be this user or root: in /tmp, or with
+ * another user's $XDG_RUNTIME_DIR, anybody may have been there first. */
+static int check_owner(struct pccd_client *client)
+{
+    struct ucred peer; /* of the process that began to listen */
+    socklen_t bytes = sizeof(peer);
+
+    if (getsockopt(client->socket, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
+        return cli_fail(client, PCCD_E_SYSTEM, "owner of the daemon at %s: %s",
+                        client->url, strerror(errno));
+    }
+    if (peer.uid != 0 && peer.uid != geteuid() && peer.uid != getuid()) {
+        return cli_fail(client, PCCD_E_SYSTEM,
+                        "the daemon at %s is user %u's, not this user's (%u); an url "
+                        "or PCCD_URL chooses it nevertheless",
+                        client->url, (unsigned)peer.uid, (unsigned)geteuid());
+    }
+    return 0;
+}
+
+/* `own`: only a daemon of this user. */
+static int open_session(struct pccd_client *client, const char *path, bool own,
+                        const char *name, uint64_t deadline_ns)
 {
     int rc = open_socket(client, path, deadline_ns);
 
     if (rc != 0) {
         return rc;
     }
-    rc = say_hello(client, name, deadline_ns);
+    rc = own ? check_owner(client) : 0;
+    if (rc == 0) {
+        rc = say_hello(client, name, deadline_ns);
+    }
     if (rc != 0) {
         cli_rpc_close(client);
     }
@@ -274,7 +298,7 @@ static int retry_session(struct pccd_client *client, const char *path, const cha
         until_ns = deadline_ns;
     }
     do {
-        rc = open_session(client, path, name, deadline_ns);
+        rc = open_session(client, path, true, name, deadline_ns);
         if (!is_worth_retrying(rc)) {
             return rc;
         }
@@ -297,7 +321,7 @@ static int connect_user(struct pccd_client *client, const struct pccd_options *o
         return cli_fail(client, PCCD_E_LIMIT,
                         "$XDG_RUNTIME_DIR is too long for a socket's path");
     }
-    rc = open_session(client, path, options->name, deadline_ns);
+    rc = open_session(client, path, true, options->name, deadline_ns);
     for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(rc); start++) {
         int started;
 
@@ -329,7 +353,7 @@ static int connect_private(struct pccd_client *client, const struct pccd_options
     if (rc != 0) {
         return rc;
     }
-    return open_session(client, path, options->name, deadline_ns);
+    return open_session(client, path, true, options->name, deadline_ns);
 }
 
 static int connect_url(struct pccd_client *client, const char *url,
@@ -342,7 +366,7 @@ static int connect_url(struct pccd_client *client, const char *url,
         return cli_fail(client, PCCD_E_INVAL, "the path of \"%.200s\" is longer than %u",
                         url, CLI_SOCKET_BYTES - 1);
     }
-    return open_session(client, url + 5, options->name, deadline_ns);
+    return open_session(client, url + 5, false, options->name, deadline_ns);
 }
 
 static int connect_any(struct pccd_client *client, const struct pccd_options *asked)

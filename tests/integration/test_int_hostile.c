@@ -400,9 +400,9 @@ static uint32_t begin_long_step(void)
         x[i][1] = (float)prng_between(&prng, 0.0, 1.0);
         triangles[i / 3][i % 3] = i;
     }
-    assert_int_equal(
-        test_raw_mesh(&raw, x, 3 * SOUP, (const uint32_t(*)[3])triangles, SOUP, &add.mesh),
-        0);
+    assert_int_equal(test_raw_mesh(&raw, x, 3 * SOUP, (const uint32_t(*)[3])triangles,
+                                   SOUP, &add.mesh),
+                     0);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
                      0);
     add.scene = submit.scene = created.scene;

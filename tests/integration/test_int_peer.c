@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -33,6 +34,7 @@
 #define RING_BYTES   (4096u + 4u * 262144u) /* of what the library asks for first */
 #define RESULT_BYTES (4096u + 65536u)
 #define TIMEOUT_MS   400
+#define OTHER_USER   65534
 
 /* The false daemon's side of the connection. */
 struct false_daemon {
@@ -461,6 +463,53 @@ static void peer__that_stops_answering_bounds_what_is_begun(void **state)
     pccd_close(client);
 }
 
+/* Without a look at who listens, a user who puts a socket where another's daemon will be
+ * would be sent that user's meshes. */
+static void peer__of_another_user_is_not_spoken_to(void **state)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    char folder[80];
+    char byte;
+    int listener;
+    int accepted;
+
+    (void)state;
+    if (geteuid() != 0) {
+        skip(); /* nobody else may act as another user */
+    }
+    (void)snprintf(directory, sizeof(directory), "/tmp/pccd-test-XXXXXX");
+    assert_non_null(mkdtemp(directory));
+    (void)snprintf(folder, sizeof(folder), "%s/pccd", directory);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    (void)snprintf(socket_path, sizeof(socket_path), "%s/pccd/pccd.sock", directory);
+    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s", socket_path);
+    listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    assert_true(listener >= 0);
+    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof(address)),
+                     0);
+    assert_int_equal(seteuid(OTHER_USER), 0);
+    assert_int_equal(listen(listener, 4), 0);
+    assert_int_equal(seteuid(0), 0);
+
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", directory, 1), 0);
+    assert_int_equal(unsetenv("PCCD_URL"), 0);
+    pccd_options_init(&options);
+    options.timeout_ms = TIMEOUT_MS;
+    options.no_autostart = true;
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_SYSTEM);
+    assert_non_null(strstr(pccd_error_text(NULL), "user 65534"));
+    accepted = accept(listener, NULL, NULL);
+    assert_true(accepted >= 0);
+    assert_int_equal(recv(accepted, &byte, 1, 0), 0); /* closed without a word */
+    (void)close(accepted);
+    (void)close(listener);
+    (void)unlink(socket_path);
+    (void)rmdir(folder);
+    (void)rmdir(directory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -476,6 +525,7 @@ int main(void)
                                   stop_peer),
         cmocka_unit_test_teardown(peer__that_stops_answering_bounds_what_is_begun,
                                   stop_peer),
+        cmocka_unit_test(peer__of_another_user_is_not_spoken_to),
     };
 
     return cmocka_run_group_tests_name("peer", tests, NULL, NULL);
