@@ -6,6 +6,8 @@ libengine_la_SOURCES = \
     daemon/engine/aabb.h \
     daemon/engine/answer.c \
     daemon/engine/answer.h \
+    daemon/engine/assignment.c \
+    daemon/engine/assignment.h \
     daemon/engine/build.c \
     daemon/engine/build.h \
     daemon/engine/clock.h \
@@ -50,6 +52,7 @@ libengine_la_SOURCES = \
     daemon/engine/scene.c \
     daemon/engine/scene.h \
     daemon/engine/schedule.h \
+    daemon/engine/schedule_paper.c \
     daemon/engine/schedule_serial.c \
     daemon/engine/schedule_steal.c \
     daemon/engine/solve.c \

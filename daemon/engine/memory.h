@@ -1,8 +1,8 @@
 /* memory.h - the engine's allocations, counted.
  *
  * Room:     engine. May include: the C library.
- * Does:     malloc, realloc and free of 128-byte aligned blocks, with process-wide counts,
- *           so that "a warm step allocates nothing" is a number in `stats`.
+ * Does:     malloc, realloc and free of 128-byte aligned blocks, with process-wide
+ *           counts, so that "a warm step allocates nothing" is a number in `stats`.
  * Threads:  [any].
  */
 #ifndef ENG_MEMORY_H
@@ -11,8 +11,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* `count` items of `bytes` each, aligned to 128 bytes (two cache lines, which are fetched in
- * pairs), not cleared. NULL: no memory, also when count * bytes overflows. */
+/* `count` items of `bytes` each, aligned to 128 bytes (two cache lines, which are fetched
+ * in pairs), not cleared. NULL: no memory, also when count * bytes overflows. */
 void *eng_alloc(size_t count, size_t bytes);
 
 /* Grow or shrink; the first min(old, new) bytes are kept. NULL: the old block stays. */

@@ -24,4 +24,10 @@ void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker);
 /* Before the region: hand the root to the first worker. */
 void eng_schedule_steal_begin(struct eng_team *team);
 
+/* The paper's dynamic assignment, then its high-level nodes. */
+void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker);
+
+/* Inside the region, by one thread: choose low-level and high-level nodes. */
+void eng_schedule_paper_begin(struct eng_team *team);
+
 #endif

@@ -31,7 +31,9 @@ static bool settings_are_valid(const struct eng_step_settings *settings)
     return settings->mode >= ENG_MODE_ALL && settings->mode <= ENG_MODE_PAIRS &&
            settings->method >= ENG_METHOD_DEFAULT &&
            settings->method <= ENG_METHOD_PAPER && settings->threads >= 1 &&
-           settings->tolerance >= 1e-12 && settings->tolerance <= 1;
+           settings->scheduler >= ENG_SCHEDULER_STEAL &&
+           settings->scheduler <= ENG_SCHEDULER_PAPER && settings->tolerance >= 1e-12 &&
+           settings->tolerance <= 1;
 }
 
 static uint32_t threads_for(const struct eng_scene *scene,
@@ -54,12 +56,16 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     team->workers = memory->workers;
     team->count = threads_for(scene, settings);
     team->plan = &memory->plan;
+    team->assignment = &memory->assignment;
     atomic_init(&team->next_subtree, 0);
     if (status == ENG_OK) {
         status = eng_step_memory_reserve(memory, team->count);
     }
     if (status == ENG_OK) {
         status = eng_refit_plan(&memory->plan, scene, SUBTREES_PER_THREAD * team->count);
+    }
+    if (status == ENG_OK && settings->scheduler == ENG_SCHEDULER_PAPER) {
+        status = eng_assignment_reserve(&memory->assignment, team->count);
     }
     eng_pool_reset(&memory->pool, team->count);
     for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
@@ -88,19 +94,28 @@ static void run_together(struct eng_team *team, struct eng_step_result *result)
 {
     uint64_t begin_ns = eng_now_ns();
     uint64_t refit_ns = 0;
+    bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
 #pragma omp parallel num_threads((int)team->count)
     {
 #pragma omp single
         {
             team->count = (uint32_t)omp_get_num_threads();
-            eng_schedule_steal_begin(team);
+            if (by_paper) {
+                eng_schedule_paper_begin(team);
+            } else {
+                eng_schedule_steal_begin(team);
+            }
         }
         eng_refit_by_team(team);
         uint32_t thread = (uint32_t)omp_get_thread_num();
         if (thread == 0) {
             refit_ns = eng_now_ns();
         }
-        eng_schedule_steal(team, team->workers[thread]);
+        if (by_paper) {
+            eng_schedule_paper(team, team->workers[thread]);
+        } else {
+            eng_schedule_steal(team, team->workers[thread]);
+        }
     }
     result->times.refit = refit_ns - begin_ns;
 }

@@ -21,6 +21,11 @@ enum eng_mode {
     ENG_MODE_PAIRS = 3
 };
 enum eng_method { ENG_METHOD_DEFAULT = 0, ENG_METHOD_PAPER = 1 };
+/* Who performs which task unit. The answer does not depend on it. */
+enum eng_scheduler {
+    ENG_SCHEDULER_STEAL = 0, /* work stealing over task units and pairs */
+    ENG_SCHEDULER_PAPER = 1  /* dynamic assignment and high-level nodes (sections 4, 5) */
+};
 enum eng_kind { ENG_VF = 0, ENG_EE = 1 };
 enum eng_verdict {
     ENG_VERDICT_NO = 0,
@@ -68,11 +73,13 @@ struct eng_step_settings {
     uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0 = none */
     const atomic_bool *cancel; /* set by any thread to stop the step; may be NULL */
     uint64_t contact_max; /* records kept at most; beyond it the answer is incomplete */
+    enum eng_scheduler scheduler; /* of steps by more than one thread */
 };
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
-        ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20                    \
+        ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                   \
+            ENG_SCHEDULER_STEAL                                                          \
     }
 
 struct eng_step_counters {

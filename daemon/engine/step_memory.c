@@ -16,6 +16,7 @@ struct eng_step_memory *eng_step_memory_new(void)
     if (memory) {
         memset(memory, 0, sizeof *memory);
         eng_pool_init(&memory->pool);
+        eng_assignment_init(&memory->assignment);
     }
     return memory;
 }
@@ -30,6 +31,7 @@ void eng_step_memory_free(struct eng_step_memory *memory)
         eng_free(memory->workers[i]);
     }
     eng_refit_plan_deinit(&memory->plan);
+    eng_assignment_deinit(&memory->assignment);
     eng_pool_deinit(&memory->pool);
     eng_sorter_deinit(&memory->sorter);
     eng_records_deinit(&memory->sorted);

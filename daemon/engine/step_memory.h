@@ -11,12 +11,11 @@
 #include "refit.h"
 #include "worker.h"
 
-#define ENG_THREADS_MAX 256u
-
 struct eng_step_memory {
     struct eng_worker *workers[ENG_THREADS_MAX]; /* made when first needed */
     uint32_t worker_count;
     struct eng_refit_plan plan;
+    struct eng_assignment assignment;
     struct eng_pool pool; /* of the workers' records */
     struct eng_sorter sorter;
     struct eng_records sorted; /* the last answer */

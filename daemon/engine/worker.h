@@ -16,6 +16,8 @@
 #include "result.h"
 #include "world.h"
 
+#define ENG_THREADS_MAX 256u /* of one step */
+
 /* Candidates of one kind on their way from traversal to tests: 8 KiB, so that a chunk and
  * what its queries touch stay in the cache. Global indices; VF: vertex and triangle, EE:
  * two edges, the one that records name first in front. */
