@@ -7,6 +7,7 @@
  */
 #include "log.h"
 
+#include <poll.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -76,6 +77,11 @@ void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
         }
     }
     line[length] = '\n'; /* over the terminating NUL */
-    ssize_t ignored = write(STDERR_FILENO, line, length + 1);
-    (void)ignored; /* nobody is left to tell */
+    /* A pipe that nobody reads must not stop the daemon. One with room has it for at
+     * least PIPE_BUF bytes, enough for a line of each of the two threads. */
+    struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
+    if (poll(&out, 1, 0) > 0) {
+        ssize_t ignored = write(STDERR_FILENO, line, length + 1);
+        (void)ignored; /* nobody is left to tell */
+    }
 }

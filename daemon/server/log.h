@@ -2,7 +2,8 @@
  *
  * Room:     server. May include: the C library.
  * Does:     one line to stderr per event: ISO time, level, session, text.
- * Does not: rotate, buffer or filter by anything but the level.
+ * Does not: rotate, buffer or filter by anything but the level, or wait: what stderr has
+ *           no room for is lost.
  * Threads:  [any]; a line is one write, so lines never mix.
  */
 #ifndef SRV_LOG_H

@@ -4,9 +4,13 @@ SERVER_TEST_CPPFLAGS = $(server_cppflags) $(CMOCKA_CFLAGS)
 SERVER_TEST_LDADD = libserver.la libengine.la libproto.la $(UV_LIBS) $(CMOCKA_LIBS)
 
 check_PROGRAMS += tests/unit/test_srv_region tests/unit/test_srv_handles \
-    tests/unit/test_srv_quota tests/unit/test_srv_compute
+    tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_log
 TESTS += tests/unit/test_srv_region tests/unit/test_srv_handles \
-    tests/unit/test_srv_quota tests/unit/test_srv_compute
+    tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_log
+
+tests_unit_test_srv_log_SOURCES = tests/unit/test_srv_log.c
+tests_unit_test_srv_log_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
+tests_unit_test_srv_log_LDADD = $(SERVER_TEST_LDADD)
 
 tests_unit_test_srv_region_SOURCES = tests/unit/test_srv_region.c
 tests_unit_test_srv_region_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)

@@ -1,0 +1,70 @@
+/* test_srv_log.c - what the daemon says about itself.
+ *
+ * Room:     tests; sees daemon/server/log.h.
+ * Does:     lines into a pipe that is read late or never.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "log.h"
+
+#define LINES     2000 /* more than a pipe holds */
+#define TEXT      "a line of some length, so that they are soon too many for the pipe"
+#define PATIENCE  20 /* seconds, until a log that waits is ended by SIGALRM */
+#define PIPE_READ (1u << 20)
+
+/* A daemon whose messages go to a program that has stopped reading would stop with it. */
+static void log__does_not_wait_for_a_reader(void **state)
+{
+    static char text[PIPE_READ];
+    size_t length = 0;
+    int status = 0;
+    int fds[2];
+    (void)state;
+    assert_int_equal(pipe(fds), 0);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        alarm(PATIENCE);
+        if (dup2(fds[1], STDERR_FILENO) != STDERR_FILENO) {
+            _exit(1);
+        }
+        for (uint64_t line = 1; line <= LINES; line++) {
+            srv_log(SRV_LOG_ERROR, line, TEXT);
+        }
+        _exit(0);
+    }
+    close(fds[1]);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+
+    for (ssize_t got; length < sizeof text &&
+                      (got = read(fds[0], text + length, sizeof text - length)) > 0;) {
+        length += (size_t)got;
+    }
+    close(fds[0]);
+    assert_true(length > 0);
+    for (size_t at = 0; at < length;) { /* what arrived are whole lines */
+        const char *end = memchr(text + at, '\n', length - at);
+        assert_non_null(end);
+        size_t bytes = (size_t)(end - text) - at;
+        assert_true(bytes > strlen(TEXT));
+        assert_memory_equal(end - strlen(TEXT), TEXT, strlen(TEXT));
+        at += bytes + 1;
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(log__does_not_wait_for_a_reader),
+    };
+    return cmocka_run_group_tests_name("srv_log", tests, NULL, NULL);
+}
