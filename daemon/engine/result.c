@@ -165,6 +165,9 @@ int eng_records_sort(struct eng_sorter *sorter, struct eng_found *const *lists,
     }
     out->record_bytes = lists[0]->record_bytes;
     out->count = 0;
+    if (total == 0) {
+        return ENG_OK; /* out->data may be NULL, which has no places to write to */
+    }
     int status = reserve_sorter(sorter, total);
     if (status == ENG_OK) {
         status = reserve(out, total);

@@ -75,7 +75,7 @@ struct eng_worker {
     struct eng_stop *stop;
     uint32_t thread;        /* place in the team */
     double time_bound;      /* the shared one as last seen */
-    float box_bound;        /* the same, rounded up */
+    float box_bound;        /* the same and the tolerance, rounded up */
     struct eng_deque deque; /* work stealing: tasks that others may take */
     struct eng_task_queue units;
     struct eng_pair_queue pairs;

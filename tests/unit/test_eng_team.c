@@ -199,12 +199,78 @@ static void team__early_ends_end_every_thread(void **state)
     }
 }
 
+/* Small triangles fall on large ones. Every other pair is fast, and its time is bracketed
+ * closely; the slow ones meet later, but with a wide tolerance may have begun at once. */
+#define PAIRS 600u
+
+static void fill_pairs(double (*x0)[3], double (*x1)[3], uint32_t (*triangles)[3])
+{
+    const double corners[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    struct kit_random random = {98};
+    for (uint32_t v = 0; v < 6 * PAIRS; v++) {
+        uint32_t pair = v / 6;
+        bool falls = v % 6 >= 3;
+        double height = pair % 2 ? 0x1p-10 : 1;
+        double first = kit_between(&random, 0.25, 0.875);
+        x0[v][0] = 3 * (pair % 30) + (falls ? 0.125 : 0) +
+                   corners[v % 3][0] * (falls ? 0.5 : 1);
+        x0[v][1] = 3 * (pair / 30) + (falls ? 0.125 : 0) +
+                   corners[v % 3][1] * (falls ? 0.5 : 1);
+        x0[v][2] = falls ? height * first : 0;
+        memcpy(x1[v], x0[v], sizeof x1[v]);
+        x1[v][2] = falls ? height * (first - 1) : 0;
+        triangles[v / 3][v % 3] = v;
+    }
+}
+
+/* If it failed: which contacts mode first gives would depend on how soon the earliest was
+ * met, so on the number of threads. */
+static void team__first_is_what_all_says_it_is(void **state)
+{
+    static double x0[6 * PAIRS][3];
+    static double x1[6 * PAIRS][3];
+    static uint32_t triangles[2 * PAIRS][3];
+    struct fixture *f = *state;
+    uint32_t pairs;
+    fill_pairs(x0, x1, triangles);
+    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x0, 6 * PAIRS,
+                                     (const uint32_t(*)[3])triangles, 2 * PAIRS);
+    assert_int_equal(eng_scene_remove(f->scene, f->soup), ENG_OK);
+    assert_int_equal(eng_scene_add(f->scene, mesh, 3, &pairs), ENG_OK);
+    eng_mesh_release(mesh);
+    uint64_t expected = 0;
+    for (int threads = 0; threads < 5; threads++) {
+        struct eng_step_settings settings =
+            alone_in(threads == 0 ? ENG_MODE_ALL : ENG_MODE_FIRST);
+        struct eng_step_result result;
+        settings.threads = threads == 0 ? 1 : (uint32_t)threads;
+        settings.tolerance = 1;
+        eng_stage_begin(f->scene);
+        assert_int_equal(
+            eng_stage_x0x1(f->scene, pairs, ENG_F64, 0, 6 * PAIRS, x0, x1), ENG_OK);
+        assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
+        const struct eng_contact *contacts = result.records;
+        double bound = 2;
+        for (uint64_t i = 0; i < result.count; i++) {
+            bound = contacts[i].toi_hi < bound ? contacts[i].toi_hi : bound;
+        }
+        uint64_t early = 0;
+        for (uint64_t i = 0; i < result.count; i++) {
+            early += contacts[i].toi <= bound;
+        }
+        expected = threads == 0 ? early : expected;
+        assert_true(bound < 0.5 && expected > PAIRS / 4);
+        assert_int_equal(early, expected);
+    }
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(team__same_records_for_any_number_of_threads),
+        TEST(team__first_is_what_all_says_it_is),
         TEST(team__same_work_for_any_number_of_threads),
         TEST(team__refit_gives_the_same_boxes),
         TEST(team__warm_steps_allocate_nothing),
