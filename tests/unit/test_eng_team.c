@@ -212,10 +212,10 @@ static void fill_pairs(double (*x0)[3], double (*x1)[3], uint32_t (*triangles)[3
         bool falls = v % 6 >= 3;
         double height = pair % 2 ? 0x1p-10 : 1;
         double first = kit_between(&random, 0.25, 0.875);
-        x0[v][0] = 3 * (pair % 30) + (falls ? 0.125 : 0) +
-                   corners[v % 3][0] * (falls ? 0.5 : 1);
-        x0[v][1] = 3 * (pair / 30) + (falls ? 0.125 : 0) +
-                   corners[v % 3][1] * (falls ? 0.5 : 1);
+        x0[v][0] =
+            3 * (pair % 30) + (falls ? 0.125 : 0) + corners[v % 3][0] * (falls ? 0.5 : 1);
+        x0[v][1] =
+            3 * (pair / 30) + (falls ? 0.125 : 0) + corners[v % 3][1] * (falls ? 0.5 : 1);
         x0[v][2] = falls ? height * first : 0;
         memcpy(x1[v], x0[v], sizeof x1[v]);
         x1[v][2] = falls ? height * (first - 1) : 0;
@@ -246,8 +246,8 @@ static void team__first_is_what_all_says_it_is(void **state)
         settings.threads = threads == 0 ? 1 : (uint32_t)threads;
         settings.tolerance = 1;
         eng_stage_begin(f->scene);
-        assert_int_equal(
-            eng_stage_x0x1(f->scene, pairs, ENG_F64, 0, 6 * PAIRS, x0, x1), ENG_OK);
+        assert_int_equal(eng_stage_x0x1(f->scene, pairs, ENG_F64, 0, 6 * PAIRS, x0, x1),
+                         ENG_OK);
         assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
         const struct eng_contact *contacts = result.records;
         double bound = 2;
