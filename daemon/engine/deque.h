@@ -16,8 +16,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Capacity, a power of two. A full deque is no error: the owner works on the
- * task itself. */
+/* Capacity, a power of two. */
 #define ENG_DEQUE_MAX 1024u
 
 struct eng_deque {

@@ -41,7 +41,8 @@ struct search {
     struct eng_exact *exact;
     struct eng_moment moment[2]; /* at t = 0 and 1, once known */
     bool moment_known[2];
-    double f_start; /* cubic at t = 0, for the normal's side */
+    uint32_t empty_count; /* spans that exact arithmetic found empty */
+    double f_start;       /* cubic at t = 0, for the normal's side */
     struct span spans[SPANS_MAX];
     uint32_t span_count;
 };
@@ -106,7 +107,7 @@ static int sign_at(struct search *search, double t, double f)
     return 0;
 }
 
-static void set_hit(const struct search *search, double l, double r, uint32_t flags,
+static void set_hit(struct search *search, double l, double r, uint32_t flags,
                     struct eng_hit *hit)
 {
     hit->flags = flags;
@@ -114,6 +115,11 @@ static void set_hit(const struct search *search, double l, double r, uint32_t fl
     hit->toi_hi = r;
     double beta;
     double gamma;
+    if (fabs(search->f_start) <= search->motion.e_det) {
+        /* Coplanar at the start up to rounding, as after a projection onto a surface: the
+         * side that the normal names is known exactly only. */
+        search->f_start = moment_at(search, 0)->side;
+    }
     eng_motion_describe(&search->motion, 0.5 * (l + r), search->f_start, &beta, &gamma,
                         hit->normal);
     eng_rebase_params(search->query.kind, search->base, beta, gamma, hit->param);
@@ -127,6 +133,12 @@ static enum look decide_exactly(struct search *search, struct span span,
                                 struct eng_hit *hit)
 {
     if (!eng_exact_meets(search->exact, &search->query, span.l, span.r)) {
+        /* Features that stay coplanar up to rounding would be asked about span after
+         * span; one answer about the rest of the step settles most of them. */
+        if (++search->empty_count == 2 && span.r < 1 &&
+            !eng_exact_meets(search->exact, &search->query, span.r, 1)) {
+            search->span_count = 0;
+        }
         return LOOK_EMPTY;
     }
     while (span.r - span.l > search->tolerance) {
@@ -225,6 +237,7 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
     search.exact = exact;
     search.moment_known[0] = false;
     search.moment_known[1] = false;
+    search.empty_count = 0;
     search.span_count = 0;
     eng_motion_init(&search.motion, &search.query);
     if (touches_at_start(&search)) {

@@ -12,6 +12,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "vec.h"
+
 #define ULP 0x1p-52
 
 static const double corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -368,6 +370,48 @@ static void solve__end_time_decides_whether_not_what(void **state)
     }
 }
 
+/* If it failed: a vertex projected onto a surface in the last step, and so coplanar with it
+ * up to rounding, would be pushed out on the wrong side. */
+static void solve__normal_names_the_exact_side_at_the_start(void **state)
+{
+    (void)state;
+    struct kit_random random = {311};
+    uint32_t looked_at = 0;
+    for (int i = 0; i < 3000; i++) {
+        struct eng_query query = {.kind = ENG_VF};
+        double b[3];
+        double c[3];
+        double n[3];
+        for (int k = 0; k < 9; k++) {
+            double x = kit_between(&random, -1, 1);
+            query.x[0][1 + k / 3][k % 3] = x;
+            query.x[1][1 + k / 3][k % 3] = x;
+        }
+        eng_sub(b, query.x[0][2], query.x[0][1]);
+        eng_sub(c, query.x[0][3], query.x[0][1]);
+        eng_cross(n, b, c);
+        for (int k = 0; k < 3; k++) {
+            query.x[0][0][k] = query.x[0][1][k] + 0.3 * b[k] + 0.3 * c[k];
+        }
+        int side = eng_exact_moment(case_exact(), &query, 0).side;
+        for (int k = 0; k < 3; k++) {
+            query.x[1][0][k] = query.x[0][0][k] - side * n[k];
+        }
+        struct eng_hit hit;
+        if (side == 0) {
+            continue;
+        }
+        assert_true(eng_solve(&query, 1e-6, 1, case_exact(), &hit));
+        double along = 0;
+        for (int k = 0; k < 3; k++) {
+            along += (double)hit.normal[k] * n[k];
+        }
+        assert_true(along * side > 0);
+        looked_at++;
+    }
+    assert_true(looked_at > 1000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -384,6 +428,7 @@ int main(void)
         cmocka_unit_test(solve__planted_contacts_are_never_missed_nor_late),
         cmocka_unit_test(solve__answers_agree_from_every_side),
         cmocka_unit_test(solve__end_time_decides_whether_not_what),
+        cmocka_unit_test(solve__normal_names_the_exact_side_at_the_start),
     };
     int status = cmocka_run_group_tests_name("eng_solve", tests, NULL, NULL);
     eng_exact_deinit(case_exact());
