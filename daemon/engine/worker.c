@@ -113,8 +113,7 @@ static void look_at_bound(struct eng_worker *worker)
     if (bound < worker->time_bound) {
         worker->time_bound = bound;
         /* A record kept for its toi may begin up to a tolerance later, so the boxes must
-         * let it through however soon the bound was known; beyond 1 they are not asked.
-         * */
+         * let it through however soon the bound was known. */
         worker->box_bound = eng_round_up(bound + worker->settings->tolerance);
     }
 }
