@@ -370,8 +370,8 @@ static void solve__end_time_decides_whether_not_what(void **state)
     }
 }
 
-/* If it failed: a vertex projected onto a surface in the last step, and so coplanar with it
- * up to rounding, would be pushed out on the wrong side. */
+/* If it failed: a vertex projected onto a surface in the last step, and so coplanar with
+ * it up to rounding, would be pushed out on the wrong side. */
 static void solve__normal_names_the_exact_side_at_the_start(void **state)
 {
     (void)state;
