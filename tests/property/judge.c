@@ -415,7 +415,8 @@ void judge_check_first(const struct judge *judge, const struct eng_step_result *
             at++;
         }
     }
-    must(judge, at == result->count, "mode first: a record too many", &contacts[at]);
+    must(judge, at == result->count, "mode first: a record too many",
+         at < result->count ? &contacts[at] : NULL);
     check_counts(judge, result);
 }
 

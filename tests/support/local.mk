@@ -21,3 +21,6 @@ EXTRA_DIST += tests/support/cmocka.sh
 
 # Sourced by the test scripts.
 EXTRA_DIST += tests/support/tap.sh
+
+# What the leak sanitizer is told not to mind.
+EXTRA_DIST += tests/support/lsan.supp
