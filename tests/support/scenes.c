@@ -298,14 +298,21 @@ static void make_slivers(struct scenes_mesh *mesh, uint32_t count, struct prng *
     jitter(mesh, prng, 1);
 }
 
+/* The nearest float if asked. Through memory, because gcc 12 at -O3 was seen to drop the
+ * conversion here (not with -fno-tree-partial-pre). */
+static double rounded(bool is_f32, double x)
+{
+    volatile float nearest = (float)x;
+    return is_f32 ? (double)nearest : x;
+}
+
 /* x -> factor x + offset, then to float if asked. Lattices stay lattices with 1 and 0. */
 static void finish(struct scenes_mesh *mesh, double factor, double offset)
 {
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         for (int k = 0; k < 6; k++) {
             double *x = k < 3 ? &mesh->x0[i][k] : &mesh->x1[i][k - 3];
-            *x = factor * *x + offset;
-            *x = mesh->is_f32 ? (double)(float)*x : *x;
+            *x = rounded(mesh->is_f32, factor * *x + offset);
         }
     }
 }
@@ -379,7 +386,7 @@ void scenes_move_on(struct scenes_mesh *mesh, enum scenes_kind kind, struct prng
                 }
             }
             double x = mesh->x0[i][k] + factor * move;
-            mesh->x1[i][k] = mesh->is_f32 ? (double)(float)x : x;
+            mesh->x1[i][k] = rounded(mesh->is_f32, x);
         }
     }
 }
