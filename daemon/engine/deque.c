@@ -69,9 +69,3 @@ bool eng_deque_steal(struct eng_deque *deque, uint64_t *task)
     return atomic_compare_exchange_strong_explicit(
         &deque->top, &top, top + 1, memory_order_seq_cst, memory_order_relaxed);
 }
-
-int64_t eng_deque_count(struct eng_deque *deque)
-{
-    return atomic_load_explicit(&deque->bottom, memory_order_relaxed) -
-           atomic_load_explicit(&deque->top, memory_order_relaxed);
-}

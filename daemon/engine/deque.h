@@ -36,8 +36,4 @@ bool eng_deque_pop(struct eng_deque *deque, uint64_t *task);
 /* The oldest task; false: empty, or another thread was faster. */
 bool eng_deque_steal(struct eng_deque *deque, uint64_t *task);
 
-/* Tasks in it, as the owner sees them; a lower bound of what it pushed and
- * nobody took. */
-int64_t eng_deque_count(struct eng_deque *deque);
-
 #endif

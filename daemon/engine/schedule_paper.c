@@ -237,7 +237,6 @@ static void perform_low(struct eng_team *team, struct eng_worker *worker)
         perform_units(assignment, seat, worker);
         worker->busy_ns += eng_now_ns() - begin_ns;
         has_work = find_work(team, seat, worker->thread, &node);
-        worker->steals += has_work;
     }
 }
 

@@ -106,13 +106,11 @@ static void perform(struct eng_team *team, struct eng_worker *worker, uint64_t t
 }
 
 /* One round over the other workers, starting behind the own place. */
-static bool steal(struct eng_team *team, struct eng_worker *worker, uint32_t thread,
-                  uint64_t *task)
+static bool steal(struct eng_team *team, uint32_t thread, uint64_t *task)
 {
     for (uint32_t i = 1; i < team->count; i++) {
         struct eng_worker *victim = team->workers[(thread + i) % team->count];
         if (eng_deque_steal(&victim->deque, task)) {
-            worker->steals++;
             return true;
         }
     }
@@ -132,7 +130,7 @@ void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
             continue;
         }
         uint64_t search_ns = eng_now_ns();
-        bool found = steal(team, worker, thread, &task);
+        bool found = steal(team, thread, &task);
         idle_ns += eng_now_ns() - search_ns;
         if (found) {
             failed_rounds = 0;

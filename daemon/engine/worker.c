@@ -71,7 +71,6 @@ int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
     worker->proved_seen = 0;
     worker->tests_ns = 0;
     worker->busy_ns = 0;
-    worker->steals = 0;
     memset(&worker->counters, 0, sizeof worker->counters);
     eng_found_begin(&worker->found, pool,
                     settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)

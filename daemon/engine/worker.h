@@ -88,7 +88,6 @@ struct eng_worker {
     uint64_t proved_seen;
     uint64_t tests_ns;
     uint64_t busy_ns; /* in traversal and tests, without waiting for work */
-    uint64_t steals;
 };
 
 void eng_worker_init(struct eng_worker *worker);

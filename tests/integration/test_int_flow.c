@@ -16,45 +16,9 @@
 
 #include <cmocka.h>
 
-#include "crossing.h"
-#include "daemon.h"
+#include "fixture.h"
 #include "grid.h"
 #include "pccd.h"
-
-static struct test_daemon shared;
-
-static int start_shared(void **state)
-{
-    (void)state;
-    return test_daemon_start(&shared, NULL) ? 0 : -1;
-}
-
-static int stop_shared(void **state)
-{
-    (void)state;
-    return test_daemon_finish(&shared) ? 0 : -1;
-}
-
-/* Every test has a client and the smallest scene of its own. */
-static int make_crossing(void **state)
-{
-    struct test_crossing *crossing = calloc(1, sizeof(*crossing));
-    struct pccd_client *client = test_connect(shared.url);
-
-    *state = crossing;
-    return crossing != NULL && client != NULL && test_crossing_make(client, crossing) == 0
-               ? 0
-               : -1;
-}
-
-static int close_crossing(void **state)
-{
-    struct test_crossing *crossing = *state;
-
-    pccd_close(crossing->client);
-    free(crossing);
-    return 0;
-}
 
 /* Submit a turn of the smallest scene without waiting. */
 static uint64_t submit_turn(struct test_crossing *crossing)
@@ -85,7 +49,7 @@ static void flow__answers_can_be_taken_and_released_in_any_order(void **state)
 
     (void)state;
     pccd_options_init(&options);
-    options.url = shared.url;
+    options.url = test_shared.url;
     options.result_bytes = 65536; /* 4 * 192 bytes a round: goes round every 85 rounds */
     assert_int_equal(pccd_connect(&options, &client), 0);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
@@ -281,7 +245,7 @@ static void flow__pages_add_up_to_the_whole_answer(void **state)
     uint64_t step = 0;
 
     pccd_options_init(&options);
-    options.url = shared.url;
+    options.url = test_shared.url;
     options.result_bytes = 65536;
     assert_int_equal(pccd_connect(&options, &small), 0);
     assert_int_equal(test_grid_make(small, 60, &grids[0]), 0);
@@ -338,7 +302,7 @@ static void flow__full_region_is_said_and_held_pages_stay(void **state)
     uint64_t step = 0;
 
     pccd_options_init(&options);
-    options.url = shared.url;
+    options.url = test_shared.url;
     options.result_bytes = 65536;
     assert_int_equal(pccd_connect(&options, &small), 0);
     assert_int_equal(test_grid_make(small, 60, &grid), 0);
@@ -514,7 +478,7 @@ static void flow__warm_steps_build_and_allocate_nothing(void **state)
 }
 
 #define FLOW_TEST(name)                                                                  \
-    cmocka_unit_test_setup_teardown(name, make_crossing, close_crossing)
+    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
 
 int main(void)
 {
@@ -532,5 +496,6 @@ int main(void)
         FLOW_TEST(flow__warm_steps_build_and_allocate_nothing),
     };
 
-    return cmocka_run_group_tests_name("flow", tests, start_shared, stop_shared);
+    return cmocka_run_group_tests_name("flow", tests, test_shared_start,
+                                       test_shared_stop);
 }

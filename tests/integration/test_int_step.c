@@ -14,45 +14,9 @@
 
 #include <cmocka.h>
 
-#include "crossing.h"
-#include "daemon.h"
+#include "fixture.h"
 #include "grid.h"
 #include "pccd.h"
-
-static struct test_daemon shared;
-
-static int start_shared(void **state)
-{
-    (void)state;
-    return test_daemon_start(&shared, NULL) ? 0 : -1;
-}
-
-static int stop_shared(void **state)
-{
-    (void)state;
-    return test_daemon_finish(&shared) ? 0 : -1;
-}
-
-/* Every test has a client and the smallest scene of its own. */
-static int make_crossing(void **state)
-{
-    struct test_crossing *crossing = calloc(1, sizeof(*crossing));
-    struct pccd_client *client = test_connect(shared.url);
-
-    *state = crossing;
-    return crossing != NULL && client != NULL && test_crossing_make(client, crossing) == 0
-               ? 0
-               : -1;
-}
-
-static int close_crossing(void **state)
-{
-    struct test_crossing *crossing = *state;
-
-    pccd_close(crossing->client);
-    free(crossing);
-    return 0;
-}
 
 /* A whole step of one object with x1 positions; asserts that it succeeds. */
 static void step_x1(struct test_crossing *crossing, uint32_t object, const float (*x1)[3],
@@ -112,7 +76,7 @@ static void mesh__larger_than_a_slot_arrives_whole(void **state)
     uint32_t edge_count = 3 * 89 * 89 + 2 * 89; /* of a grid of 90 x 90 vertices */
 
     pccd_options_init(&options);
-    options.url = shared.url;
+    options.url = test_shared.url;
     options.slot_bytes = 4096;
     options.slot_count = 3;
     options.result_bytes = 65536;
@@ -536,7 +500,7 @@ static void step__threads_do_not_change_the_hash(void **state)
 }
 
 #define STEP_TEST(name)                                                                  \
-    cmocka_unit_test_setup_teardown(name, make_crossing, close_crossing)
+    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
 
 int main(void)
 {
@@ -556,5 +520,6 @@ int main(void)
         STEP_TEST(step__threads_do_not_change_the_hash),
     };
 
-    return cmocka_run_group_tests_name("step", tests, start_shared, stop_shared);
+    return cmocka_run_group_tests_name("step", tests, test_shared_start,
+                                       test_shared_stop);
 }

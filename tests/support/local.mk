@@ -7,6 +7,8 @@ libtestdaemon_la_SOURCES = \
     tests/support/crossing.h \
     tests/support/daemon.c \
     tests/support/daemon.h \
+    tests/support/fixture.c \
+    tests/support/fixture.h \
     tests/support/grid.c \
     tests/support/grid.h \
     tests/support/raw.c \

@@ -1,0 +1,43 @@
+/* fixture.c - one daemon for all tests of a program, one client for each.
+ *
+ * Room:     tests/support.
+ * Does:     see fixture.h.
+ * Threads:  one test at a time.
+ */
+#include "fixture.h"
+
+#include <stdlib.h>
+
+struct test_daemon test_shared;
+
+int test_shared_start(void **state)
+{
+    (void)state;
+    return test_daemon_start(&test_shared, NULL) ? 0 : -1;
+}
+
+int test_shared_stop(void **state)
+{
+    (void)state;
+    return test_daemon_finish(&test_shared) ? 0 : -1;
+}
+
+int test_crossing_open(void **state)
+{
+    struct test_crossing *crossing = calloc(1, sizeof(*crossing));
+    struct pccd_client *client = test_connect(test_shared.url);
+
+    *state = crossing;
+    return crossing != NULL && client != NULL && test_crossing_make(client, crossing) == 0
+               ? 0
+               : -1;
+}
+
+int test_crossing_close(void **state)
+{
+    struct test_crossing *crossing = *state;
+
+    pccd_close(crossing->client);
+    free(crossing);
+    return 0;
+}

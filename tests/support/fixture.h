@@ -1,0 +1,24 @@
+/* fixture.h - one daemon for all tests of a program, one client for each.
+ *
+ * Room:     tests/support. May include: crossing.h, daemon.h.
+ * Does:     the set-up and tear-down functions of cmocka that several programs need.
+ * Threads:  one test at a time.
+ */
+#ifndef TEST_FIXTURE_H
+#define TEST_FIXTURE_H
+
+#include "crossing.h"
+#include "daemon.h"
+
+extern struct test_daemon test_shared;
+
+/* Of a group: start and stop the daemon. */
+int test_shared_start(void **state);
+int test_shared_stop(void **state);
+
+/* Of a test: a client of that daemon and the smallest scene of its own; *state is a
+ * struct test_crossing. */
+int test_crossing_open(void **state);
+int test_crossing_close(void **state);
+
+#endif
