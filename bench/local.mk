@@ -9,7 +9,7 @@ check_PROGRAMS += $(bench_names)
 
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
     -I$(top_srcdir)/bench
-bench_engine_cppflags = $(bench_cppflags) -I$(top_srcdir)/daemon/engine \
+bench_engine_cppflags = $(bench_cppflags) $(ENGINE_CPPFLAGS) \
     -I$(top_srcdir)/tests/support
 bench_engine_sources = \
     bench/report.c \

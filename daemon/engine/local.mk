@@ -1,84 +1,93 @@
 # daemon/engine/local.mk - pure computation: meshes, hierarchies, contacts.
 
+# The folders are one room: whoever may include one of its headers may include all.
+ENGINE_CPPFLAGS = \
+    -I$(top_srcdir)/daemon/engine \
+    -I$(top_srcdir)/daemon/engine/elementary \
+    -I$(top_srcdir)/daemon/engine/result \
+    -I$(top_srcdir)/daemon/engine/scene \
+    -I$(top_srcdir)/daemon/engine/schedule \
+    -I$(top_srcdir)/daemon/engine/tree
+
 noinst_LTLIBRARIES += libengine.la
 
 libengine_la_SOURCES = \
-    daemon/engine/aabb.h \
-    daemon/engine/answer.c \
-    daemon/engine/answer.h \
-    daemon/engine/assignment.c \
-    daemon/engine/assignment.h \
-    daemon/engine/build.c \
-    daemon/engine/build.h \
     daemon/engine/clock.h \
-    daemon/engine/closest.c \
-    daemon/engine/closest.h \
-    daemon/engine/deque.c \
-    daemon/engine/deque.h \
-    daemon/engine/direction.c \
-    daemon/engine/direction.h \
-    daemon/engine/exact.c \
-    daemon/engine/exact.h \
-    daemon/engine/exact_span.c \
-    daemon/engine/feature.c \
-    daemon/engine/feature.h \
-    daemon/engine/filter.c \
-    daemon/engine/filter.h \
-    daemon/engine/ingest.c \
-    daemon/engine/ingest.h \
-    daemon/engine/median.c \
-    daemon/engine/median.h \
+    daemon/engine/elementary/closest.c \
+    daemon/engine/elementary/closest.h \
+    daemon/engine/elementary/direction.c \
+    daemon/engine/elementary/direction.h \
+    daemon/engine/elementary/exact.c \
+    daemon/engine/elementary/exact.h \
+    daemon/engine/elementary/exact_span.c \
+    daemon/engine/elementary/filter.c \
+    daemon/engine/elementary/filter.h \
+    daemon/engine/elementary/motion.c \
+    daemon/engine/elementary/motion.h \
+    daemon/engine/elementary/poly.c \
+    daemon/engine/elementary/poly.h \
+    daemon/engine/elementary/query.h \
+    daemon/engine/elementary/rebase.c \
+    daemon/engine/elementary/rebase.h \
+    daemon/engine/elementary/solve.c \
+    daemon/engine/elementary/solve.h \
+    daemon/engine/elementary/test.c \
+    daemon/engine/elementary/test.h \
+    daemon/engine/elementary/vec.h \
     daemon/engine/memory.c \
     daemon/engine/memory.h \
-    daemon/engine/mesh.c \
-    daemon/engine/mesh.h \
-    daemon/engine/motion.c \
-    daemon/engine/motion.h \
-    daemon/engine/poly.c \
-    daemon/engine/poly.h \
-    daemon/engine/pool.c \
-    daemon/engine/pool.h \
-    daemon/engine/query.h \
-    daemon/engine/radix.c \
-    daemon/engine/radix.h \
-    daemon/engine/range.c \
-    daemon/engine/range.h \
-    daemon/engine/rebase.c \
-    daemon/engine/rebase.h \
-    daemon/engine/refit.c \
-    daemon/engine/refit.h \
-    daemon/engine/result.c \
-    daemon/engine/result.h \
-    daemon/engine/scene.c \
-    daemon/engine/scene.h \
-    daemon/engine/schedule.h \
-    daemon/engine/schedule_paper.c \
-    daemon/engine/schedule_serial.c \
-    daemon/engine/schedule_steal.c \
-    daemon/engine/solve.c \
-    daemon/engine/solve.h \
-    daemon/engine/stage.c \
-    daemon/engine/stage.h \
+    daemon/engine/result/answer.c \
+    daemon/engine/result/answer.h \
+    daemon/engine/result/pool.c \
+    daemon/engine/result/pool.h \
+    daemon/engine/result/radix.c \
+    daemon/engine/result/radix.h \
+    daemon/engine/result/result.c \
+    daemon/engine/result/result.h \
+    daemon/engine/scene/feature.c \
+    daemon/engine/scene/feature.h \
+    daemon/engine/scene/ingest.c \
+    daemon/engine/scene/ingest.h \
+    daemon/engine/scene/mesh.c \
+    daemon/engine/scene/mesh.h \
+    daemon/engine/scene/range.c \
+    daemon/engine/scene/range.h \
+    daemon/engine/scene/scene.c \
+    daemon/engine/scene/scene.h \
+    daemon/engine/scene/stage.c \
+    daemon/engine/scene/stage.h \
+    daemon/engine/scene/topology.h \
+    daemon/engine/scene/world.c \
+    daemon/engine/scene/world.h \
+    daemon/engine/schedule/assignment.c \
+    daemon/engine/schedule/assignment.h \
+    daemon/engine/schedule/deque.c \
+    daemon/engine/schedule/deque.h \
+    daemon/engine/schedule/schedule.h \
+    daemon/engine/schedule/schedule_paper.c \
+    daemon/engine/schedule/schedule_serial.c \
+    daemon/engine/schedule/schedule_steal.c \
+    daemon/engine/schedule/taskunit.c \
+    daemon/engine/schedule/taskunit.h \
+    daemon/engine/schedule/team.h \
+    daemon/engine/schedule/worker.c \
+    daemon/engine/schedule/worker.h \
     daemon/engine/status.h \
     daemon/engine/step.c \
     daemon/engine/step.h \
     daemon/engine/step_memory.c \
     daemon/engine/step_memory.h \
-    daemon/engine/taskunit.c \
-    daemon/engine/taskunit.h \
-    daemon/engine/team.h \
-    daemon/engine/test.c \
-    daemon/engine/test.h \
-    daemon/engine/topology.h \
-    daemon/engine/vec.h \
-    daemon/engine/worker.c \
-    daemon/engine/worker.h \
-    daemon/engine/world.c \
-    daemon/engine/world.h
-libengine_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine
+    daemon/engine/tree/aabb.h \
+    daemon/engine/tree/build.c \
+    daemon/engine/tree/build.h \
+    daemon/engine/tree/median.c \
+    daemon/engine/tree/median.h \
+    daemon/engine/tree/refit.c \
+    daemon/engine/tree/refit.h
+libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.
 libengine_la_LDFLAGS = $(OPENMP_CFLAGS)
 libengine_la_LIBADD = $(XXHASH_LIBS) $(GMP_LIBS) $(LIBM)
 
-EXTRA_DIST += daemon/engine/BOUNDS.md
+EXTRA_DIST += daemon/engine/elementary/BOUNDS.md

@@ -1,4 +1,4 @@
-/* memory.h - the engine's allocations, counted.
+/* daemon/engine/memory.h - the engine's allocations, counted.
  *
  * Room:     engine. May include: the C library.
  * Does:     malloc, realloc and free of 128-byte aligned blocks, with process-wide

@@ -1,4 +1,4 @@
-/* status.h - how the engine's functions fail.
+/* daemon/engine/status.h - how the engine's functions fail.
  *
  * Room:     engine. May include: nothing.
  * Does:     the engine's own status values; the server maps them to the wire's.

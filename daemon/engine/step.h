@@ -1,4 +1,4 @@
-/* step.h - one step of a scene: the only computation the server asks for.
+/* daemon/engine/step.h - one step of a scene: the only computation the server asks for.
  *
  * Room:     engine. May include: scene.h.
  * Does:     refit, traverse, filter, solve, sort, hash; counts and times each phase.

@@ -28,7 +28,7 @@ libserver_la_SOURCES = \
     daemon/server/wire.c daemon/server/wire.h
 # -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.
 server_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/server \
-    -iquote $(top_srcdir)/daemon/engine -iquote $(top_srcdir)/proto
+    $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto
 libserver_la_CPPFLAGS = $(server_cppflags)
 libserver_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
 

@@ -8,7 +8,7 @@ tests_property_test_eng_against_oracle_SOURCES = \
     tests/property/judge.h \
     tests/property/test_eng_against_oracle.c
 tests_property_test_eng_against_oracle_CPPFLAGS = $(AM_CPPFLAGS) \
-    -I$(top_srcdir)/daemon/engine -I$(top_srcdir)/tests/oracle \
+    $(ENGINE_CPPFLAGS) -I$(top_srcdir)/tests/oracle \
     -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/property $(CMOCKA_CFLAGS)
 tests_property_test_eng_against_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_against_oracle_LDADD = libengine.la liboracle.la libtestscenes.la \

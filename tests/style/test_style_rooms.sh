@@ -57,20 +57,25 @@ c_library='argp.h assert.h ctype.h dirent.h errno.h fcntl.h fenv.h float.h getop
 engine_not='dirent.h fcntl.h poll.h sys/eventfd.h sys/mman.h sys/socket.h sys/un.h
     sys/wait.h spawn.h glob.h'
 
-find proto daemon client bench tests -name '*.[ch]' | LC_ALL=C sort >"$work/files"
+find proto daemon client bench tests -name '*.[ch]' | LC_ALL=C sort >"$work/paths"
+# The engine's folders are one room, in which every name is given once.
+one_room='s|^daemon/engine/[a-z]*/|daemon/engine/|'
+engine_folders=$(find daemon/engine -type d | LC_ALL=C sort)
+sed "$one_room" "$work/paths" | LC_ALL=C sort >"$work/files"
 while read -r file; do
     sed -n 's/^ *# *include *\([<"][^>"]*[>"]\).*/\1/p' "$file" |
         while read -r include; do
             printf '%s %s %s\n' "${file%/*}" "$include" "$file"
         done
-done <"$work/files" >"$work/includes"
+done <"$work/paths" | sed "$one_room; s|^\(daemon/engine\)/[a-z]* |\1 |" >"$work/includes"
 [ -s "$work/files" ] && [ -s "$work/includes" ] || exit 99
 
 awk '{ print $1 }' "$work/includes" | sort -u >"$work/folders"
 printf '%s' "$rooms" | awk 'NF { print $1 }' | sort >"$work/known"
 comm -23 "$work/folders" "$work/known" | sed 's/^/no rule for /' >"$work/log"
+uniq -d "$work/files" | sed 's/^/given twice: /' >>"$work/log"
 [ ! -s "$work/log" ]
-# If this failed, a new folder could include anything.
+# If this failed, a new folder could include anything, or a header's name could mean two.
 tap_result $? rooms__have_a_rule_each "$work/log"
 
 # If this failed, a layer would depend on one above it or beside it.
@@ -162,6 +167,11 @@ flags_of() {
     for folder in $sees; do
         case $folder in
         client/lib | client/lib+) flags="$flags -iquote client/lib -iquote proto" ;;
+        daemon/engine)
+            for folder in $engine_folders; do
+                flags="$flags -iquote $folder"
+            done
+            ;;
         *) flags="$flags -iquote $folder" ;;
         esac
     done
@@ -169,8 +179,10 @@ flags_of() {
 }
 printf '%s' "$rooms" | while read -r folder sees; do
     [ -n "$folder" ] || continue
+    inside='[^/]*'
+    [ "$folder" != daemon/engine ] || { inside='.*'; sees="$folder"; }
     flags=$(flags_of "$sees")
-    for header in $(grep "^$folder/[^/]*\.h\$" "$work/files"); do
+    for header in $(grep "^$folder/$inside\.h\$" "$work/paths"); do
         # shellcheck disable=SC2086 # flags are words
         ${CC-cc} -std=c11 -D_GNU_SOURCE -fopenmp -fsyntax-only -x c $flags "$header" \
             >"$work/error" 2>&1 ||

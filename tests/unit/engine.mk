@@ -1,6 +1,6 @@
 # tests/unit/engine.mk - the parts of the engine, one program a part.
 
-ENG_TEST_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/daemon/engine \
+ENG_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) \
     -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
 ENG_TEST_LDADD = libengkit.la libengine.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
 

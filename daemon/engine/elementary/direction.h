@@ -1,0 +1,18 @@
+/* direction.h - separation along one fixed direction over a span of time.
+ *
+ * Room:     engine. May include: motion.h.
+ * Does:     propose the direction between the nearest points at the middle of the span,
+ *           and verify it at both ends.
+ * Threads:  [any].
+ * Source:   the linear-gap argument of aabb.h, for an arbitrary direction.
+ */
+#ifndef ENG_DIRECTION_H
+#define ENG_DIRECTION_H
+
+#include "motion.h"
+
+/* True: the features certainly do not meet at any time of the span between two poses. */
+bool eng_direction_separates(const struct eng_motion *motion, const struct eng_pose *l,
+                             const struct eng_pose *r);
+
+#endif

@@ -1,0 +1,262 @@
+/* daemon/engine/elementary/solve.c - the certified solver of one elementary test.
+ *
+ * Room:     engine.
+ * Does:     walk the step in time order over spans of t. A span is dropped when the cubic
+ *           det[p, b, c] is certainly not zero on it, when a fixed direction separates
+ *           the features at both its ends, or when it is short and (beta, gamma) is
+ *           certainly outside its domain. A short span over which the cubic certainly
+ *           changes sign while (beta, gamma) is certainly inside is a proved contact.
+ *           Other spans are cut, at a bracket around the cubic's root where there is one,
+ *           else in the middle; the short ones that remain are decided by exact
+ *           arithmetic.
+ * Threads:  one thread for one scratch.
+ * Source:   query.h; every constant times u is derived in BOUNDS.md.
+ */
+#include "solve.h"
+
+#include <math.h>
+
+#include "direction.h"
+#include "motion.h"
+#include "rebase.h"
+
+/* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
+#define SPANS_MAX 256
+
+/* Spans looked at before exact arithmetic takes the rest of the step. Measured: misses
+ * and contacts in general position take 2 to 4, grazing ones up to 100. */
+#define WORK_MAX 500
+
+struct span {
+    double l, r;
+    bool is_bracket; /* came out of a cut around a root */
+};
+
+struct search {
+    struct eng_query query; /* measured from its nearest points */
+    eng_base_t base;
+    struct eng_motion motion;
+    double tolerance;
+    double floor; /* spans this short are not cut again */
+    struct eng_exact *exact;
+    struct eng_moment moment[2]; /* at t = 0 and 1, once known */
+    bool moment_known[2];
+    uint32_t empty_count; /* spans that exact arithmetic found empty */
+    double f_start;       /* cubic at t = 0, for the normal's side */
+    struct span spans[SPANS_MAX];
+    uint32_t span_count;
+};
+
+static const struct eng_moment *moment_at(struct search *search, int end)
+{
+    if (!search->moment_known[end]) {
+        search->moment[end] = eng_exact_moment(search->exact, &search->query, end);
+        search->moment_known[end] = true;
+    }
+    return &search->moment[end];
+}
+
+static void push(struct search *search, double l, double r, bool is_bracket)
+{
+    if (l < r) {
+        search->spans[search->span_count++] = (struct span){l, r, is_bracket};
+    }
+}
+
+static void cut_in_the_middle(struct search *search, const struct span *span)
+{
+    double m = 0.5 * (span->l + span->r);
+    push(search, m, span->r, false);
+    push(search, span->l, m, false);
+}
+
+/* Cut a span whose cubic has ends of opposite sign around the root: the outer two parts
+ * then have a certain sign as a rule, and the middle one is as short as rounding allows.
+ * False if the bracket would not be much shorter than the span. */
+static bool cut_around_root(struct search *search, const struct span *span,
+                            const double f[4])
+{
+    double slope;
+    double s = eng_bernstein_root(f, &slope);
+    double reach = 4.0 * search->motion.e_det / fabs(slope) + 0x1p-50;
+    if (!(reach < 0.125)) {
+        return false;
+    }
+    double width = span->r - span->l;
+    double x = fmax(span->l, span->l + width * (s - reach));
+    double y = fmin(span->r, span->l + width * (s + reach));
+    if (!(x < y)) {
+        return false;
+    }
+    push(search, y, span->r, false);
+    push(search, x, y, true);
+    push(search, span->l, x, false);
+    return true;
+}
+
+/* Certain sign of the cubic at an end of a span: from its value, or exactly at 0
+ * and 1. */
+static int sign_at(struct search *search, double t, double f)
+{
+    if (fabs(f) > search->motion.e_det) {
+        return f > 0 ? 1 : -1;
+    }
+    if (t == 0 || t == 1) {
+        return moment_at(search, t == 1)->side;
+    }
+    return 0;
+}
+
+static void set_hit(struct search *search, double l, double r, uint32_t flags,
+                    struct eng_hit *hit)
+{
+    hit->flags = flags;
+    hit->toi = l;
+    hit->toi_hi = r;
+    double beta;
+    double gamma;
+    if (fabs(search->f_start) <= search->motion.e_det) {
+        /* Coplanar at the start up to rounding, as after a projection onto a surface: the
+         * side that the normal names is known exactly only. */
+        search->f_start = moment_at(search, 0)->side;
+    }
+    eng_motion_describe(&search->motion, 0.5 * (l + r), search->f_start, &beta, &gamma,
+                        hit->normal);
+    eng_rebase_params(search->query.kind, search->base, beta, gamma, hit->param);
+}
+
+enum look { LOOK_EMPTY, LOOK_HIT, LOOK_CUT };
+
+/* A span that floating point cannot decide: exact arithmetic does. If it is longer than
+ * the tolerance, halves of it follow until the first contact is bracketed. */
+static enum look decide_exactly(struct search *search, struct span span,
+                                struct eng_hit *hit)
+{
+    if (!eng_exact_meets(search->exact, &search->query, span.l, span.r)) {
+        /* Features that stay coplanar up to rounding would be asked about span after
+         * span; one answer about the rest of the step settles most of them. */
+        if (++search->empty_count == 2 && span.r < 1 &&
+            !eng_exact_meets(search->exact, &search->query, span.r, 1)) {
+            search->span_count = 0;
+        }
+        return LOOK_EMPTY;
+    }
+    while (span.r - span.l > search->tolerance) {
+        double m = 0.5 * (span.l + span.r);
+        if (eng_exact_meets(search->exact, &search->query, span.l, m)) {
+            span.r = m;
+        } else {
+            span.l = m;
+        }
+    }
+    set_hit(search, span.l, span.r, ENG_PROVED, hit);
+    return LOOK_HIT;
+}
+
+/* Decide a short span, or say that it has to be cut. */
+static enum look look_at_short(struct search *search, const struct span *span,
+                               const struct eng_pose *pose_l,
+                               const struct eng_pose *pose_r, const double f[4],
+                               struct eng_hit *hit)
+{
+    enum eng_domain domain = eng_motion_domain(&search->motion, pose_l, pose_r);
+    if (domain == ENG_OUTSIDE) {
+        return LOOK_EMPTY;
+    }
+    if (domain == ENG_INSIDE) {
+        int sign_l = sign_at(search, span->l, f[0]);
+        int sign_r = sign_at(search, span->r, f[3]);
+        if (sign_l * sign_r < 0) {
+            set_hit(search, span->l, span->r, ENG_PROVED, hit);
+            return LOOK_HIT;
+        }
+    }
+    /* Nearly parallel edges and slivers hide (beta, gamma); a gap in the plane shows. */
+    if (domain == ENG_UNSURE &&
+        eng_direction_separates(&search->motion, pose_l, pose_r)) {
+        return LOOK_EMPTY;
+    }
+    if (span->r - span->l <= search->floor || span->is_bracket) {
+        return decide_exactly(search, *span, hit);
+    }
+    return LOOK_CUT;
+}
+
+/* Look at the earliest span left. */
+static enum look look_at(struct search *search, const struct span *span,
+                         struct eng_hit *hit)
+{
+    struct eng_pose pose_l;
+    struct eng_pose pose_r;
+    double f[4];
+    eng_motion_pose(&search->motion, span->l, &pose_l);
+    eng_motion_pose(&search->motion, span->r, &pose_r);
+    eng_motion_bernstein(&pose_l, &pose_r, f);
+    double e = search->motion.e_det;
+    if ((f[0] > e && f[1] > e && f[2] > e && f[3] > e) ||
+        (f[0] < -e && f[1] < -e && f[2] < -e && f[3] < -e)) {
+        return LOOK_EMPTY;
+    }
+    if (span->r - span->l <= search->tolerance) {
+        enum look look = look_at_short(search, span, &pose_l, &pose_r, f, hit);
+        if (look != LOOK_CUT) {
+            return look;
+        }
+    }
+    bool crosses = (f[0] < 0) != (f[3] < 0);
+    if (crosses && cut_around_root(search, span, f)) {
+        return LOOK_CUT;
+    }
+    if (eng_direction_separates(&search->motion, &pose_l, &pose_r)) {
+        return LOOK_EMPTY;
+    }
+    cut_in_the_middle(search, span);
+    return LOOK_CUT;
+}
+
+/* Features that touch at t = 0 are known exactly, whatever happens later. */
+static bool touches_at_start(struct search *search)
+{
+    struct eng_pose pose;
+    eng_motion_pose(&search->motion, 0, &pose);
+    search->f_start = eng_pose_det(&pose);
+    if (fabs(search->f_start) > search->motion.e_det ||
+        eng_motion_domain(&search->motion, &pose, &pose) == ENG_OUTSIDE) {
+        return false;
+    }
+    return moment_at(search, 0)->touching;
+}
+
+bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
+               struct eng_exact *exact, struct eng_hit *hit)
+{
+    struct search search;
+    search.base = eng_query_rebase(query, &search.query);
+    search.tolerance = tolerance;
+    search.floor = fmax(tolerance * 0x1p-10, 0x1p-44);
+    search.exact = exact;
+    search.moment_known[0] = false;
+    search.moment_known[1] = false;
+    search.empty_count = 0;
+    search.span_count = 0;
+    eng_motion_init(&search.motion, &search.query);
+    if (touches_at_start(&search)) {
+        set_hit(&search, 0, 0, ENG_PROVED | ENG_INITIAL, hit);
+        return true;
+    }
+    push(&search, 0, 1, false);
+    for (uint32_t work = 0; search.span_count > 0; work++) {
+        struct span span = search.spans[--search.span_count];
+        if (span.l > t_end) {
+            return false;
+        }
+        if (work == WORK_MAX || search.span_count + 3 > SPANS_MAX) {
+            span.r = 1;
+            return decide_exactly(&search, span, hit) == LOOK_HIT && hit->toi <= t_end;
+        }
+        if (look_at(&search, &span, hit) == LOOK_HIT) {
+            return hit->toi <= t_end;
+        }
+    }
+    return false;
+}

@@ -1,0 +1,28 @@
+/* daemon/engine/elementary/solve.h - the certified solver of one elementary test.
+ *
+ * Room:     engine. May include: exact.h.
+ * Does:     decide a query that no filter could reject: a miss is certain, a contact
+ *           exists, and what rounding hides is decided by exact arithmetic.
+ * Threads:  one thread for one scratch.
+ * Source:   query.h; error bounds are derived in BOUNDS.md.
+ */
+#ifndef ENG_SOLVE_H
+#define ENG_SOLVE_H
+
+#include "exact.h"
+
+struct eng_hit {
+    uint32_t flags; /* enum eng_contact_flag */
+    double toi;
+    double toi_hi;
+    float param[2];
+    float normal[3];
+};
+
+/* True: a contact, *hit is set. False: certainly no contact, or none that
+ * begins before or at `t_end` (pass 1 to search the whole step). The bytes of *hit depend
+ * on the query and on `tolerance` alone, not on t_end. */
+bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
+               struct eng_exact *exact, struct eng_hit *hit);
+
+#endif

@@ -1,0 +1,157 @@
+/* daemon/engine/elementary/test.c - elementary tests of a chunk of candidates.
+ *
+ * Room:     engine.
+ * Does:     gather positions into lanes, filter, solve the survivors one by one.
+ * Threads:  [team].
+ */
+#include "test.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "clock.h"
+#include "solve.h"
+
+static void load_point(const struct eng_scene *scene, struct eng_query *query, int point,
+                       uint32_t v)
+{
+    memcpy(query->x[0][point], scene->x[1 - scene->now][v], sizeof query->x[0][point]);
+    memcpy(query->x[1][point], scene->x[scene->now][v], sizeof query->x[1][point]);
+}
+
+void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,
+                    uint32_t b, struct eng_query *query)
+{
+    query->kind = kind;
+    if (kind == ENG_VF) {
+        const uint32_t *v = scene->triangles[b].v;
+        load_point(scene, query, 0, a);
+        load_point(scene, query, 1, v[0]);
+        load_point(scene, query, 2, v[1]);
+        load_point(scene, query, 3, v[2]);
+    } else {
+        load_point(scene, query, 0, scene->edges[a].a);
+        load_point(scene, query, 1, scene->edges[a].b);
+        load_point(scene, query, 2, scene->edges[b].a);
+        load_point(scene, query, 3, scene->edges[b].b);
+    }
+}
+
+/* Names as records carry them: object id and local index. */
+static struct eng_pair name_of(const struct eng_scene *scene, enum eng_kind kind,
+                               uint32_t a, uint32_t b)
+{
+    const struct eng_object *object_a;
+    const struct eng_object *object_b;
+    if (kind == ENG_VF) {
+        object_a = &scene->objects[scene->vertices[a].object];
+        object_b = &scene->objects[scene->triangles[b].object];
+        return (struct eng_pair){ENG_VF, object_a->id, a - object_a->vertices.first,
+                                 object_b->id, b - object_b->triangles.first};
+    }
+    object_a = &scene->objects[scene->edges[a].object];
+    object_b = &scene->objects[scene->edges[b].object];
+    return (struct eng_pair){ENG_EE, object_a->id, a - object_a->edges.first,
+                             object_b->id, b - object_b->edges.first};
+}
+
+static void keep(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint32_t b,
+                 const struct eng_hit *hit)
+{
+    if (worker->settings->mode == ENG_MODE_ANY) {
+        if (hit->flags & ENG_PROVED) {
+            worker->proved_seen++;
+            atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
+        } else {
+            worker->possible_seen++;
+        }
+        return;
+    }
+    if (worker->settings->mode == ENG_MODE_FIRST && (hit->flags & ENG_PROVED)) {
+        eng_worker_tighten(worker, hit->toi_hi);
+    }
+    struct eng_contact *contact = eng_found_add(&worker->found);
+    if (!contact) {
+        return;
+    }
+    struct eng_pair name = name_of(worker->scene, kind, a, b);
+    contact->kind = kind;
+    contact->flags = hit->flags;
+    contact->object_a = name.object_a;
+    contact->feature_a = name.feature_a;
+    contact->object_b = name.object_b;
+    contact->feature_b = name.feature_b;
+    contact->toi = hit->toi;
+    contact->toi_hi = hit->toi_hi;
+    memcpy(contact->param, hit->param, sizeof contact->param);
+    memcpy(contact->normal, hit->normal, sizeof contact->normal);
+    contact->reserved = 0;
+}
+
+static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
+                            const struct eng_chunk *chunk)
+{
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        struct eng_pair *pair = eng_found_add(&worker->found);
+        if (!pair) {
+            return;
+        }
+        *pair = name_of(worker->scene, kind, chunk->a[i], chunk->b[i]);
+    }
+}
+
+static void test_lanes(struct eng_worker *worker, enum eng_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first)
+{
+    uint32_t n = chunk->count - first < ENG_LANES ? chunk->count - first : ENG_LANES;
+    struct eng_query queries[ENG_LANES];
+    struct eng_lanes lanes;
+    for (unsigned lane = 0; lane < ENG_LANES; lane++) {
+        /* A short group repeats its first query; the copies are not looked at. */
+        unsigned i = lane < n ? lane : 0;
+        if (i == lane) {
+            eng_query_load(worker->scene, kind, chunk->a[first + i], chunk->b[first + i],
+                           &queries[i]);
+        }
+        eng_lanes_set(&lanes, lane, &queries[i]);
+    }
+    uint32_t survivors = eng_filter(kind, &lanes);
+    for (unsigned lane = 0; lane < n && !eng_stop_is_set(worker->stop); lane++) {
+        struct eng_hit hit;
+        if (!(survivors >> lane & 1u)) {
+            continue;
+        }
+        worker->counters.survivors++;
+        uint64_t exact_queries = worker->exact.queries;
+        if (eng_solve(&queries[lane], worker->settings->tolerance, worker->time_bound,
+                      &worker->exact, &hit)) {
+            keep(worker, kind, chunk->a[first + lane], chunk->b[first + lane], &hit);
+        }
+        /* Coordinates of very different size take exact arithmetic up to 0.3 s a test. */
+        if (worker->exact.queries != exact_queries) {
+            eng_worker_should_stop(worker);
+        }
+    }
+}
+
+void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
+{
+    uint64_t begin_ns = eng_now_ns();
+    struct eng_chunk *chunk = kind == ENG_VF ? &worker->vf : &worker->ee;
+    if (kind == ENG_VF) {
+        worker->counters.candidates_vf += chunk->count;
+    } else {
+        worker->counters.candidates_ee += chunk->count;
+    }
+    if (worker->settings->mode == ENG_MODE_PAIRS) {
+        keep_candidates(worker, kind, chunk);
+    } else {
+        for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop);
+             i += ENG_LANES) {
+            test_lanes(worker, kind, chunk, i);
+        }
+    }
+    chunk->count = 0;
+    eng_worker_should_stop(worker);
+    worker->tests_ns += eng_now_ns() - begin_ns;
+}

@@ -1,0 +1,19 @@
+/* daemon/engine/elementary/test.h - elementary tests of a chunk of candidates.
+ *
+ * Room:     engine. May include: worker.h.
+ * Does:     filter, solve, record; or record the candidates themselves (mode pairs).
+ * Threads:  [team].
+ */
+#ifndef ENG_TEST_H
+#define ENG_TEST_H
+
+#include "worker.h"
+
+/* Test and empty one of the worker's chunks. */
+void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind);
+
+/* The query of a candidate: global indices as in struct eng_chunk. */
+void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,
+                    uint32_t b, struct eng_query *query);
+
+#endif

@@ -1,0 +1,86 @@
+/* daemon/engine/result/pool.c - blocks of memory shared by the workers of a step.
+ *
+ * Room:     engine.
+ * Does:     one array and a counter; what the array cannot give comes one by one.
+ * Threads:  take: any worker; the rest: [compute], between steps.
+ */
+#include "pool.h"
+
+#include <stddef.h>
+
+#include "memory.h"
+
+void eng_pool_init(struct eng_pool *pool)
+{
+    pool->blocks = NULL;
+    pool->capacity = 0;
+    atomic_init(&pool->taken, 0);
+    atomic_init(&pool->spilled, NULL);
+}
+
+static void free_spilled(struct eng_pool *pool)
+{
+    struct eng_block *block = atomic_load_explicit(&pool->spilled, memory_order_relaxed);
+    while (block) {
+        struct eng_block *next = block->spill_next;
+        eng_free(block);
+        block = next;
+    }
+    atomic_store_explicit(&pool->spilled, NULL, memory_order_relaxed);
+}
+
+void eng_pool_deinit(struct eng_pool *pool)
+{
+    free_spilled(pool);
+    eng_free(pool->blocks);
+    eng_pool_init(pool);
+}
+
+void eng_pool_reset(struct eng_pool *pool, uint32_t workers)
+{
+    uint32_t taken = atomic_load_explicit(&pool->taken, memory_order_relaxed);
+    free_spilled(pool);
+    if (taken > pool->capacity || pool->capacity < workers) {
+        uint32_t capacity = taken + taken / 4 + 2 * workers;
+        struct eng_block *blocks = eng_alloc(capacity, sizeof *blocks);
+        if (blocks) {
+            eng_free(pool->blocks);
+            pool->blocks = blocks;
+            pool->capacity = capacity;
+        }
+    }
+    atomic_store_explicit(&pool->taken, 0, memory_order_relaxed);
+}
+
+/* A block that the pool did not foresee. */
+static struct eng_block *spill(struct eng_pool *pool)
+{
+    struct eng_block *block = eng_alloc(1, sizeof *block);
+    if (!block) {
+        return NULL;
+    }
+    block->spill_next = atomic_load_explicit(&pool->spilled, memory_order_relaxed);
+    /* Release: whoever walks the list after the region sees the link. */
+    while (!atomic_compare_exchange_weak_explicit(&pool->spilled, &block->spill_next,
+                                                  block, memory_order_release,
+                                                  memory_order_relaxed)) {
+    }
+    return block;
+}
+
+struct eng_block *eng_pool_take(struct eng_pool *pool)
+{
+    /* Relaxed: each number is handed out once; the block is nobody else's. */
+    uint32_t i = atomic_fetch_add_explicit(&pool->taken, 1, memory_order_relaxed);
+    struct eng_block *block = i < pool->capacity ? &pool->blocks[i] : spill(pool);
+    if (block) {
+        block->next = NULL;
+        block->count = 0;
+    }
+    return block;
+}
+
+uint64_t eng_pool_bytes(const struct eng_pool *pool)
+{
+    return (uint64_t)pool->capacity * sizeof *pool->blocks;
+}

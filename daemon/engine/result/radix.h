@@ -1,0 +1,26 @@
+/* daemon/engine/result/radix.h - stable radix sort of wide keys.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     sort items by a 128-bit key; passes over digits that are equal in all keys
+ *           are skipped, so the cost follows the information in the keys.
+ * Threads:  [any].
+ */
+#ifndef ENG_RADIX_H
+#define ENG_RADIX_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct eng_radix_item {
+    uint64_t hi; /* more significant half of the key */
+    uint64_t lo;
+    uint64_t index; /* carried along */
+};
+
+/* Sort items[count] ascending by (hi, lo), equal keys in their order of arrival; spare
+ * has room for count items too. Returns whichever of the two holds the result. O(count)
+ * for each digit that differs; no allocation. */
+struct eng_radix_item *eng_radix_sort(struct eng_radix_item *items,
+                                      struct eng_radix_item *spare, size_t count);
+
+#endif

@@ -1,0 +1,28 @@
+/* daemon/engine/scene/ingest.h - copy and check what another process may be writing.
+ *
+ * Room:     engine. May include: mesh.h.
+ * Does:     move coordinates and indices from foreign memory to private memory in blocks,
+ *           and check the private copy: each foreign byte is read exactly once.
+ * Threads:  [any].
+ */
+#ifndef ENG_INGEST_H
+#define ENG_INGEST_H
+
+#include <stdint.h>
+
+#include "mesh.h"
+
+/* `count` positions of `format` at `source` to double[count][3]. Conversion from float is
+ * exact. Returns 0, or ENG_E_NOTFINITE with part of `out` written. */
+int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t count,
+                         const void *source);
+
+/* `count` triangles to uint32_t[count][3]; every index must be < vertex_count. Returns 0,
+ * or ENG_E_INDEX with *bad_triangle (0 .. count-1) and part of `out` written. */
+int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_count,
+                         const void *source, uint32_t *bad_triangle);
+
+/* A transform double[12]: finite and |.| <= 1e18, else ENG_E_NOTFINITE. */
+int eng_ingest_transform(double out[12], const void *source);
+
+#endif

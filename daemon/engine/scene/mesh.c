@@ -1,0 +1,158 @@
+/* daemon/engine/scene/mesh.c - registration of a mesh.
+ *
+ * Room:     engine.
+ * Does:     hold what arrives in chunks until commit, then hand it to feature.c.
+ * Does not: derive topology (feature.c).
+ * Threads:  one thread until commit, any afterwards; the reference count is atomic.
+ */
+#include "mesh.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "feature.h"
+#include "ingest.h"
+#include "memory.h"
+#include "topology.h"
+
+int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh)
+{
+    if (vertex_count == 0 || vertex_count > ENG_COUNT_MAX || triangle_count == 0 ||
+        triangle_count > ENG_COUNT_MAX) {
+        return ENG_E_INVAL;
+    }
+    struct eng_mesh *m = eng_alloc(1, sizeof *m);
+    if (!m) {
+        return ENG_E_NOMEM;
+    }
+    memset(m, 0, sizeof *m);
+    atomic_init(&m->references, 1);
+    m->info.vertex_count = vertex_count;
+    m->info.triangle_count = triangle_count;
+    m->x = eng_alloc(vertex_count, sizeof *m->x);
+    m->corners = eng_alloc(triangle_count, sizeof *m->corners);
+    if (!m->x || !m->corners) {
+        eng_mesh_release(m);
+        return ENG_E_NOMEM;
+    }
+    *mesh = m;
+    return ENG_OK;
+}
+
+struct eng_mesh *eng_mesh_acquire(struct eng_mesh *mesh)
+{
+    /* Relaxed: the caller holds a reference already. */
+    atomic_fetch_add_explicit(&mesh->references, 1, memory_order_relaxed);
+    return mesh;
+}
+
+void eng_mesh_release(struct eng_mesh *mesh)
+{
+    /* acq_rel: whoever frees must see every other holder's last use. */
+    if (!mesh ||
+        atomic_fetch_sub_explicit(&mesh->references, 1, memory_order_acq_rel) != 1) {
+        return;
+    }
+    eng_free(mesh->x);
+    eng_free(mesh->corners);
+    eng_free(mesh->triangles);
+    eng_free(mesh->edges);
+    eng_free(mesh);
+}
+
+/* Is first .. first+count-1 inside `total` and contiguous with what has arrived? */
+static int check_chunk(const struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                       uint32_t total, uint32_t received)
+{
+    if (mesh->committed) {
+        return ENG_E_STATE;
+    }
+    if (count == 0 || first > total || count > total - first) {
+        return ENG_E_INVAL;
+    }
+    return first > received ? ENG_E_STATE : ENG_OK;
+}
+
+int eng_mesh_write_vertices(struct eng_mesh *mesh, enum eng_format format, uint32_t first,
+                            uint32_t count, const void *source)
+{
+    int status =
+        check_chunk(mesh, first, count, mesh->info.vertex_count, mesh->vertices_received);
+    if (status == ENG_OK) {
+        status = eng_ingest_positions(mesh->x + first, format, count, source);
+    }
+    if (status == ENG_OK && first + count > mesh->vertices_received) {
+        mesh->vertices_received = first + count;
+    } else if (status == ENG_E_NOTFINITE && mesh->vertices_received > first) {
+        mesh->vertices_received = first; /* the chunk may have spoilt what stood there */
+    }
+    return status;
+}
+
+int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                             const void *source, uint32_t *bad_triangle)
+{
+    int status = check_chunk(mesh, first, count, mesh->info.triangle_count,
+                             mesh->triangles_received);
+    if (status == ENG_OK) {
+        status = eng_ingest_triangles(mesh->corners + first, count,
+                                      mesh->info.vertex_count, source, bad_triangle);
+    }
+    if (status == ENG_OK && first + count > mesh->triangles_received) {
+        mesh->triangles_received = first + count;
+    } else if (status == ENG_E_INDEX) {
+        *bad_triangle += first;
+        if (mesh->triangles_received > first) {
+            mesh->triangles_received = first;
+        }
+    }
+    return status;
+}
+
+void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
+                       uint32_t *triangles)
+{
+    *vertices = mesh->vertices_received;
+    *triangles = mesh->triangles_received;
+}
+
+int eng_mesh_commit(struct eng_mesh *mesh)
+{
+    if (mesh->committed || mesh->vertices_received != mesh->info.vertex_count ||
+        mesh->triangles_received != mesh->info.triangle_count) {
+        return ENG_E_STATE;
+    }
+    int status = eng_feature_derive(mesh);
+    if (status != ENG_OK) {
+        return status;
+    }
+    eng_free(mesh->corners);
+    mesh->corners = NULL;
+    mesh->committed = true;
+    assert(eng_feature_validate(mesh));
+    return ENG_OK;
+}
+
+bool eng_mesh_is_committed(const struct eng_mesh *mesh)
+{
+    return mesh->committed;
+}
+
+void eng_mesh_get_info(const struct eng_mesh *mesh, struct eng_mesh_info *info)
+{
+    *info = mesh->info;
+}
+
+const uint32_t (*eng_mesh_edges(const struct eng_mesh *mesh))[2]
+{
+    return (const uint32_t(*)[2])mesh->edges;
+}
+
+uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
+{
+    const struct eng_mesh_info *info = &mesh->info;
+    return sizeof *mesh + (uint64_t)info->vertex_count * sizeof *mesh->x +
+           (uint64_t)info->triangle_count *
+               (mesh->committed ? sizeof *mesh->triangles : sizeof *mesh->corners) +
+           (uint64_t)info->edge_count * sizeof *mesh->edges;
+}

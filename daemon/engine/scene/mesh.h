@@ -1,0 +1,73 @@
+/* daemon/engine/scene/mesh.h - topology and registered positions of a triangle mesh.
+ *
+ * Room:     engine. May include: status.h.
+ * Does:     take vertices and triangles in chunks, check them, derive the unique edges
+ *           and the ownership of features once; immutable after commit.
+ * Does not: move (scene.h) or build hierarchies (build.h).
+ * Threads:  a mesh is used by one thread at a time until commit; afterwards by any.
+ * Source:   paper section 3.1 (representative triangles, Curtis 2008).
+ */
+#ifndef ENG_MESH_H
+#define ENG_MESH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "status.h"
+
+#define ENG_COUNT_MAX      2147483647u /* 2^31 - 1 */
+#define ENG_COORDINATE_MAX 1e18
+
+enum eng_format { ENG_F32 = 0, ENG_F64 = 1 };
+
+struct eng_mesh;
+
+struct eng_mesh_info {
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t edge_count;       /* unique unordered pairs of distinct vertices */
+    uint32_t duplicate_count;  /* triangles whose vertex set occurred before */
+    uint32_t degenerate_count; /* repeated vertex, or exactly zero area as registered */
+    uint32_t isolated_count;   /* vertices in no triangle */
+};
+
+/* A mesh to be filled. Counts 1 .. ENG_COUNT_MAX, else ENG_E_INVAL. Allocates everything
+ * the data needs; ENG_E_NOMEM leaves nothing behind. The caller holds one reference. */
+int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh);
+
+/* Another reference / drop one. NULL is allowed in release. [any] */
+struct eng_mesh *eng_mesh_acquire(struct eng_mesh *mesh);
+void eng_mesh_release(struct eng_mesh *mesh);
+
+/* Copy a chunk in and check the copy. `source` may be memory another process writes: each
+ * byte is read once. A failing chunk leaves the mesh as it was or with part of the chunk
+ * written; it can be sent again. Chunks may come in any order and overlap; commit
+ * requires that first+count calls covered everything (tracked as a prefix: chunks must be
+ * contiguous, each starting at or before the end of what has arrived).
+ * Errors: ENG_E_INVAL (range), ENG_E_STATE (committed, or a gap), ENG_E_NOTFINITE. */
+int eng_mesh_write_vertices(struct eng_mesh *mesh, enum eng_format format, uint32_t first,
+                            uint32_t count, const void *source);
+/* Triangles are uint32_t[3]; indices are checked here: ENG_E_INDEX, *bad_triangle set. */
+int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                             const void *source, uint32_t *bad_triangle);
+
+/* Vertices and triangles that have arrived so far. */
+void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
+                       uint32_t *triangles);
+
+/* Derive edges, ownership and counts. ENG_E_STATE: data missing or committed already;
+ * ENG_E_LIMIT: more than ENG_COUNT_MAX edges; ENG_E_NOMEM: can be tried again. */
+int eng_mesh_commit(struct eng_mesh *mesh);
+bool eng_mesh_is_committed(const struct eng_mesh *mesh);
+
+/* Of a committed mesh. */
+void eng_mesh_get_info(const struct eng_mesh *mesh, struct eng_mesh_info *info);
+
+/* Unique edges uint32_t[edge_count][2], lower index first, sorted by (higher, lower): the
+ * numbering of public ground-truth data. */
+const uint32_t (*eng_mesh_edges(const struct eng_mesh *mesh))[2];
+
+/* Bytes held. */
+uint64_t eng_mesh_bytes(const struct eng_mesh *mesh);
+
+#endif

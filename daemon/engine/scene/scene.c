@@ -1,0 +1,253 @@
+/* daemon/engine/scene/scene.c - objects come and go.
+ *
+ * Room:     engine.
+ * Does:     give every object its ranges of the flat arrays, copy its topology there with
+ *           global indices, build its hierarchy.
+ * Does not: stage positions (stage.c) or step (step.c).
+ * Threads:  [compute].
+ */
+#include <math.h>
+#include <string.h>
+
+#include "build.h"
+#include "memory.h"
+#include "refit.h"
+#include "step_memory.h"
+#include "world.h"
+
+int eng_scene_new(struct eng_scene **scene)
+{
+    struct eng_scene *s = eng_alloc(1, sizeof *s);
+    if (!s) {
+        return ENG_E_NOMEM;
+    }
+    memset(s, 0, sizeof *s);
+    eng_ranges_init(&s->vertex_ranges, ENG_COUNT_MAX);
+    eng_ranges_init(&s->edge_ranges, ENG_COUNT_MAX);
+    eng_ranges_init(&s->triangle_ranges, ENG_COUNT_MAX);
+    eng_ranges_init(&s->node_ranges, UINT32_MAX - 1);
+    s->root = ENG_NO_NODE;
+    s->memory = eng_step_memory_new();
+    if (!s->memory) {
+        eng_free(s);
+        return ENG_E_NOMEM;
+    }
+    *scene = s;
+    return ENG_OK;
+}
+
+void eng_scene_free(struct eng_scene *scene)
+{
+    if (!scene) {
+        return;
+    }
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        eng_mesh_release(scene->objects[i].mesh);
+    }
+    eng_step_memory_free(scene->memory);
+    eng_ranges_deinit(&scene->vertex_ranges);
+    eng_ranges_deinit(&scene->edge_ranges);
+    eng_ranges_deinit(&scene->triangle_ranges);
+    eng_ranges_deinit(&scene->node_ranges);
+    eng_free(scene->objects);
+    eng_free(scene->x[0]);
+    eng_free(scene->x[1]);
+    eng_free(scene->start);
+    eng_free(scene->vertices);
+    eng_free(scene->edges);
+    eng_free(scene->triangles);
+    eng_free(scene->nodes);
+    eng_free(scene->writes);
+    eng_free(scene);
+}
+
+/* A free object index, growing the table if need be. ENG_E_INVAL: `id` is in use. */
+static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx)
+{
+    uint32_t place = scene->object_capacity;
+    for (uint32_t i = scene->object_capacity; i-- > 0;) {
+        if (!scene->objects[i].mesh) {
+            place = i;
+        } else if (scene->objects[i].id == id) {
+            return ENG_E_INVAL;
+        }
+    }
+    if (place == scene->object_capacity) {
+        uint32_t capacity =
+            eng_world_grown(scene->object_capacity, scene->object_capacity + 8);
+        if (eng_world_grow(&scene->objects, capacity, sizeof *scene->objects) != ENG_OK) {
+            return ENG_E_NOMEM;
+        }
+        memset(scene->objects + place, 0, (capacity - place) * sizeof *scene->objects);
+        scene->object_capacity = capacity;
+    }
+    *object_idx = place;
+    return ENG_OK;
+}
+
+static int take(struct eng_ranges *ranges, uint32_t count, struct eng_range *range)
+{
+    if (count == 0) {
+        *range = (struct eng_range){0, 0};
+        return ENG_OK;
+    }
+    uint32_t first;
+    int status = eng_ranges_take(ranges, count, &first);
+    if (status == ENG_OK) {
+        *range = (struct eng_range){first, count};
+    }
+    return status;
+}
+
+static void give(struct eng_ranges *ranges, struct eng_range *range)
+{
+    if (range->count > 0) {
+        eng_ranges_give(ranges, range->first, range->count);
+        range->count = 0;
+    }
+}
+
+static void give_all(struct eng_scene *scene, struct eng_object *object)
+{
+    give(&scene->vertex_ranges, &object->vertices);
+    give(&scene->edge_ranges, &object->edges);
+    give(&scene->triangle_ranges, &object->triangles);
+    give(&scene->node_ranges, &object->nodes);
+}
+
+static int take_all(struct eng_scene *scene, struct eng_object *object,
+                    const struct eng_mesh_info *info)
+{
+    int status = take(&scene->vertex_ranges, info->vertex_count, &object->vertices);
+    if (status == ENG_OK) {
+        status = take(&scene->edge_ranges, info->edge_count, &object->edges);
+    }
+    if (status == ENG_OK) {
+        status = take(&scene->triangle_ranges, info->triangle_count, &object->triangles);
+    }
+    if (status == ENG_OK) {
+        /* 2n - 1 of n <= 2^31 - 1 fits. */
+        status = take(&scene->node_ranges, 2 * info->triangle_count - 1, &object->nodes);
+    }
+    if (status == ENG_OK) {
+        status = eng_world_reserve(scene);
+    }
+    if (status != ENG_OK) {
+        give_all(scene, object);
+    }
+    return status;
+}
+
+/* Copy the topology with global indices and place the object at its
+ * registered positions. */
+static void copy_in(struct eng_scene *scene, const struct eng_object *object,
+                    uint32_t object_idx)
+{
+    const struct eng_mesh *mesh = object->mesh;
+    uint32_t v0 = object->vertices.first;
+    uint32_t e0 = object->edges.first;
+    size_t x_bytes = object->vertices.count * sizeof *mesh->x;
+    memcpy(scene->x[0] + v0, mesh->x, x_bytes);
+    memcpy(scene->x[1] + v0, mesh->x, x_bytes);
+    memset(scene->vertices + v0, 0, object->vertices.count * sizeof *scene->vertices);
+    for (uint32_t i = 0; i < object->vertices.count; i++) {
+        scene->vertices[v0 + i].object = object_idx;
+    }
+    if (object->edges.count > 0) {
+        memset(scene->edges + e0, 0, object->edges.count * sizeof *scene->edges);
+    }
+    for (uint32_t i = 0; i < object->edges.count; i++) {
+        scene->edges[e0 + i].a = v0 + mesh->edges[i][0];
+        scene->edges[e0 + i].b = v0 + mesh->edges[i][1];
+        scene->edges[e0 + i].object = object_idx;
+    }
+    for (uint32_t i = 0; i < object->triangles.count; i++) {
+        struct eng_triangle *triangle = &scene->triangles[object->triangles.first + i];
+        *triangle = mesh->triangles[i];
+        triangle->object = object_idx;
+        for (int k = 0; k < 3; k++) {
+            triangle->v[k] += v0;
+            triangle->e[k] += triangle->e[k] == ENG_NO_EDGE ? 0 : e0;
+        }
+    }
+    memset(scene->nodes + object->nodes.first, 0,
+           object->nodes.count * sizeof *scene->nodes);
+}
+
+int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t object_id,
+                  uint32_t *object_idx)
+{
+    if (scene->staging || !eng_mesh_is_committed(mesh)) {
+        return ENG_E_STATE;
+    }
+    uint32_t idx;
+    int status = find_place(scene, object_id, &idx);
+    if (status != ENG_OK) {
+        return status;
+    }
+    struct eng_object object = {.id = object_id, .still = true};
+    struct eng_mesh_info info;
+    eng_mesh_get_info(mesh, &info);
+    status = take_all(scene, &object, &info);
+    if (status != ENG_OK) {
+        return status;
+    }
+    object.mesh = mesh;
+    copy_in(scene, &object, idx);
+    scene->objects[idx] = object;
+    status = eng_build_object(scene, idx);
+    if (status != ENG_OK) {
+        scene->objects[idx].mesh = NULL;
+        give_all(scene, &scene->objects[idx]);
+        return status;
+    }
+    eng_mesh_acquire(mesh);
+    eng_refit_object(scene, &scene->objects[idx]);
+    scene->object_count++;
+    scene->top_is_stale = true;
+    eng_step_memory_forget(scene->memory);
+    *object_idx = idx;
+    return ENG_OK;
+}
+
+int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
+{
+    struct eng_object *object = eng_scene_object(scene, object_idx);
+    if (!object) {
+        return ENG_E_INVAL;
+    }
+    if (scene->staging) {
+        return ENG_E_STATE;
+    }
+    give_all(scene, object);
+    eng_mesh_release(object->mesh);
+    object->mesh = NULL;
+    scene->object_count--;
+    scene->top_is_stale = true;
+    eng_step_memory_forget(scene->memory);
+    return ENG_OK;
+}
+
+uint32_t eng_scene_object_count(const struct eng_scene *scene)
+{
+    return scene->object_count;
+}
+
+uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_idx)
+{
+    const struct eng_object *object = eng_scene_object(scene, object_idx);
+    return object ? object->vertices.count : 0;
+}
+
+uint64_t eng_scene_bytes(const struct eng_scene *scene)
+{
+    return sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +
+           (uint64_t)scene->vertex_capacity *
+               (2 * sizeof *scene->x[0] + sizeof *scene->vertices) +
+           (uint64_t)scene->start_capacity * sizeof *scene->start +
+           (uint64_t)scene->edge_capacity * sizeof *scene->edges +
+           (uint64_t)scene->triangle_capacity * sizeof *scene->triangles +
+           (uint64_t)scene->node_capacity * sizeof *scene->nodes +
+           (uint64_t)scene->write_capacity * sizeof *scene->writes +
+           eng_step_memory_bytes(scene->memory);
+}

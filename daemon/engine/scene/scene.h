@@ -1,0 +1,63 @@
+/* daemon/engine/scene/scene.h - objects, where they are, and where a step takes them.
+ *
+ * Room:     engine. May include: mesh.h, status.h.
+ * Does:     hold any number of objects, each with its own hierarchy, merged into one
+ *           tree; add and remove objects between steps; stage the positions of a step so
+ *           that a step that fails changes nothing.
+ * Does not: detect collisions (step.h).
+ * Threads:  [compute]; one thread at a time for one scene.
+ * Source:   paper sections 3.2 and 7 (merged hierarchies), design of the ingest: every
+ *           byte of a foreign memory is read once, the copy is checked.
+ */
+#ifndef ENG_SCENE_H
+#define ENG_SCENE_H
+
+#include <stdint.h>
+
+#include "mesh.h"
+
+struct eng_scene;
+
+/* An empty scene. */
+int eng_scene_new(struct eng_scene **scene);
+void eng_scene_free(struct eng_scene *scene); /* NULL is allowed */
+
+/* Add an instance of a committed mesh at its registered positions, build its hierarchy,
+ * and merge it in. `object_id` is the number that records carry; it must be new to the
+ * scene. *object_idx stays valid until removal and may be reused after it.
+ * Errors: ENG_E_STATE (not committed), ENG_E_INVAL (id in use), ENG_E_LIMIT, ENG_E_NOMEM;
+ * the scene is unchanged then. */
+int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t object_id,
+                  uint32_t *object_idx);
+
+/* Remove an object. ENG_E_INVAL if there is none. The other hierarchies stay as
+ * they are. */
+int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx);
+
+uint32_t eng_scene_object_count(const struct eng_scene *scene);
+uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_idx);
+uint64_t eng_scene_bytes(const struct eng_scene *scene);
+
+/* Staging. begin; any number of writes; then eng_step (step.h) makes the move, or abort
+ * forgets it. Objects without a write stand still at their last end positions. A failed
+ * write leaves the staging open for abort only.
+ *
+ * Ranges first .. first+count-1 of the object's vertices, count >= 1 (ENG_E_INVAL); two
+ * writes to one vertex in one step are ENG_E_OVERLAP; coordinates ENG_E_NOTFINITE.
+ * Sources may be memory that another process writes: each byte is read once. */
+void eng_stage_begin(struct eng_scene *scene);
+void eng_stage_abort(struct eng_scene *scene);
+
+/* End positions; the start is the last end. `x1`: packed [count][3] in `format`. */
+int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+                 uint32_t first, uint32_t count, const void *x1);
+/* Both ends. */
+int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+                   uint32_t first, uint32_t count, const void *x0, const void *x1);
+/* Both ends as transforms of the registered positions. `m`: double[12], rows of [R | t];
+ * x' = ((m0*x + m1*y) + m2*z) + m3 per row, each operation rounded once (no fma): the
+ * result of that computation is the exact input of the step. */
+int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first,
+                    uint32_t count, const void *m0, const void *m1);
+
+#endif

@@ -1,0 +1,235 @@
+/* daemon/engine/scene/stage.c - the positions of a step, one copy from foreign memory.
+ *
+ * Room:     engine.
+ * Does:     end positions go straight into the buffer that becomes t = 1; the buffer that
+ *           holds the current positions is not touched before commit, so an aborted step
+ *           leaves no trace. Given start positions wait in a third buffer for the commit.
+ * Threads:  [compute].
+ */
+#include "stage.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clock.h"
+#include "ingest.h"
+#include "memory.h"
+
+void eng_stage_begin(struct eng_scene *scene)
+{
+    assert(!scene->staging);
+    scene->staging = true;
+    scene->stage++;
+    scene->stage_ns = 0;
+    scene->write_count = 0;
+}
+
+void eng_stage_abort(struct eng_scene *scene)
+{
+    scene->staging = false;
+    scene->write_count = 0;
+}
+
+static int remember(struct eng_scene *scene, struct eng_write write)
+{
+    if (scene->write_count == scene->write_capacity) {
+        uint32_t capacity = scene->write_capacity ? scene->write_capacity * 2 : 16;
+        struct eng_write *writes = eng_realloc(scene->writes, capacity, sizeof *writes);
+        if (!writes) {
+            return ENG_E_NOMEM;
+        }
+        scene->writes = writes;
+        scene->write_capacity = capacity;
+    }
+    scene->writes[scene->write_count++] = write;
+    return ENG_OK;
+}
+
+static int reserve_start(struct eng_scene *scene)
+{
+    if (scene->start_capacity >= scene->vertex_capacity) {
+        return ENG_OK;
+    }
+    double(*start)[3] = eng_alloc(scene->vertex_capacity, sizeof *start);
+    if (!start) {
+        return ENG_E_NOMEM;
+    }
+    /* Vertices are only added between steps: nothing of this step waits in the
+     * old one. */
+    eng_free(scene->start);
+    scene->start = start;
+    scene->start_capacity = scene->vertex_capacity;
+    return ENG_OK;
+}
+
+/* Check a write, note it, and on the first partial write of this step give the rest of
+ * the object its current positions as end positions. */
+static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t first,
+                      uint32_t count, bool has_start)
+{
+    struct eng_object *object = eng_scene_object(scene, object_idx);
+    if (!scene->staging || !object || count == 0 || first > object->vertices.count ||
+        count > object->vertices.count - first) {
+        return ENG_E_INVAL;
+    }
+    int status = remember(scene, (struct eng_write){object_idx, first, count, has_start});
+    if (status == ENG_OK && has_start) {
+        status = reserve_start(scene);
+    }
+    if (status != ENG_OK) {
+        return status;
+    }
+    bool whole = count == object->vertices.count;
+    if (object->staged != scene->stage && !whole && !object->still) {
+        memcpy(scene->x[1 - scene->now] + object->vertices.first,
+               scene->x[scene->now] + object->vertices.first,
+               object->vertices.count * sizeof *scene->x[0]);
+    }
+    object->staged = scene->stage;
+    object->still = false;
+    return ENG_OK;
+}
+
+int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+                 uint32_t first, uint32_t count, const void *x1)
+{
+    uint64_t begin_ns = eng_now_ns();
+    int status = open_write(scene, object_idx, first, count, false);
+    if (status == ENG_OK) {
+        uint32_t v = scene->objects[object_idx].vertices.first + first;
+        status = eng_ingest_positions(scene->x[1 - scene->now] + v, format, count, x1);
+    }
+    scene->stage_ns += eng_now_ns() - begin_ns;
+    return status;
+}
+
+int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+                   uint32_t first, uint32_t count, const void *x0, const void *x1)
+{
+    uint64_t begin_ns = eng_now_ns();
+    int status = open_write(scene, object_idx, first, count, true);
+    if (status == ENG_OK) {
+        uint32_t v = scene->objects[object_idx].vertices.first + first;
+        status = eng_ingest_positions(scene->start + v, format, count, x0);
+        if (status == ENG_OK) {
+            status =
+                eng_ingest_positions(scene->x[1 - scene->now] + v, format, count, x1);
+        }
+    }
+    scene->stage_ns += eng_now_ns() - begin_ns;
+    return status;
+}
+
+/* out = R x + t, checked against the coordinate range like any other input. */
+static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
+                     const double m[12])
+{
+    bool bad = false;
+    for (uint32_t i = 0; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
+            const double *row = m + 4 * k;
+            double y =
+                ((row[0] * x[i][0] + row[1] * x[i][1]) + row[2] * x[i][2]) + row[3];
+            out[i][k] = y;
+            bad |= !(y <= ENG_COORDINATE_MAX && y >= -ENG_COORDINATE_MAX);
+        }
+    }
+    return bad ? ENG_E_NOTFINITE : ENG_OK;
+}
+
+int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first,
+                    uint32_t count, const void *m0, const void *m1)
+{
+    uint64_t begin_ns = eng_now_ns();
+    double matrix0[12];
+    double matrix1[12];
+    int status = open_write(scene, object_idx, first, count, true);
+    if (status == ENG_OK) {
+        status = eng_ingest_transform(matrix0, m0);
+    }
+    if (status == ENG_OK) {
+        status = eng_ingest_transform(matrix1, m1);
+    }
+    if (status == ENG_OK) {
+        const struct eng_object *object = &scene->objects[object_idx];
+        const double(*rest)[3] = (const double(*)[3])object->mesh->x + first;
+        uint32_t v = object->vertices.first + first;
+        status = transform(scene->start + v, rest, count, matrix0);
+        if (status == ENG_OK) {
+            status = transform(scene->x[1 - scene->now] + v, rest, count, matrix1);
+        }
+    }
+    scene->stage_ns += eng_now_ns() - begin_ns;
+    return status;
+}
+
+static int compare_writes(const void *a, const void *b)
+{
+    const struct eng_write *wa = a;
+    const struct eng_write *wb = b;
+    if (wa->object != wb->object) {
+        return wa->object < wb->object ? -1 : 1;
+    }
+    return wa->first != wb->first ? (wa->first < wb->first ? -1 : 1) : 0;
+}
+
+/* Clients write in order as a rule, so the sort, which may allocate, is rare. */
+static void sort_writes(struct eng_scene *scene)
+{
+    for (uint32_t i = 1; i < scene->write_count; i++) {
+        if (compare_writes(&scene->writes[i - 1], &scene->writes[i]) > 0) {
+            qsort(scene->writes, scene->write_count, sizeof *scene->writes,
+                  compare_writes);
+            return;
+        }
+    }
+}
+
+static bool writes_overlap(struct eng_scene *scene)
+{
+    sort_writes(scene);
+    for (uint32_t i = 1; i < scene->write_count; i++) {
+        const struct eng_write *below = &scene->writes[i - 1];
+        const struct eng_write *above = &scene->writes[i];
+        if (below->object == above->object &&
+            above->first - below->first < below->count) {
+            return true;
+        }
+    }
+    return false;
+}
+
+int eng_stage_commit(struct eng_scene *scene)
+{
+    uint64_t begin_ns = eng_now_ns();
+    if (!scene->staging) {
+        eng_stage_begin(scene);
+    }
+    if (writes_overlap(scene)) {
+        eng_stage_abort(scene);
+        return ENG_E_OVERLAP;
+    }
+    double(*current)[3] = scene->x[scene->now];
+    for (uint32_t i = 0; i < scene->write_count; i++) {
+        const struct eng_write *write = &scene->writes[i];
+        if (write->has_start) {
+            uint32_t v = scene->objects[write->object].vertices.first + write->first;
+            memcpy(current + v, scene->start + v, write->count * sizeof *current);
+        }
+    }
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        struct eng_object *object = &scene->objects[i];
+        if (object->mesh && object->staged != scene->stage && !object->still) {
+            uint32_t v = object->vertices.first;
+            memcpy(scene->x[1 - scene->now] + v, current + v,
+                   object->vertices.count * sizeof *current);
+            object->still = true;
+        }
+    }
+    scene->now = 1 - scene->now;
+    scene->staging = false;
+    scene->write_count = 0;
+    scene->stage_ns += eng_now_ns() - begin_ns;
+    return ENG_OK;
+}

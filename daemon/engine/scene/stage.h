@@ -1,0 +1,17 @@
+/* daemon/engine/scene/stage.h - from staged writes to the positions of a step.
+ *
+ * Room:     engine. May include: world.h.
+ * Does:     the end of staging, for step.c; scene.h declares the writes themselves.
+ * Threads:  [compute].
+ */
+#ifndef ENG_STAGE_H
+#define ENG_STAGE_H
+
+#include "world.h"
+
+/* Close the staging (if none is open: an empty one) and move the scene on: x[1 - now] is
+ * then t = 0 and x[now] t = 1. ENG_E_OVERLAP: two writes to one vertex; the scene stands
+ * where it stood and the staging is gone. */
+int eng_stage_commit(struct eng_scene *scene);
+
+#endif

@@ -1,0 +1,41 @@
+/* daemon/engine/scene/topology.h - the inside of a mesh.
+ *
+ * Room:     engine. May include: mesh.h.
+ * Does:     show struct eng_mesh to the files that read or derive it: mesh.c, feature.c,
+ *           scene.c. Immutable after commit, so any thread may read it then.
+ * Source:   paper section 3.1; Curtis 2008 (representative triangles).
+ */
+#ifndef ENG_TOPOLOGY_H
+#define ENG_TOPOLOGY_H
+
+#include <stdatomic.h>
+
+#include "mesh.h"
+
+/* Ownership bits of a triangle: bit k: it owns corner k; bit 3 + k: it owns the edge from
+ * corner k to corner (k + 1) mod 3. */
+#define ENG_OWNS_VERTEX(k) (1u << (k))
+#define ENG_OWNS_EDGE(k)   (8u << (k))
+
+#define ENG_NO_EDGE UINT32_MAX /* a side between equal vertices is not an edge */
+
+struct eng_triangle {
+    uint32_t v[3];
+    uint32_t e[3];   /* edge from v[k] to v[(k+1)%3], or ENG_NO_EDGE */
+    uint32_t owns;   /* ENG_OWNS_* */
+    uint32_t object; /* in a scene: object index; in a mesh: 0 */
+};
+
+struct eng_mesh {
+    atomic_uint references;
+    bool committed;
+    uint32_t vertices_received; /* prefix that has arrived */
+    uint32_t triangles_received;
+    struct eng_mesh_info info;
+    double (*x)[3];                 /* [vertex_count] registered positions */
+    uint32_t (*corners)[3];         /* [triangle_count] as received; NULL after commit */
+    struct eng_triangle *triangles; /* [triangle_count] after commit */
+    uint32_t (*edges)[2];           /* [edge_count] after commit */
+};
+
+#endif

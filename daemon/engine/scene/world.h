@@ -1,0 +1,155 @@
+/* daemon/engine/scene/world.h - the inside of a scene: flat arrays over all its objects.
+ *
+ * Room:     engine. May include: aabb.h, range.h, scene.h, topology.h.
+ * Does:     show struct eng_scene to the phases of a step: build, merge, refit,
+ *           traversal, filter, solver, results.
+ * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
+ *
+ * Vertices, edges, triangles and nodes of all objects live in one array each; an object
+ * owns one range of each. Indices into these arrays ("global") name features inside the
+ * engine; records carry object id and local index. So one traversal covers every inter-
+ * and self-collision, and an object comes or goes without touching the others.
+ */
+#ifndef ENG_WORLD_H
+#define ENG_WORLD_H
+
+#include "aabb.h"
+#include "range.h"
+#include "scene.h"
+#include "topology.h"
+
+#define ENG_LEAF    UINT32_MAX /* in eng_node.left */
+#define ENG_NO_NODE UINT32_MAX /* root of an empty scene */
+
+/* The three records with a box. Each is a struct eng_box with named words. */
+struct eng_node {
+    _Alignas(64) float lo0[3];
+    uint32_t left; /* node, or ENG_LEAF */
+    float hi0[3];
+    uint32_t right; /* node; of a leaf: its triangle */
+    float lo1[3];
+    uint32_t count; /* triangles below */
+    float hi1[3];
+    uint32_t object; /* object index; of a node above objects: UINT32_MAX */
+};
+
+struct eng_edge {
+    _Alignas(64) float lo0[3];
+    uint32_t a; /* vertices */
+    float hi0[3];
+    uint32_t b;
+    float lo1[3];
+    uint32_t object;
+    float hi1[3];
+    uint32_t reserved;
+};
+
+struct eng_vertex {
+    _Alignas(64) float lo0[3];
+    uint32_t object;
+    float hi0[3];
+    uint32_t reserved0;
+    float lo1[3];
+    uint32_t reserved1;
+    float hi1[3];
+    uint32_t reserved2;
+};
+
+static_assert(sizeof(struct eng_node) == 64 && offsetof(struct eng_node, left) == 12,
+              "node");
+static_assert(sizeof(struct eng_edge) == 64 && offsetof(struct eng_edge, a) == 12,
+              "edge");
+static_assert(sizeof(struct eng_vertex) == 64 &&
+                  offsetof(struct eng_vertex, object) == 12,
+              "vertex");
+
+static inline struct eng_box *eng_box_of(void *record)
+{
+    return record;
+}
+
+static inline const struct eng_box *eng_box_of_const(const void *record)
+{
+    return record;
+}
+
+struct eng_object {
+    struct eng_mesh *mesh; /* NULL: this index is free */
+    uint32_t id;           /* what records carry */
+    struct eng_range vertices;
+    struct eng_range edges;
+    struct eng_range triangles;
+    struct eng_range nodes; /* pre-order: a parent precedes its children; first = root */
+    bool still;             /* x[0] and x[1] hold the same positions of this object */
+    uint64_t staged;        /* stage number that last wrote to it */
+};
+
+/* A range written by the step being staged. */
+struct eng_write {
+    uint32_t object;
+    uint32_t first; /* local vertex */
+    uint32_t count;
+    bool has_start; /* x0 waits in world->start */
+};
+
+struct eng_step_memory; /* step.c: what one step leaves for the next */
+
+struct eng_scene {
+    struct eng_object *objects;
+    uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
+    uint32_t object_count;
+
+    struct eng_ranges vertex_ranges;
+    struct eng_ranges edge_ranges;
+    struct eng_ranges triangle_ranges;
+    struct eng_ranges node_ranges;
+    uint32_t vertex_capacity; /* of the arrays below */
+    uint32_t edge_capacity;
+    uint32_t triangle_capacity;
+    uint32_t node_capacity;
+
+    /* x[now] holds the positions that the scene stands at. A step writes its end
+     * positions to x[1 - now] and then flips `now`; during and after the step, x[1 - now]
+     * is t = 0 and x[now] is t = 1. */
+    double (*x[2])[3];
+    unsigned now;
+    double (
+        *start)[3]; /* x0 of the step being staged, where given; allocated on first use */
+    uint32_t start_capacity;
+    struct eng_vertex *vertices;
+    struct eng_edge *edges;
+    struct eng_triangle *triangles; /* global indices, .object filled in */
+    struct eng_node *nodes;
+
+    /* The tree over the objects. */
+    struct eng_range top; /* nodes above the objects, pre-order; count 0: none */
+    uint32_t root;        /* ENG_NO_NODE: no objects */
+    bool top_is_stale;    /* objects came or went since it was built */
+
+    /* Staging. */
+    bool staging;
+    uint64_t stage;
+    uint64_t stage_ns;
+    struct eng_write *writes;
+    uint32_t write_count;
+    uint32_t write_capacity;
+
+    struct eng_step_memory *memory;
+    uint64_t builds; /* hierarchies built since the scene was made */
+};
+
+/* The object that staged or stands at `object_idx`, or NULL. */
+struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx);
+
+/* A capacity for `end` items: grown by half, so that adding objects one by one copies
+ * each array a logarithmic number of times. */
+uint32_t eng_world_grown(uint32_t capacity, uint32_t end);
+
+/* Grow one array of items of `bytes`; `array` is the address of the pointer to it, which
+ * is unchanged on failure (ENG_E_NOMEM). */
+int eng_world_grow(void *array, uint32_t capacity, size_t bytes);
+
+/* Make room in the arrays up to `end` of each range allocator. ENG_E_NOMEM: unchanged. */
+int eng_world_reserve(struct eng_scene *scene);
+
+#endif

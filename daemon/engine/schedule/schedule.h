@@ -1,0 +1,33 @@
+/* daemon/engine/schedule/schedule.h - who performs which task unit.
+ *
+ * Room:     engine. May include: team.h.
+ * Does:     run every self-CD task unit of a scene's tree, by one of several schedulers
+ *           behind one signature; the set of pairs tested is the same for all of them.
+ * Threads:  [team]: every thread of the region calls the same scheduler.
+ * Source:   paper sections 4.1 (serial) and 4.3.
+ */
+#ifndef ENG_SCHEDULE_H
+#define ENG_SCHEDULE_H
+
+#include "team.h"
+
+/* Returns when no task is left or the step was stopped. `worker` is the
+ * calling thread's. */
+typedef void (*eng_schedule_fn)(struct eng_team *team, struct eng_worker *worker);
+
+/* All task units from the root on, breadth-first, by the only worker. */
+void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker);
+
+/* Work stealing over task units and pairs. */
+void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker);
+
+/* Before the region: hand the root to the first worker. */
+void eng_schedule_steal_begin(struct eng_team *team);
+
+/* The paper's dynamic assignment, then its high-level nodes. */
+void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker);
+
+/* Inside the region, by one thread: choose low-level and high-level nodes. */
+void eng_schedule_paper_begin(struct eng_team *team);
+
+#endif

@@ -1,0 +1,26 @@
+/* daemon/engine/schedule/schedule_serial.c - all task units by one thread.
+ *
+ * Room:     engine.
+ * Does:     fetch nodes from the task unit queue until it is empty.
+ * Threads:  [compute].
+ * Source:   paper section 4.1, "Serial CCD method".
+ */
+#include "schedule.h"
+
+#include "taskunit.h"
+
+void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker)
+{
+    (void)team;
+    uint32_t root = worker->scene->root;
+    struct eng_task_queue *units = &worker->units;
+    if (root == ENG_NO_NODE) {
+        return;
+    }
+    eng_taskunit_perform(worker, root, true);
+    while (units->head != units->tail && !eng_stop_is_set(worker->stop)) {
+        uint32_t node = units->nodes[units->head++ & (units->capacity - 1)];
+        eng_taskunit_perform(worker, node, true);
+    }
+    eng_taskunit_flush(worker);
+}

@@ -1,0 +1,144 @@
+/* daemon/engine/schedule/schedule_steal.c - work stealing over task units and pairs.
+ *
+ * Room:     engine.
+ * Does:     a task is a node (its self-CD task unit and those below it) or a pair of
+ *           nodes. Large tasks are split and the parts pushed to the worker's own deque;
+ *           small ones are worked through at once. A worker without tasks takes the
+ *           oldest of another.
+ * Threads:  [team].
+ *
+ * Any pair may go to any thread because the tree is not changed during a step. A worker
+ * splits depth first, so its deque holds at most three siblings for each level of a pair
+ * and two for each level of a node: far below its capacity.
+ */
+#include "schedule.h"
+
+#include <sched.h>
+
+#include "clock.h"
+#include "taskunit.h"
+
+/* Triangles below which a task is not split: about 50 us of work against about 0.1 us to
+ * push and pop a task. */
+#define UNIT_GRAIN 512u
+#define PAIR_GRAIN 1024u
+
+/* Failed rounds over all victims before the processor is offered to others. */
+#define ROUNDS_BEFORE_YIELD 64u
+
+static uint64_t task_of(uint32_t n, uint32_t m)
+{
+    return (uint64_t)n << 32 | m;
+}
+
+static void push(struct eng_team *team, struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    /* Relaxed: the pushing task is itself still open, so the count cannot reach zero
+     * meanwhile. */
+    atomic_fetch_add_explicit(&team->open_tasks, 1, memory_order_relaxed);
+    bool pushed = eng_deque_push(&worker->deque, task_of(n, m));
+    assert(pushed);
+    (void)pushed;
+}
+
+void eng_schedule_steal_begin(struct eng_team *team)
+{
+    atomic_init(&team->open_tasks, 0);
+    if (team->scene->root != ENG_NO_NODE) {
+        push(team, team->workers[0], team->scene->root, team->scene->root);
+    }
+}
+
+/* All task units of a small subtree. */
+static void perform_subtree(struct eng_worker *worker, uint32_t node)
+{
+    struct eng_task_queue *units = &worker->units;
+    eng_taskunit_perform(worker, node, true);
+    while (units->head != units->tail && !eng_stop_is_set(worker->stop)) {
+        uint32_t next = units->nodes[units->head++ & (units->capacity - 1)];
+        eng_taskunit_perform(worker, next, true);
+    }
+    units->head = units->tail;
+}
+
+static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint32_t n)
+{
+    const struct eng_node *node = &team->scene->nodes[n];
+    if (node->count <= UNIT_GRAIN) {
+        perform_subtree(worker, n);
+        return;
+    }
+    worker->counters.task_units++;
+    push(team, worker, node->left, node->left);
+    push(team, worker, node->right, node->right);
+    push(team, worker, node->left, node->right);
+}
+
+static void perform_pair(struct eng_team *team, struct eng_worker *worker, uint32_t n,
+                         uint32_t m)
+{
+    const struct eng_node *nodes = team->scene->nodes;
+    if ((uint64_t)nodes[n].count + nodes[m].count <= PAIR_GRAIN) {
+        eng_taskunit_pairs(worker, n, m);
+        return;
+    }
+    uint32_t n_out[4];
+    uint32_t m_out[4];
+    uint32_t count = eng_taskunit_refine(worker, n, m, n_out, m_out);
+    for (uint32_t i = 0; i < count; i++) {
+        push(team, worker, n_out[i], m_out[i]);
+    }
+}
+
+static void perform(struct eng_team *team, struct eng_worker *worker, uint64_t task)
+{
+    uint32_t n = (uint32_t)(task >> 32);
+    uint32_t m = (uint32_t)task;
+    if (!eng_worker_should_stop(worker)) {
+        if (n == m) {
+            perform_unit(team, worker, n);
+        } else {
+            perform_pair(team, worker, n, m);
+        }
+    }
+    /* Release, and acquire for whoever sees zero: what the task wrote is then visible. */
+    atomic_fetch_sub_explicit(&team->open_tasks, 1, memory_order_acq_rel);
+}
+
+/* One round over the other workers, starting behind the own place. */
+static bool steal(struct eng_team *team, uint32_t thread, uint64_t *task)
+{
+    for (uint32_t i = 1; i < team->count; i++) {
+        struct eng_worker *victim = team->workers[(thread + i) % team->count];
+        if (eng_deque_steal(&victim->deque, task)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
+{
+    uint32_t thread = worker->thread;
+    uint32_t failed_rounds = 0;
+    uint64_t begin_ns = eng_now_ns();
+    uint64_t idle_ns = 0;
+    while (atomic_load_explicit(&team->open_tasks, memory_order_acquire) > 0) {
+        uint64_t task;
+        if (eng_deque_pop(&worker->deque, &task)) {
+            perform(team, worker, task);
+            continue;
+        }
+        uint64_t search_ns = eng_now_ns();
+        bool found = steal(team, thread, &task);
+        idle_ns += eng_now_ns() - search_ns;
+        if (found) {
+            failed_rounds = 0;
+            perform(team, worker, task);
+        } else if (++failed_rounds % ROUNDS_BEFORE_YIELD == 0) {
+            sched_yield();
+        }
+    }
+    eng_taskunit_flush(worker);
+    worker->busy_ns = eng_now_ns() - begin_ns - idle_ns;
+}

@@ -1,0 +1,211 @@
+/* daemon/engine/schedule/taskunit.c - the self-CD task unit.
+ *
+ * Room:     engine.
+ * Does:     fetch a pair of overlapping nodes, refine both into up to four pairs, test
+ *           their boxes; two leaves become candidates through the features they own.
+ * Threads:  [team].
+ * Source:   paper section 4.1. The pair queue is taken from the end (the paper allows a
+ *           queue or a stack, section 3.2), which bounds its length by the depth of the
+ *           trees.
+ */
+#include "taskunit.h"
+
+#include "test.h"
+
+/* Pairs of one task unit between two looks at the clock, when no chunk fills up. */
+#define PAIRS_PER_LOOK 65536u
+
+static inline bool overlap(const struct eng_worker *worker, const void *a, const void *b)
+{
+    const struct eng_box *box_a = eng_box_of_const(a);
+    const struct eng_box *box_b = eng_box_of_const(b);
+    if (!eng_box_overlap(box_a, box_b)) {
+        return false;
+    }
+    return worker->box_bound >= 1 ||
+           eng_box_overlap_until(box_a, box_b, worker->box_bound);
+}
+
+static void emit(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint32_t b)
+{
+    struct eng_chunk *chunk = kind == ENG_VF ? &worker->vf : &worker->ee;
+    chunk->a[chunk->count] = a;
+    chunk->b[chunk->count] = b;
+    if (++chunk->count == ENG_CHUNK_MAX) {
+        eng_test_chunk(worker, kind);
+    }
+}
+
+/* Vertices that triangle `t` owns against the face of `leaf`. */
+static void vertices_against_face(struct eng_worker *worker, uint32_t t,
+                                  const struct eng_node *leaf)
+{
+    const struct eng_scene *scene = worker->scene;
+    const struct eng_triangle *triangle = &scene->triangles[t];
+    const uint32_t *face = scene->triangles[leaf->right].v;
+    for (unsigned k = 0; k < 3; k++) {
+        uint32_t v = triangle->v[k];
+        if ((triangle->owns & ENG_OWNS_VERTEX(k)) && v != face[0] && v != face[1] &&
+            v != face[2] && overlap(worker, &scene->vertices[v], leaf)) {
+            emit(worker, ENG_VF, v, leaf->right);
+        }
+    }
+}
+
+/* The order in which records name two edges. */
+static bool comes_first(const struct eng_scene *scene, uint32_t a, uint32_t b)
+{
+    uint32_t object_a = scene->edges[a].object;
+    uint32_t object_b = scene->edges[b].object;
+    return object_a == object_b
+               ? a < b
+               : scene->objects[object_a].id < scene->objects[object_b].id;
+}
+
+static void edges_against_edges(struct eng_worker *worker, const struct eng_triangle *ta,
+                                const struct eng_triangle *tb)
+{
+    const struct eng_scene *scene = worker->scene;
+    for (unsigned i = 0; i < 3; i++) {
+        if (!(ta->owns & ENG_OWNS_EDGE(i))) {
+            continue;
+        }
+        const struct eng_edge *a = &scene->edges[ta->e[i]];
+        for (unsigned j = 0; j < 3; j++) {
+            if (!(tb->owns & ENG_OWNS_EDGE(j))) {
+                continue;
+            }
+            const struct eng_edge *b = &scene->edges[tb->e[j]];
+            if (a->a == b->a || a->a == b->b || a->b == b->a || a->b == b->b ||
+                !overlap(worker, a, b)) {
+                continue;
+            }
+            if (comes_first(scene, ta->e[i], tb->e[j])) {
+                emit(worker, ENG_EE, ta->e[i], tb->e[j]);
+            } else {
+                emit(worker, ENG_EE, tb->e[j], ta->e[i]);
+            }
+        }
+    }
+}
+
+static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
+                      const struct eng_node *m)
+{
+    worker->counters.leaf_pairs++;
+    vertices_against_face(worker, n->right, m);
+    vertices_against_face(worker, m->right, n);
+    edges_against_edges(worker, &worker->scene->triangles[n->right],
+                        &worker->scene->triangles[m->right]);
+}
+
+/* BV overlap test of a pair: what passes waits for its refinement, or, between two
+ * leaves, is a pair of triangles. Testing before queueing halves the nodes fetched: a
+ * refinement meets four boxes and tests each twice. */
+static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    const struct eng_node *nodes = worker->scene->nodes;
+    struct eng_pair_queue *pairs = &worker->pairs;
+    worker->counters.box_tests++;
+    if (!overlap(worker, &nodes[n], &nodes[m])) {
+        return;
+    }
+    if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
+        leaf_pair(worker, &nodes[n], &nodes[m]);
+        return;
+    }
+    assert(pairs->count < ENG_PAIRS_MAX);
+    pairs->n[pairs->count] = n;
+    pairs->m[pairs->count] = m;
+    pairs->count++;
+}
+
+/* Refine both nodes of a pair; a leaf stands for itself. */
+static uint32_t refine(const struct eng_node *nodes, uint32_t n, uint32_t m,
+                       uint32_t n_out[4], uint32_t m_out[4])
+{
+    uint32_t ns[2] = {n, n};
+    uint32_t ms[2] = {m, m};
+    uint32_t n_count = 1;
+    uint32_t m_count = 1;
+    if (nodes[n].left != ENG_LEAF) {
+        ns[0] = nodes[n].left;
+        ns[1] = nodes[n].right;
+        n_count = 2;
+    }
+    if (nodes[m].left != ENG_LEAF) {
+        ms[0] = nodes[m].left;
+        ms[1] = nodes[m].right;
+        m_count = 2;
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < n_count; i++) {
+        for (uint32_t j = 0; j < m_count; j++) {
+            n_out[count] = ns[i];
+            m_out[count++] = ms[j];
+        }
+    }
+    return count;
+}
+
+void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    struct eng_pair_queue *pairs = &worker->pairs;
+    test_pair(worker, n, m);
+    for (uint64_t refined = 1; pairs->count > 0 && !eng_stop_is_set(worker->stop);
+         refined++) {
+        uint32_t n_out[4];
+        uint32_t m_out[4];
+        pairs->count--;
+        uint32_t count = refine(worker->scene->nodes, pairs->n[pairs->count],
+                                pairs->m[pairs->count], n_out, m_out);
+        for (uint32_t i = 0; i < count; i++) {
+            test_pair(worker, n_out[i], m_out[i]);
+        }
+        if (refined % PAIRS_PER_LOOK == 0) {
+            eng_worker_should_stop(worker);
+        }
+    }
+    pairs->count = 0;
+}
+
+uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
+                             uint32_t n_out[4], uint32_t m_out[4])
+{
+    const struct eng_node *nodes = worker->scene->nodes;
+    worker->counters.box_tests++;
+    if (!overlap(worker, &nodes[n], &nodes[m])) {
+        return 0;
+    }
+    if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
+        leaf_pair(worker, &nodes[n], &nodes[m]);
+        return 0;
+    }
+    return refine(nodes, n, m, n_out, m_out);
+}
+
+static void push_unit(struct eng_task_queue *units, uint32_t node)
+{
+    assert(units->tail - units->head < units->capacity);
+    units->nodes[units->tail++ & (units->capacity - 1)] = node;
+}
+
+void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children)
+{
+    const struct eng_node *nodes = worker->scene->nodes;
+    if (nodes[node].left == ENG_LEAF) {
+        return;
+    }
+    worker->counters.task_units++;
+    if (push_children) {
+        push_unit(&worker->units, nodes[node].left);
+        push_unit(&worker->units, nodes[node].right);
+    }
+    eng_taskunit_pairs(worker, nodes[node].left, nodes[node].right);
+}
+
+void eng_taskunit_flush(struct eng_worker *worker)
+{
+    eng_test_chunk(worker, ENG_VF);
+    eng_test_chunk(worker, ENG_EE);
+}

@@ -1,0 +1,146 @@
+/* daemon/engine/schedule/worker.c - what one thread of a step owns.
+ *
+ * Room:     engine.
+ * Does:     begin a step, watch clock and cancel flag, share the bound on time.
+ * Threads:  [team]; a worker belongs to one thread.
+ */
+#include "worker.h"
+
+#include <string.h>
+
+#include "clock.h"
+#include "memory.h"
+
+void eng_worker_init(struct eng_worker *worker)
+{
+    memset(worker, 0, sizeof *worker);
+    eng_exact_init(&worker->exact);
+    eng_deque_init(&worker->deque);
+}
+
+void eng_worker_deinit(struct eng_worker *worker)
+{
+    eng_exact_deinit(&worker->exact);
+    eng_free(worker->units.nodes);
+    worker->units.nodes = NULL;
+}
+
+/* The queue never holds two nodes of which one is below the other, so the leaves' number
+ * bounds it. */
+static int reserve_units(struct eng_task_queue *units, uint32_t leaf_count)
+{
+    uint32_t capacity = 64;
+    while (capacity < leaf_count) {
+        capacity *= 2; /* leaf_count <= 2^31 - 1 */
+    }
+    if (capacity <= units->capacity) {
+        return ENG_OK;
+    }
+    uint32_t *nodes = eng_alloc(capacity, sizeof *nodes);
+    if (!nodes) {
+        return ENG_E_NOMEM;
+    }
+    eng_free(units->nodes);
+    units->nodes = nodes;
+    units->capacity = capacity;
+    return ENG_OK;
+}
+
+int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
+                     const struct eng_step_settings *settings, struct eng_stop *stop,
+                     struct eng_pool *pool)
+{
+    uint32_t leaf_count =
+        scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
+    int status = reserve_units(&worker->units, leaf_count);
+    if (status != ENG_OK) {
+        return status;
+    }
+    worker->scene = scene;
+    worker->settings = settings;
+    worker->stop = stop;
+    worker->time_bound = 1;
+    worker->box_bound = 1;
+    worker->units.head = 0;
+    worker->units.tail = 0;
+    worker->pairs.count = 0;
+    worker->vf.count = 0;
+    worker->ee.count = 0;
+    worker->exact.queries = 0;
+    worker->possible_seen = 0;
+    worker->proved_seen = 0;
+    worker->tests_ns = 0;
+    worker->busy_ns = 0;
+    memset(&worker->counters, 0, sizeof worker->counters);
+    eng_found_begin(&worker->found, pool,
+                    settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)
+                                                     : sizeof(struct eng_contact),
+                    settings->contact_max);
+    return ENG_OK;
+}
+
+void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings)
+{
+    const double whole_step = 1;
+    uint64_t bits;
+    memcpy(&bits, &whole_step, sizeof bits);
+    stop->cancel = settings->cancel;
+    stop->deadline_ns = settings->deadline_ns;
+    atomic_init(&stop->reason, ENG_COMPLETE);
+    atomic_init(&stop->stopped, false);
+    atomic_init(&stop->time_bound, bits);
+}
+
+static void stop_for(struct eng_stop *stop, enum eng_incomplete reason)
+{
+    atomic_store_explicit(&stop->reason, reason, memory_order_relaxed);
+    atomic_store_explicit(&stop->stopped, true, memory_order_relaxed);
+}
+
+double eng_stop_time_bound(const struct eng_stop *stop)
+{
+    uint64_t bits = atomic_load_explicit(&stop->time_bound, memory_order_relaxed);
+    double bound;
+    memcpy(&bound, &bits, sizeof bound);
+    return bound;
+}
+
+/* Take over the bound that others have found. */
+static void look_at_bound(struct eng_worker *worker)
+{
+    double bound = eng_stop_time_bound(worker->stop);
+    if (bound < worker->time_bound) {
+        worker->time_bound = bound;
+        /* A record kept for its toi may begin up to a tolerance later, so the boxes must
+         * let it through however soon the bound was known. */
+        worker->box_bound = eng_round_up(bound + worker->settings->tolerance);
+    }
+}
+
+bool eng_worker_should_stop(struct eng_worker *worker)
+{
+    struct eng_stop *stop = worker->stop;
+    look_at_bound(worker);
+    if (eng_stop_is_set(stop)) {
+        return true;
+    }
+    if (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) {
+        stop_for(stop, ENG_INCOMPLETE_CANCELLED);
+    } else if (stop->deadline_ns != 0 && eng_now_ns() >= stop->deadline_ns) {
+        stop_for(stop, ENG_INCOMPLETE_DEADLINE);
+    }
+    return eng_stop_is_set(stop);
+}
+
+void eng_worker_tighten(struct eng_worker *worker, double time)
+{
+    uint64_t mine;
+    memcpy(&mine, &time, sizeof mine);
+    uint64_t bound =
+        atomic_load_explicit(&worker->stop->time_bound, memory_order_relaxed);
+    while (mine < bound && !atomic_compare_exchange_weak_explicit(
+                               &worker->stop->time_bound, &bound, mine,
+                               memory_order_relaxed, memory_order_relaxed)) {
+    }
+    look_at_bound(worker);
+}

@@ -1,0 +1,112 @@
+/* daemon/engine/schedule/worker.h - what one thread of a step owns.
+ *
+ * Room:     engine. May include: deque.h, exact.h, filter.h, result.h, world.h.
+ * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
+ *           scratch of the solver and the records found: the one interface through which
+ *           schedule, traversal, filter, solver and results meet. A step's workers share
+ *           nothing but the scene (read-only) and struct eng_stop.
+ * Threads:  [team]; a worker belongs to one thread.
+ */
+#ifndef ENG_WORKER_H
+#define ENG_WORKER_H
+
+#include "deque.h"
+#include "exact.h"
+#include "filter.h"
+#include "result.h"
+#include "world.h"
+
+#define ENG_THREADS_MAX 256u /* of one step */
+
+/* Candidates of one kind on their way from traversal to tests: 8 KiB, so that a chunk and
+ * what its queries touch stay in the cache. Global indices; VF: vertex and triangle, EE:
+ * two edges, the one that records name first in front. */
+#define ENG_CHUNK_MAX 1024u
+
+struct eng_chunk {
+    uint32_t count;
+    uint32_t a[ENG_CHUNK_MAX];
+    uint32_t b[ENG_CHUNK_MAX];
+};
+
+/* Collision test pairs, taken from the end: with four pairs pushed for one taken, a tree
+ * pair of depth d needs 3 d + 1 places. Median splits bound d by 32 for an object and 17
+ * for the tree over objects (65 536 of them), on either side of a pair. */
+#define ENG_PAIRS_MAX 512u
+
+struct eng_pair_queue {
+    uint32_t count;
+    uint32_t n[ENG_PAIRS_MAX];
+    uint32_t m[ENG_PAIRS_MAX];
+};
+
+/* Nodes whose self-CD task unit is to be done, first in first out: breadth-first, so the
+ * front node is never smaller than one behind it (paper 4.3). A ring of a power
+ * of two. */
+struct eng_task_queue {
+    uint32_t *nodes;
+    uint32_t capacity;
+    uint32_t head; /* free-running */
+    uint32_t tail;
+};
+
+/* What the workers of a step share besides the scene. */
+struct eng_stop {
+    const atomic_bool *cancel;
+    uint64_t deadline_ns;
+    atomic_int reason;   /* enum eng_incomplete, set by the worker that saw it */
+    atomic_bool stopped; /* by deadline, cancel or a proved contact in mode any */
+    /* Mode first: no contact after this time is wanted; else 1. The bits of a double: for
+     * positive numbers they have the order of the numbers, so a minimum is
+     * an integer's. */
+    atomic_uint_fast64_t time_bound;
+};
+
+/* Every access is relaxed: these are hints that only save work, and the end of the
+ * parallel region orders them before anybody reads the outcome. */
+static inline bool eng_stop_is_set(const struct eng_stop *stop)
+{
+    return atomic_load_explicit(&stop->stopped, memory_order_relaxed);
+}
+
+struct eng_worker {
+    const struct eng_scene *scene;
+    const struct eng_step_settings *settings;
+    struct eng_stop *stop;
+    uint32_t thread;        /* place in the team */
+    double time_bound;      /* the shared one as last seen */
+    float box_bound;        /* the same and the tolerance, rounded up */
+    struct eng_deque deque; /* work stealing: tasks that others may take */
+    struct eng_task_queue units;
+    struct eng_pair_queue pairs;
+    struct eng_chunk vf;
+    struct eng_chunk ee;
+    struct eng_found found;
+    struct eng_exact exact;
+    struct eng_step_counters counters;
+    uint64_t possible_seen; /* mode any */
+    uint64_t proved_seen;
+    uint64_t tests_ns;
+    uint64_t busy_ns; /* in traversal and tests, without waiting for work */
+};
+
+void eng_worker_init(struct eng_worker *worker);
+void eng_worker_deinit(struct eng_worker *worker);
+
+/* Get ready for a step. ENG_E_NOMEM: the task queue cannot hold the scene's nodes. */
+int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
+                     const struct eng_step_settings *settings, struct eng_stop *stop,
+                     struct eng_pool *pool);
+
+/* The bound as it stands; after the region: the final one. */
+double eng_stop_time_bound(const struct eng_stop *stop);
+
+void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings);
+
+/* Should the worker stop? Looks at the clock and at the cancel flag. */
+bool eng_worker_should_stop(struct eng_worker *worker);
+
+/* Mode first: a proved contact has certainly begun at `time`. */
+void eng_worker_tighten(struct eng_worker *worker, double time);
+
+#endif

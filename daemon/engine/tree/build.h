@@ -1,0 +1,28 @@
+/* build.h - the hierarchy of one object, and the tree over the objects.
+ *
+ * Room:     engine. May include: world.h.
+ * Does:     median split of centroids along the longest axis; node order is pre-order.
+ * Does not: keep boxes up to date (refit.h).
+ * Threads:  [compute].
+ * Source:   paper sections 6.2 (median partition) and 7 (merging the objects'
+ *           hierarchies).
+ */
+#ifndef ENG_BUILD_H
+#define ENG_BUILD_H
+
+#include "world.h"
+
+/* Build the hierarchy of an object in its node range from the positions that the scene
+ * stands at: links, counts and triangles; boxes are left to refit. ENG_E_NOMEM. */
+int eng_build_object(struct eng_scene *scene, uint32_t object_idx);
+
+/* Build the tree over all objects from the boxes of their roots, and set scene->root.
+ * Takes its nodes from the scene. ENG_E_NOMEM, ENG_E_LIMIT: the old tree stays, still
+ * stale. */
+int eng_build_top(struct eng_scene *scene);
+
+/* Every parent precedes its children and contains them at both ends, counts add up, every
+ * triangle of every object is in exactly one leaf. Test and debug builds. */
+bool eng_tree_validate(const struct eng_scene *scene);
+
+#endif

@@ -1,0 +1,25 @@
+/* daemon/engine/tree/median.h - split a list at its median along an axis.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     partial sort of items by one coordinate of their centroid.
+ * Threads:  [any]; no allocation.
+ * Source:   Hoare 1961 (selection); Musser 1997 (a bound on it for unlucky or hostile
+ *           input).
+ */
+#ifndef ENG_MEDIAN_H
+#define ENG_MEDIAN_H
+
+#include <stdint.h>
+
+struct eng_split_item {
+    float centroid[3];
+    uint32_t id; /* triangle, or root node of an object; distinct within a list */
+};
+
+/* Reorder items[count] so that none of the first `middle` comes after any of the rest
+ * along `axis` (0 .. 2); equal centroids are ordered by id, so the halves are the same
+ * sets whatever the order was. O(count) as a rule, O(count log count) at worst. */
+void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t middle,
+                      int axis);
+
+#endif
