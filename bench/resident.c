@@ -23,7 +23,7 @@ void bench_world_init(struct bench_world *world, const struct bench_scene *sourc
 {
     world->source = source;
     world->frame = frame;
-    must(eng_scene_new(&world->scene), "eng_scene_new");
+    must(eng_scene_new(NULL, &world->scene), "eng_scene_new");
     for (uint32_t i = 0; i < source->object_count; i++) {
         const struct bench_object *object = &source->objects[i];
         struct eng_mesh *mesh;

@@ -63,6 +63,8 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/assignment.h \
     daemon/engine/schedule/deque.c \
     daemon/engine/schedule/deque.h \
+    daemon/engine/schedule/place.c \
+    daemon/engine/schedule/place.h \
     daemon/engine/schedule/schedule.h \
     daemon/engine/schedule/schedule_paper.c \
     daemon/engine/schedule/schedule_serial.c \
@@ -70,6 +72,8 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/taskunit.c \
     daemon/engine/schedule/taskunit.h \
     daemon/engine/schedule/team.h \
+    daemon/engine/schedule/trace.c \
+    daemon/engine/schedule/trace.h \
     daemon/engine/schedule/worker.c \
     daemon/engine/schedule/worker.h \
     daemon/engine/status.h \

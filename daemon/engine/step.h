@@ -14,6 +14,9 @@
 
 #include "scene.h"
 
+struct eng_places;
+struct eng_trace;
+
 enum eng_mode {
     ENG_MODE_ALL = 0,
     ENG_MODE_FIRST = 1,
@@ -25,6 +28,16 @@ enum eng_method { ENG_METHOD_DEFAULT = 0, ENG_METHOD_PAPER = 1 };
 enum eng_scheduler {
     ENG_SCHEDULER_STEAL = 0, /* work stealing over task units and pairs */
     ENG_SCHEDULER_PAPER = 1  /* dynamic assignment and high-level nodes (sections 4, 5) */
+};
+/* How threads share a high-level task unit of the paper's scheduler (section 5.1). */
+enum eng_high_level {
+    ENG_HIGH_ROUND_ROBIN = 0, /* its pairs dealt out; a lock where a node is rebuilt */
+    ENG_HIGH_DISJOINT = 1     /* pairs without a common node at a time; no lock */
+};
+/* How threads share the refit. */
+enum eng_refit_scheme {
+    ENG_REFIT_EVEN = 0, /* many small subtrees, taken on demand */
+    ENG_REFIT_PAPER = 1 /* 2k subtrees, the first k dealt out (section 6.1) */
 };
 enum eng_kind { ENG_VF = 0, ENG_EE = 1 };
 enum eng_verdict {
@@ -73,14 +86,39 @@ struct eng_step_settings {
     uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0 = none */
     const atomic_bool *cancel; /* set by any thread to stop the step; may be NULL */
     uint64_t contact_max; /* records kept at most; beyond it the answer is incomplete */
-    enum eng_scheduler scheduler; /* of steps by more than one thread */
+    enum eng_scheduler scheduler; /* of steps by more than one thread, as the next two */
+    enum eng_high_level high_level;
+    enum eng_refit_scheme refit;
+    const struct eng_places *places; /* where threads belong (place.h); NULL: anywhere */
+    struct eng_trace *trace;         /* what is recorded to (trace.h); NULL: nothing */
 };
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
         ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                   \
-            ENG_SCHEDULER_STEAL                                                          \
+            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL        \
     }
+
+/* What one thread of a step did. Times in nanoseconds of that thread. */
+struct eng_thread_record {
+    uint64_t task_units;   /* self-CD task units */
+    uint64_t pairs;        /* pairs of nodes refined */
+    uint64_t box_tests;    /* pairs of nodes tested */
+    uint64_t tests;        /* elementary tests: candidates it sent to the filter */
+    uint64_t steals;       /* tasks taken from others; nodes received from others */
+    uint64_t requests;     /* rounds over the victims; requests placed */
+    uint64_t given;        /* nodes handed to others (the paper's scheduler) */
+    uint64_t sleeps;       /* times it slept for want of work */
+    uint64_t rebuilds;     /* subtrees reconstructed during traversal */
+    uint64_t lock_waits;   /* times it waited for another's reconstruction */
+    uint64_t refit_ns;
+    uint64_t low_ns;       /* traversal and tests; of high-level nodes: high_ns */
+    uint64_t high_ns;
+    uint64_t tests_ns;     /* of the two above: filters and solver */
+    uint64_t rebuild_ns;   /* of the two above: reconstruction */
+    uint64_t wait_ns;      /* without work, between the step's barriers */
+    uint64_t merge_ns;     /* sort and gather */
+};
 
 struct eng_step_counters {
     uint64_t task_units;    /* self-CD task units processed */
@@ -90,6 +128,10 @@ struct eng_step_counters {
     uint64_t candidates_ee;
     uint64_t survivors; /* of these, not rejected by the filter */
     uint64_t exact;     /* queries that needed exact arithmetic */
+    uint64_t rebuilds;          /* subtrees reconstructed during traversal (6.2) */
+    uint64_t rebuilt_triangles; /* triangles below them */
+    uint64_t swaps;             /* large subtrees, built aside, put in place */
+    uint64_t swapped_triangles;
     uint64_t builds;    /* hierarchies built during the step */
     uint64_t allocs;    /* allocations made during the step */
 };
@@ -101,6 +143,9 @@ struct eng_step_times { /* nanoseconds */
     uint64_t tests;
     uint64_t merge;
     uint64_t step; /* the sum and what lies between */
+    uint64_t low;     /* wall time of low-level nodes; by stealing: of all nodes */
+    uint64_t high;    /* of high-level nodes; low + high = traversal + tests */
+    uint64_t rebuild; /* sum over the threads: reconstruction, subtrees built aside */
 };
 
 struct eng_step_result {
@@ -119,6 +164,7 @@ struct eng_step_result {
     uint64_t hash_hi; /* XXH3-128 of the records; mode ANY: of the verdict as uint32_t */
     uint64_t hash_lo;
     uint32_t threads;
+    const struct eng_thread_record *thread_records; /* [threads]; valid as records */
     struct eng_step_counters counters;
     struct eng_step_times times;
 };

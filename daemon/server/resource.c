@@ -145,7 +145,7 @@ int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine)
     srv_assert_compute();
     int status = 0;
     if (scene->engine == NULL) {
-        status = srv_wire_status(eng_scene_new(&scene->engine));
+        status = srv_wire_status(eng_scene_new(NULL, &scene->engine));
     }
     *engine = scene->engine;
     return status;

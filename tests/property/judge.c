@@ -109,7 +109,7 @@ void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance)
     memset(judge, 0, sizeof *judge);
     judge->sums = sums;
     judge->tolerance = tolerance;
-    assert_int_equal(eng_scene_new(&judge->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &judge->scene), ENG_OK);
 }
 
 static void object_deinit(struct judge_object *object)

@@ -50,7 +50,7 @@ static struct eng_scene *run(struct eng_mesh *mesh, uint32_t vertex_count, point
     struct eng_scene *scene = NULL;
     uint32_t object_idx;
     settings.threads = threads;
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), ENG_OK);
     eng_stage_begin(scene);
     assert_int_equal(eng_stage_x1(scene, object_idx, ENG_F64, 0, vertex_count, x1),

@@ -21,7 +21,7 @@
 static struct eng_scene *new_scene(void)
 {
     struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     return scene;
 }
 

@@ -246,7 +246,7 @@ static void live(struct diary *diary)
     uint32_t idx[20];
     diary->count = 0;
     struct eng_mesh *mesh = make_sheet();
-    RETRY(eng_scene_new(&scene));
+    RETRY(eng_scene_new(NULL, &scene));
     step(scene, ENG_MODE_ALL, 0, diary);
     for (uint32_t i = 0; i < 3; i++) {
         RETRY(eng_scene_add(scene, mesh, i, &idx[i]));
@@ -323,7 +323,7 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
     }
     for (uint64_t n = 1; n <= 2; n++) {
         countdown = n;
-        assert_int_equal(eng_scene_new(&scene), ENG_E_NOMEM);
+        assert_int_equal(eng_scene_new(NULL, &scene), ENG_E_NOMEM);
         assert_null(scene);
         assert_int_equal(held_blocks, 0);
     }
@@ -333,7 +333,7 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
     for (uint64_t n = 1; status != ENG_OK; n++) {
         uint32_t idx = 77;
         uint64_t before = allocations;
-        assert_int_equal(eng_scene_new(&scene), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
         uint64_t made = allocations - before;
         countdown = n;
         status = eng_scene_add(scene, mesh, 1, &idx);

@@ -22,7 +22,7 @@
 static struct eng_scene *new_scene(struct kit_random *random, uint32_t objects)
 {
     struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     for (uint32_t i = 0; i < objects; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_soup(random, VERTICES / 3);

@@ -26,7 +26,7 @@ struct fixture {
 static int setup(void **state)
 {
     static struct fixture fixture;
-    assert_int_equal(eng_scene_new(&fixture.scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &fixture.scene), ENG_OK);
     for (uint32_t i = 0; i < OBJECTS; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_sheet(3, i);

@@ -44,7 +44,7 @@ static int setup(void **state)
 {
     static struct fixture f;
     struct kit_random random = {90};
-    assert_int_equal(eng_scene_new(&f.scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
     f.sheet = add(f.scene, kit_sheet(SHEET_SIDE, 0.5), SHEET);
     struct eng_mesh *soup = kit_soup(&random, SOUP_TRIANGLES);
     f.soup = add(f.scene, eng_mesh_acquire(soup), SOUP);
@@ -248,7 +248,7 @@ static void step__first_is_found_whatever_is_found_before(void **state)
         for (uint32_t v = 0; v < 3 * RAIN; v++) {
             lowest = x[v][2] < lowest ? x[v][2] : lowest;
         }
-        assert_int_equal(eng_scene_new(&scene), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
         add(scene, kit_sheet(1 + (uint32_t)round % 3, 0), 1);
         add(scene,
             kit_mesh((const double(*)[3])x, 3 * RAIN, (const uint32_t(*)[3])triangles,
@@ -357,7 +357,7 @@ static struct eng_scene *hostile_scene(struct kit_random *random)
     struct eng_scene *scene = NULL;
     double x[120][3];
     uint32_t triangles[40][3];
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     for (uint32_t i = 0; i < 360; i++) {
         double scale = kit_below(random, 2) ? 0x1p-1070 : 0x1p57;
         x[i / 3][i % 3] = kit_integer(random, 3) * scale;
@@ -395,7 +395,7 @@ static void step__empty_scene_and_single_object_have_no_contacts(void **state)
 {
     (void)state;
     struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     for (int objects = 0; objects < 2; objects++) {
         for (int mode = ENG_MODE_ALL; mode <= ENG_MODE_PAIRS; mode++) {
             struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
@@ -424,7 +424,7 @@ static void step__one_object_meets_itself(void **state)
     struct eng_step_result result;
     const double corner[1][3] = {{0.6, 0.55, 0.5}};
     const double below[1][3] = {{0.6, 0.55, -0.5}};
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     add(scene, kit_sheet(4, 0), 9);
     eng_stage_begin(scene); /* vertex 0 is lifted over the sheet ... */
     assert_int_equal(eng_stage_x0x1(scene, 0, ENG_F64, 0, 1, corner, corner), ENG_OK);
@@ -509,7 +509,7 @@ static void step__object_ids_decide_the_order(void **state)
         struct eng_scene *scene = NULL;
         struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
         struct eng_step_result result;
-        assert_int_equal(eng_scene_new(&scene), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
         add(scene, kit_sheet(2, 0), ids[order][0]);
         add(scene, kit_sheet(3, 0), ids[order][1]); /* in the same plane: touching */
         assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
@@ -538,7 +538,7 @@ static void step__two_instances_of_one_mesh_are_two_objects(void **state)
     const double up[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, 1};
     const double down[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, -1};
     struct eng_mesh *mesh = kit_sheet(2, 0);
-    assert_int_equal(eng_scene_new(&scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     uint32_t a = add(scene, eng_mesh_acquire(mesh), 1);
     uint32_t b = add(scene, mesh, 2); /* nobody but the scene holds the mesh now */
     eng_stage_begin(scene);

@@ -45,7 +45,7 @@ static int setup(void **state)
     struct kit_random random = {97};
     uint32_t sheet;
     assert_non_null(f);
-    assert_int_equal(eng_scene_new(&f->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &f->scene), ENG_OK);
     struct eng_mesh *mesh = kit_sheet(SHEET_SIDE, 0.5);
     assert_int_equal(eng_scene_add(f->scene, mesh, 2, &sheet), ENG_OK);
     eng_mesh_release(mesh);

@@ -128,7 +128,7 @@ static int setup(void **state)
 {
     static struct fixture f;
     struct kit_random random = {95};
-    assert_int_equal(eng_scene_new(&f.scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
     for (uint32_t i = 0; i < 3; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_sheet(SIDE, 0);

@@ -15,13 +15,26 @@
 #include "step_memory.h"
 #include "world.h"
 
-int eng_scene_new(struct eng_scene **scene)
+static bool settings_are_valid(const struct eng_scene_settings *settings)
 {
+    return settings->quality >= ENG_QUALITY_MEDIAN &&
+           settings->quality <= ENG_QUALITY_SAH && settings->rebuild_ratio >= 0 &&
+           settings->rebuild_ratio <= 1 && settings->rebuild_triangles_max >= 1;
+}
+
+int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **scene)
+{
+    const struct eng_scene_settings defaults = ENG_SCENE_SETTINGS_DEFAULT;
+    settings = settings ? settings : &defaults;
+    if (!settings_are_valid(settings)) {
+        return ENG_E_INVAL;
+    }
     struct eng_scene *s = eng_alloc(1, sizeof *s);
     if (!s) {
         return ENG_E_NOMEM;
     }
     memset(s, 0, sizeof *s);
+    s->settings = *settings;
     eng_ranges_init(&s->vertex_ranges, ENG_COUNT_MAX);
     eng_ranges_init(&s->edge_ranges, ENG_COUNT_MAX);
     eng_ranges_init(&s->triangle_ranges, ENG_COUNT_MAX);
@@ -174,6 +187,35 @@ static void copy_in(struct eng_scene *scene, const struct eng_object *object,
            object->nodes.count * sizeof *scene->nodes);
 }
 
+/* Make an object of `mesh` at a place of the table, with ranges and hierarchy of its own.
+ * On failure the place holds what it held. */
+static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
+                 uint32_t object_id)
+{
+    struct eng_object object = {.id = object_id, .still = true};
+    struct eng_mesh_info info;
+    eng_mesh_get_info(mesh, &info);
+    int status = take_all(scene, &object, &info);
+    if (status != ENG_OK) {
+        return status;
+    }
+    struct eng_object before = scene->objects[idx];
+    object.mesh = mesh;
+    copy_in(scene, &object, idx);
+    scene->objects[idx] = object;
+    status = eng_build_object(scene, idx);
+    if (status != ENG_OK) {
+        give_all(scene, &scene->objects[idx]);
+        scene->objects[idx] = before;
+        return status;
+    }
+    eng_mesh_acquire(mesh);
+    eng_refit_object(scene, &scene->objects[idx]);
+    scene->top_is_stale = true;
+    eng_step_memory_forget(scene->memory);
+    return ENG_OK;
+}
+
 int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t object_id,
                   uint32_t *object_idx)
 {
@@ -182,31 +224,33 @@ int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t objec
     }
     uint32_t idx;
     int status = find_place(scene, object_id, &idx);
+    if (status == ENG_OK) {
+        status = place(scene, idx, mesh, object_id);
+    }
     if (status != ENG_OK) {
         return status;
     }
-    struct eng_object object = {.id = object_id, .still = true};
-    struct eng_mesh_info info;
-    eng_mesh_get_info(mesh, &info);
-    status = take_all(scene, &object, &info);
-    if (status != ENG_OK) {
-        return status;
-    }
-    object.mesh = mesh;
-    copy_in(scene, &object, idx);
-    scene->objects[idx] = object;
-    status = eng_build_object(scene, idx);
-    if (status != ENG_OK) {
-        scene->objects[idx].mesh = NULL;
-        give_all(scene, &scene->objects[idx]);
-        return status;
-    }
-    eng_mesh_acquire(mesh);
-    eng_refit_object(scene, &scene->objects[idx]);
     scene->object_count++;
-    scene->top_is_stale = true;
-    eng_step_memory_forget(scene->memory);
     *object_idx = idx;
+    return ENG_OK;
+}
+
+int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx, struct eng_mesh *mesh)
+{
+    struct eng_object *object = eng_scene_object(scene, object_idx);
+    if (!object) {
+        return ENG_E_INVAL;
+    }
+    if (scene->staging || !eng_mesh_is_committed(mesh)) {
+        return ENG_E_STATE;
+    }
+    struct eng_object before = *object;
+    int status = place(scene, object_idx, mesh, before.id);
+    if (status != ENG_OK) {
+        return status;
+    }
+    give_all(scene, &before);
+    eng_mesh_release(before.mesh);
     return ENG_OK;
 }
 

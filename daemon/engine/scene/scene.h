@@ -18,8 +18,29 @@
 
 struct eng_scene;
 
-/* An empty scene. */
-int eng_scene_new(struct eng_scene **scene);
+/* How hierarchies are built. The answer does not depend on it. */
+enum eng_quality {
+    ENG_QUALITY_MEDIAN = 0, /* median of the centroids along the longest axis */
+    ENG_QUALITY_SAH = 1     /* binned surface area heuristic: slower to build */
+};
+
+struct eng_scene_settings {
+    enum eng_quality quality;
+    /* A node whose volume is less than this times the sum of its children's, which
+     * overlap then, is reconstructed (paper section 6.2). 0: never; at most 1. */
+    double rebuild_ratio;
+    /* Triangles below which a subtree is reconstructed at once when the traversal touches
+     * it; larger ones are built aside, a share in every step. */
+    uint32_t rebuild_triangles_max;
+};
+
+#define ENG_SCENE_SETTINGS_DEFAULT                                                       \
+    {                                                                                    \
+        ENG_QUALITY_MEDIAN, 0.9, 1024                                                    \
+    }
+
+/* An empty scene; `settings` NULL: the defaults. ENG_E_INVAL, ENG_E_NOMEM. */
+int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **scene);
 void eng_scene_free(struct eng_scene *scene); /* NULL is allowed */
 
 /* Add an instance of a committed mesh at its registered positions, build its hierarchy,
@@ -33,6 +54,13 @@ int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t objec
 /* Remove an object. ENG_E_INVAL if there is none. The other hierarchies stay as
  * they are. */
 int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx);
+
+/* Give an object another committed mesh: it stands still at the new mesh's registered
+ * positions, with a hierarchy of its own, under the same index and id; the other objects
+ * are not touched. Errors as eng_scene_add, and ENG_E_INVAL if there is no object; the
+ * scene is unchanged then. */
+int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx,
+                      struct eng_mesh *mesh);
 
 uint32_t eng_scene_object_count(const struct eng_scene *scene);
 uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_idx);

@@ -95,6 +95,7 @@ struct eng_write {
 struct eng_step_memory; /* step.c: what one step leaves for the next */
 
 struct eng_scene {
+    struct eng_scene_settings settings;
     struct eng_object *objects;
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;

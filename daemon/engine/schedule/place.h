@@ -1,0 +1,35 @@
+/* place.h - where the threads of a team run.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     give every thread of the team a processor of its own, among those that the
+ *           process may use. Without it the kernel was seen to leave two threads on one
+ *           processor, and the runtime's own binding would bind the other threads too.
+ * Threads:  functions say.
+ */
+#ifndef ENG_PLACE_H
+#define ENG_PLACE_H
+
+#include <stdint.h>
+
+#define ENG_PLACES_MAX 1024u
+
+struct eng_places {
+    uint32_t count; /* processors the process may use; 0: unknown, nobody is placed */
+    uint16_t cpu[ENG_PLACES_MAX];
+};
+
+/* The processors that the calling thread may use. Before it is placed. [any] */
+void eng_places_init(struct eng_places *places);
+
+/* Bind the calling thread, the `thread`-th of a team, to a processor of its own, unless
+ * it is bound there already. A team larger than `places` is left alone; NULL: nothing.
+ * The runtime may replace threads when a team shrinks and grows, so every
+ * region calls it. [team] */
+void eng_place_thread(const struct eng_places *places, uint32_t thread,
+                      uint32_t team_count);
+
+/* Open one region, so that the team exists and is placed before the first step.
+ * [compute] */
+void eng_places_warm_up(const struct eng_places *places, uint32_t threads);
+
+#endif
