@@ -147,7 +147,7 @@ static uint32_t tiny_scene(struct pccd_client *client)
     uint32_t scene;
     uint32_t mesh;
     uint32_t object;
-    must(pccd_scene_create(client, &scene), "scene", client);
+    must(pccd_scene_create(client, NULL, &scene), "scene", client);
     must(pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
          "mesh", client);
     must(pccd_scene_add(client, scene, mesh, &object), "add", client);
@@ -267,7 +267,7 @@ static void soup_init(struct soup *soup, struct pccd_client *client,
     for (uint32_t i = 0; i < count; i++) {
         triangles[i / 3][i % 3] = i;
     }
-    must(pccd_scene_create(client, &soup->scene), "scene", client);
+    must(pccd_scene_create(client, NULL, &soup->scene), "scene", client);
     must(pccd_mesh_create(client, soup->x[0], format, count,
                           (const uint32_t(*)[3])triangles, count / 3, &soup->mesh, NULL),
          "mesh", client);

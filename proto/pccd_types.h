@@ -67,6 +67,39 @@ enum pccd_method {
     PCCD_METHOD_COUNT = 2
 };
 
+/* How the threads of a step share its work (PCCD, sections 4 to 6). The answer never
+ * depends on it. In an answer 0 means that there was nothing to share: one thread. */
+enum pccd_scheduler {
+    PCCD_SCHEDULER_DEFAULT = 0,
+    PCCD_SCHEDULER_STEAL = 1, /* they steal task units and pairs from each other */
+    PCCD_SCHEDULER_PAPER = 2, /* dynamic assignment, then high-level nodes */
+    PCCD_SCHEDULER_COUNT = 3
+};
+
+/* The paper's scheduler: how all threads perform one high-level node together. */
+enum pccd_high_level {
+    PCCD_HIGH_LEVEL_DEFAULT = 0,
+    PCCD_HIGH_LEVEL_ROUND_ROBIN = 1, /* pairs dealt out; a lock where a node is rebuilt */
+    PCCD_HIGH_LEVEL_DISJOINT = 2,    /* pairs without a common node at a time, no lock */
+    PCCD_HIGH_LEVEL_COUNT = 3
+};
+
+/* How the threads share the refit. */
+enum pccd_refit {
+    PCCD_REFIT_DEFAULT = 0,
+    PCCD_REFIT_EVEN = 1,  /* many small subtrees, taken on demand */
+    PCCD_REFIT_PAPER = 2, /* two subtrees a thread, the first dealt out */
+    PCCD_REFIT_COUNT = 3
+};
+
+/* How the hierarchies of a scene are built. The answer never depends on it. */
+enum pccd_quality {
+    PCCD_QUALITY_DEFAULT = 0,
+    PCCD_QUALITY_MEDIAN = 1, /* median of the centroids along the longest axis */
+    PCCD_QUALITY_SAH = 2,    /* surface area heuristic: slower to build */
+    PCCD_QUALITY_COUNT = 3
+};
+
 /* Coordinates in a slot: x, y, z per vertex, tightly packed, little-endian IEEE 754. */
 enum pccd_format {
     PCCD_FORMAT_F32 = 0, /* float[3], 12 bytes a vertex */

@@ -24,12 +24,12 @@ struct check_run {
     uint32_t repeats; /* timed runs after the first; 0: only the first */
     uint32_t scene, object;
     struct pccd_edge *edges; /* ours, of the registered mesh; NULL unless asked for */
-    struct report_mesh mesh;
+    struct report_mesh mesh; /* mesh.settings is the caller's */
     double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
 };
 
-/* Register `mesh` and place it; with_edges: get its edges too. client, settings and
- * repeats are set before. Errors: those of pccd.h, E_NOMEM. */
+/* Register `mesh` and place it; with_edges: get its edges too. client, settings,
+ * mesh.settings and repeats are set before. Errors: those of pccd.h, E_NOMEM. */
 int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
                     struct ctl_error *error);
 /* One step from `before`, where the object stands now, to `after`: once, then `repeats`

@@ -28,6 +28,11 @@ enum {
     OPTION_CONTACTS,
     OPTION_THREADS,
     OPTION_METHOD,
+    OPTION_SCHEDULER,
+    OPTION_HIGH_LEVEL,
+    OPTION_REFIT,
+    OPTION_QUALITY,
+    OPTION_REBUILD_RATIO,
     OPTION_REPEAT,
     OPTION_TOLERANCE,
     OPTION_DEADLINE,
@@ -37,6 +42,7 @@ enum {
 struct check_options {
     struct ctl_link link;
     struct pccd_step_settings settings;
+    struct pccd_scene_settings scene_settings;
     bool is_json;
     bool has_repeats;
     uint32_t repeats;
@@ -59,6 +65,17 @@ static const struct argp_option option_list[] = {
     {"threads", OPTION_THREADS, "N", 0,
      "Use at most N threads (default: the daemon decides)", 0},
     {"method", OPTION_METHOD, "NAME", 0, "Engine to use: default or paper", 0},
+    {"scheduler", OPTION_SCHEDULER, "NAME", 0,
+     "How threads share the work: steal or paper (default: the daemon decides)", 0},
+    {"high-level", OPTION_HIGH_LEVEL, "NAME", 0,
+     "The paper's scheduler on high-level nodes: round-robin or disjoint", 0},
+    {"refit", OPTION_REFIT, "NAME", 0, "How threads share the refit: even or paper", 0},
+    {"quality", OPTION_QUALITY, "NAME", 0,
+     "How hierarchies are built: median (the default) or sah", 0},
+    {"rebuild-ratio", OPTION_REBUILD_RATIO, "R", 0,
+     "Build a subtree anew when its box has less than R times the volume of its two "
+     "halves, 0 (never) to 1 (default: 0.9)",
+     0},
     {"repeat", OPTION_REPEAT, "N", 0,
      "Time N more runs of each step after the first and report medians (default: 1 for "
      "two "
@@ -98,6 +115,26 @@ static const char *method_name(uint32_t value)
     return report_method_name((enum pccd_method)value);
 }
 
+static const char *scheduler_name(uint32_t value)
+{
+    return report_scheduler_name((enum pccd_scheduler)value);
+}
+
+static const char *high_level_name(uint32_t value)
+{
+    return report_high_level_name((enum pccd_high_level)value);
+}
+
+static const char *refit_name(uint32_t value)
+{
+    return report_refit_name((enum pccd_refit)value);
+}
+
+static const char *quality_name(uint32_t value)
+{
+    return report_quality_name((enum pccd_quality)value);
+}
+
 static void check_usage(const struct argp_state *state,
                         const struct check_options *options)
 {
@@ -109,14 +146,13 @@ static void check_usage(const struct argp_state *state,
     }
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+/* The options that choose one of several ways; none of them changes the answer but
+ * --mode. */
+static error_t parse_choice(int key, const char *text, const struct argp_state *state)
 {
     struct check_options *options = state->input;
     struct pccd_step_settings *settings = &options->settings;
     switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        break;
     case OPTION_MODE:
         settings->mode =
             (enum pccd_mode)parse_name(state, "mode", text, mode_name, PCCD_MODE_COUNT);
@@ -124,6 +160,41 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_METHOD:
         settings->method = (enum pccd_method)parse_name(state, "method", text,
                                                         method_name, PCCD_METHOD_COUNT);
+        break;
+    case OPTION_SCHEDULER:
+        settings->scheduler = (enum pccd_scheduler)parse_name(
+            state, "scheduler", text, scheduler_name, PCCD_SCHEDULER_COUNT);
+        break;
+    case OPTION_HIGH_LEVEL:
+        settings->high_level = (enum pccd_high_level)parse_name(
+            state, "high-level", text, high_level_name, PCCD_HIGH_LEVEL_COUNT);
+        break;
+    case OPTION_REFIT:
+        settings->refit = (enum pccd_refit)parse_name(state, "refit", text, refit_name,
+                                                      PCCD_REFIT_COUNT);
+        break;
+    case OPTION_QUALITY:
+        options->scene_settings.quality = (enum pccd_quality)parse_name(
+            state, "quality", text, quality_name, PCCD_QUALITY_COUNT);
+        break;
+    case OPTION_REBUILD_RATIO: {
+        double ratio = ctl_option_real(state, "rebuild-ratio", text, 0.0, 1.0);
+        options->scene_settings.rebuild_ratio = ratio == 0.0 ? -1.0 : ratio;
+        break;
+    }
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct check_options *options = state->input;
+    struct pccd_step_settings *settings = &options->settings;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
         break;
     case OPTION_JSON:
         options->is_json = true;
@@ -159,7 +230,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         check_usage(state, options);
         break;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return parse_choice(key, text, state);
     }
     return 0;
 }
@@ -259,6 +330,7 @@ static int check_all(struct check *check, struct ctl_error *error)
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }
     run->settings = options->settings;
+    run->mesh.settings = options->scene_settings;
     status = check_run_begin(run, &check->frames[0], options->contacts != NULL, error);
     if (status == PCCD_OK && options->contacts != NULL) {
         /* The first frame's faces go when the third frame comes, so the CSV has its own.

@@ -152,7 +152,7 @@ static int set_up(struct demo *demo, struct ctl_error *error)
     if (demo->step_ms == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     }
-    status = pccd_scene_create(demo->client, &demo->scene);
+    status = pccd_scene_create(demo->client, NULL, &demo->scene);
     if (status != PCCD_OK) {
         return fail(demo, status, "no scene", error);
     }

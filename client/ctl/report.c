@@ -37,6 +37,31 @@ const char *report_method_name(enum pccd_method method)
     return (uint32_t)method < PCCD_METHOD_COUNT ? names[method] : NULL;
 }
 
+const char *report_scheduler_name(enum pccd_scheduler scheduler)
+{
+    static const char *const names[PCCD_SCHEDULER_COUNT] = {"default", "steal", "paper"};
+    return (uint32_t)scheduler < PCCD_SCHEDULER_COUNT ? names[scheduler] : NULL;
+}
+
+const char *report_high_level_name(enum pccd_high_level high_level)
+{
+    static const char *const names[PCCD_HIGH_LEVEL_COUNT] = {"default", "round-robin",
+                                                             "disjoint"};
+    return (uint32_t)high_level < PCCD_HIGH_LEVEL_COUNT ? names[high_level] : NULL;
+}
+
+const char *report_refit_name(enum pccd_refit refit)
+{
+    static const char *const names[PCCD_REFIT_COUNT] = {"default", "even", "paper"};
+    return (uint32_t)refit < PCCD_REFIT_COUNT ? names[refit] : NULL;
+}
+
+const char *report_quality_name(enum pccd_quality quality)
+{
+    static const char *const names[PCCD_QUALITY_COUNT] = {"default", "median", "sah"};
+    return (uint32_t)quality < PCCD_QUALITY_COUNT ? names[quality] : NULL;
+}
+
 static const char *or_unknown(const char *name)
 {
     return name != NULL ? name : "unknown";
@@ -64,6 +89,19 @@ static const char *why_incomplete(enum pccd_incomplete incomplete)
     return "records are missing";
 }
 
+static void print_trees(FILE *to, const struct pccd_scene_settings *settings)
+{
+    fprintf(to, "trees      quality %s, ",
+            or_unknown(report_quality_name(settings->quality)));
+    if (settings->rebuild_ratio < 0) {
+        fputs("never rebuilt\n", to);
+    } else if (settings->rebuild_ratio > 0) {
+        fprintf(to, "rebuild ratio %g\n", settings->rebuild_ratio);
+    } else {
+        fputs("rebuild ratio default\n", to);
+    }
+}
+
 void report_print_mesh(FILE *to, const struct report_mesh *mesh)
 {
     const struct pccd_mesh_info *info = &mesh->info;
@@ -75,6 +113,7 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     print_count(to, info->triangle_count, "triangle", "triangles");
     fputc('\n', to);
     if (info->duplicate_count + info->degenerate_count + info->isolated_count == 0) {
+        print_trees(to, &mesh->settings);
         return;
     }
     fputs("           of these ", to);
@@ -84,6 +123,7 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     fputs(", ", to);
     print_count(to, info->isolated_count, "unused vertex", "unused vertices");
     fputc('\n', to);
+    print_trees(to, &mesh->settings);
 }
 
 static void print_records(FILE *to, const struct pccd_answer *answer)
@@ -115,6 +155,37 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
     }
 }
 
+/* How the threads shared the work. */
+static void print_sharing(FILE *to, const struct pccd_answer *answer)
+{
+    fprintf(to, "; method %s, %" PRIu32 " thread%s",
+            or_unknown(report_method_name(answer->method)), answer->threads,
+            answer->threads == 1 ? "" : "s");
+    if (answer->scheduler != PCCD_SCHEDULER_DEFAULT) {
+        fprintf(to, ", scheduler %s",
+                or_unknown(report_scheduler_name(answer->scheduler)));
+    }
+    if (answer->high_level != PCCD_HIGH_LEVEL_DEFAULT) {
+        fprintf(to, ", high level %s",
+                or_unknown(report_high_level_name(answer->high_level)));
+    }
+    if (answer->refit != PCCD_REFIT_DEFAULT) {
+        fprintf(to, ", refit %s", or_unknown(report_refit_name(answer->refit)));
+    }
+    fputc('\n', to);
+}
+
+/* The last phases only where there is something to tell. */
+static bool is_told(uint32_t phase, const struct report_step *step)
+{
+    const struct pccd_step_counters *counters = &step->answer.counters;
+    if (phase == REPORT_low || phase == REPORT_high) {
+        return step->answer.scheduler == PCCD_SCHEDULER_PAPER;
+    }
+    return phase != REPORT_rebuild || counters->rebuilds + counters->swaps > 0 ||
+           step->ms[phase] > 0;
+}
+
 static void print_times(FILE *to, const struct report_mesh *mesh,
                         const struct report_step *step)
 {
@@ -124,12 +195,13 @@ static void print_times(FILE *to, const struct report_mesh *mesh,
     } else {
         fputs("time       first run", to);
     }
-    fprintf(to, "; method %s, %" PRIu32 " thread%s\n",
-            or_unknown(report_method_name(step->answer.method)), step->answer.threads,
-            step->answer.threads == 1 ? "" : "s");
+    print_sharing(to, &step->answer);
     fprintf(to, "  %-10s %12.3f ms   once\n", "build", mesh->build_ms);
     for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         double whole = step->ms[REPORT_step];
+        if (!is_told(phase, step)) {
+            continue;
+        }
         fprintf(to, "  %-10s %12.3f ms  %5.1f %%\n", report_phase_names[phase],
                 step->ms[phase], whole > 0 ? 100.0 * step->ms[phase] / whole : 0.0);
     }
@@ -158,6 +230,13 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
             counters->box_tests, counters->candidates_vf + counters->candidates_ee,
             counters->candidates_vf, counters->candidates_ee, counters->survivors,
             counters->exact);
+    if (counters->rebuilds + counters->swaps > 0) {
+        fprintf(to,
+                "rebuilt    %" PRIu64 " subtrees (%" PRIu64 " triangles), %" PRIu64
+                " built aside (%" PRIu64 ")\n",
+                counters->rebuilds, counters->rebuilt_triangles, counters->swaps,
+                counters->swapped_triangles);
+    }
     print_times(to, mesh, step);
 }
 

@@ -15,14 +15,18 @@
 
 #include "pccd.h"
 
-/* X(name, field of pccd_step_times): the phases in their order, then the whole. */
+/* X(name, field of pccd_step_times): the phases in their order, then the whole, then what
+ * traversal and tests are otherwise divided into. */
 #define REPORT_PHASES(X)                                                                 \
     X(ingest)                                                                            \
     X(refit)                                                                             \
     X(traversal)                                                                         \
     X(tests)                                                                             \
     X(merge)                                                                             \
-    X(step)
+    X(step)                                                                              \
+    X(low)                                                                               \
+    X(high)                                                                              \
+    X(rebuild)
 
 enum report_phase {
 #define REPORT_PHASE_ENUM(name) REPORT_##name,
@@ -37,6 +41,7 @@ void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_C
 
 struct report_mesh {
     struct pccd_mesh_info info;
+    struct pccd_scene_settings settings;
     double build_ms; /* edges and feature ownership, then the hierarchy; paid once */
 };
 
@@ -51,9 +56,13 @@ struct report_step {
     double round_trip_ms; /* the same, from submit to answer as the client sees it */
 };
 
-/* "mode", "method": names as on the command line; NULL beyond the enums. */
+/* Names of the values as on the command line; NULL beyond the enums. */
 const char *report_mode_name(enum pccd_mode mode);
 const char *report_method_name(enum pccd_method method);
+const char *report_scheduler_name(enum pccd_scheduler scheduler);
+const char *report_high_level_name(enum pccd_high_level high_level);
+const char *report_refit_name(enum pccd_refit refit);
+const char *report_quality_name(enum pccd_quality quality);
 
 /* For people: the mesh once, then each step, long or as one line. */
 void report_print_mesh(FILE *to, const struct report_mesh *mesh);

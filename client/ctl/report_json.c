@@ -21,7 +21,11 @@
     X(survivors)                                                                         \
     X(exact)                                                                             \
     X(builds)                                                                            \
-    X(allocs)
+    X(allocs)                                                                            \
+    X(rebuilds)                                                                          \
+    X(rebuilt_triangles)                                                                 \
+    X(swaps)                                                                             \
+    X(swapped_triangles)
 
 /* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a
  * NULL value, so `ok` is all that has to be looked at. */
@@ -47,6 +51,21 @@ static json_t *mode_text(const char *name)
     return name != NULL ? json_string(name) : json_null();
 }
 
+/* One of an enum of which 0 means that there was no choice. */
+static json_t *choice_text(uint32_t value, const char *name)
+{
+    return mode_text(value != 0 ? name : NULL);
+}
+
+static void add_settings(json_t *object, const struct pccd_scene_settings *settings,
+                         bool *ok)
+{
+    double ratio = settings->rebuild_ratio;
+    set(object, "quality", mode_text(report_quality_name(settings->quality)), ok);
+    set(object, "rebuild_ratio",
+        ratio == 0 ? json_null() : json_real(ratio < 0 ? 0.0 : ratio), ok);
+}
+
 static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
 {
     const struct pccd_mesh_info *info = &mesh->info;
@@ -56,6 +75,7 @@ static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
     set_count(object, "duplicate_triangles", info->duplicate_count, ok);
     set_count(object, "degenerate_triangles", info->degenerate_count, ok);
     set_count(object, "unused_vertices", info->isolated_count, ok);
+    add_settings(object, &mesh->settings, ok);
 }
 
 static json_t *times_object(const struct report_mesh *mesh,
@@ -94,6 +114,12 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     set(object, "mode", mode_text(report_mode_name(answer->mode)), ok);
     set(object, "method", mode_text(report_method_name(answer->method)), ok);
     set_count(object, "threads", answer->threads, ok);
+    set(object, "scheduler",
+        choice_text(answer->scheduler, report_scheduler_name(answer->scheduler)), ok);
+    set(object, "high_level",
+        choice_text(answer->high_level, report_high_level_name(answer->high_level)), ok);
+    set(object, "refit", choice_text(answer->refit, report_refit_name(answer->refit)),
+        ok);
     set_count(object, "contacts", answer->total, ok);
     set_count(object, "vf", answer->vf, ok);
     set_count(object, "ee", answer->ee, ok);

@@ -146,7 +146,7 @@ int main(void)
     pccd_options_init(&options);
     options.private_daemon = true;
     check(pccd_connect(&options, &client), "connect");
-    check(pccd_scene_create(client, &scene), "scene");
+    check(pccd_scene_create(client, NULL, &scene), "scene");
     add_floor(scene);
     cloth = add_cloth(scene);
     for (uint32_t step = 1; step <= STEPS; step++) {

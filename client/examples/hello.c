@@ -34,7 +34,7 @@ int main(void)
     pccd_options_init(&options);
     options.private_daemon = true; /* of our own; without this line: the user's daemon */
     check(pccd_connect(&options, &client));
-    check(pccd_scene_create(client, &scene));
+    check(pccd_scene_create(client, NULL, &scene));
     check(pccd_mesh_create(client, floor_x, PCCD_FORMAT_F32, 3, triangle, 1, &floor_mesh,
                            NULL));
     check(pccd_mesh_create(client, x0, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL));

@@ -25,7 +25,7 @@ static int fall(struct pccd_client *client, int floors, const char *who)
     uint32_t mesh = 0;
     uint32_t object = 0;
     uint64_t contacts = 0;
-    int rc = pccd_scene_create(client, &scene);
+    int rc = pccd_scene_create(client, NULL, &scene);
 
     for (int i = 0; rc == 0 && i < floors; i++) {
         const float z = (float)-i;

@@ -15,7 +15,7 @@
  *     struct pccd_client *client;
  *     pccd_connect(NULL, &client);
  *     uint32_t scene, mesh, object;
- *     pccd_scene_create(client, &scene);
+ *     pccd_scene_create(client, NULL, &scene);
  *     pccd_mesh_create(client, x0, PCCD_FORMAT_F32, vertex_count, triangles,
  *                      triangle_count, &mesh, NULL);
  *     pccd_scene_add(client, scene, mesh, &object);
@@ -139,7 +139,20 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
 
-int pccd_scene_create(struct pccd_client *client, uint32_t *scene);
+/* How the hierarchies of a scene are built and kept. All zeros are the defaults; the
+ * answers never depend on any of it. */
+struct pccd_scene_settings {
+    enum pccd_quality quality;      /* 0 = median */
+    uint32_t rebuild_triangles_max; /* a subtree of up to so many is built anew at once;
+                                       larger ones aside, a share a step; 0 = 1024 */
+    double rebuild_ratio; /* a subtree is built anew when the volume of its box is less
+                             than so much of its two halves', which overlap then;
+                             up to 1; 0 = 0.9; negative: never */
+};
+
+/* An empty scene; `settings` NULL: the defaults. Errors: E_INVAL, E_LIMIT, E_BUSY. */
+int pccd_scene_create(struct pccd_client *client,
+                      const struct pccd_scene_settings *settings, uint32_t *scene);
 int pccd_scene_destroy(struct pccd_client *client, uint32_t scene);
 /* An object is an instance of a mesh, placed at the mesh's registered positions. */
 int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
@@ -153,17 +166,24 @@ struct pccd_step_settings {
     enum pccd_method method; /* 0 = the daemon's default */
     uint32_t threads;        /* at most; 0 = the daemon decides. The answer never depends
                                 on it */
+    enum pccd_scheduler scheduler;   /* how threads share the work; 0 = the daemon's */
+    enum pccd_high_level high_level; /* default, as the next one */
+    enum pccd_refit refit;
     double tolerance;        /* of toi_hi - toi, 1e-12 .. 1; 0 = 1e-6 */
     uint64_t deadline_ns;    /* after it the answer is incomplete; 0 = none */
 };
 
-struct pccd_step_times { /* nanoseconds */
-    uint64_t queue, ingest, refit, traversal, tests, merge, step;
+/* Nanoseconds. `low` and `high` divide traversal + tests between low-level and high-level
+ * nodes; `rebuild` is the reconstruction in it, the sum over all threads. */
+struct pccd_step_times {
+    uint64_t queue, ingest, refit, traversal, tests, merge, step, low, high, rebuild;
 };
 
+/* rebuilds: subtrees built anew during the traversal; swaps: large ones, built aside over
+ * several steps, that were put in place; both with the triangles in them. */
 struct pccd_step_counters {
     uint64_t task_units, box_tests, leaf_pairs, candidates_vf, candidates_ee, survivors,
-        exact, builds, allocs;
+        exact, builds, allocs, rebuilds, rebuilt_triangles, swaps, swapped_triangles;
 };
 
 /* The answer to one step. `contacts` (or `pairs`) lie in memory that the daemon shares:
@@ -187,6 +207,9 @@ struct pccd_answer {
     double toi_first;               /* smallest toi; 2 without any record */
     uint64_t hash[2];               /* XXH3-128 over all records: high, low */
     uint32_t threads;
+    enum pccd_scheduler scheduler;   /* what was used; 0: one thread had nothing to */
+    enum pccd_high_level high_level; /* share, or there was no such phase */
+    enum pccd_refit refit;
     struct pccd_step_times times;
     struct pccd_step_counters counters;
     uint64_t reserved[2];           /* the library's */

@@ -7,7 +7,8 @@
 #include "client.h"
 #include "rpc.h"
 
-int pccd_scene_create(struct pccd_client *client, uint32_t *scene)
+int pccd_scene_create(struct pccd_client *client,
+                      const struct pccd_scene_settings *settings, uint32_t *scene)
 {
     struct proto_SCENE_CREATE_request request = {.rebuild_ratio = 0};
     struct proto_SCENE_CREATE_result result;
@@ -18,6 +19,11 @@ int pccd_scene_create(struct pccd_client *client, uint32_t *scene)
     }
     if (scene == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.create: scene is NULL");
+    }
+    if (settings != NULL) {
+        request.rebuild_ratio = settings->rebuild_ratio;
+        request.quality = (uint32_t)settings->quality;
+        request.rebuild_triangles_max = settings->rebuild_triangles_max;
     }
     rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, &request, &result,
                        cli_deadline(client, -1));

@@ -55,6 +55,9 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot, uin
         request.mode = (uint32_t)settings->mode;
         request.method = (uint32_t)settings->method;
         request.threads = settings->threads;
+        request.scheduler = (uint32_t)settings->scheduler;
+        request.high_level = (uint32_t)settings->high_level;
+        request.refit = (uint32_t)settings->refit;
         request.tolerance = settings->tolerance;
         request.deadline_ns = settings->deadline_ns;
     }
@@ -120,13 +123,36 @@ static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
     answer->hash[0] = result->hash_hi;
     answer->hash[1] = result->hash_lo;
     answer->threads = result->threads;
+    answer->scheduler = (enum pccd_scheduler)result->scheduler;
+    answer->high_level = (enum pccd_high_level)result->high_level;
+    answer->refit = (enum pccd_refit)result->refit;
     answer->times = (struct pccd_step_times){
-        result->ns_queue, result->ns_ingest, result->ns_refit, result->ns_traversal,
-        result->ns_tests, result->ns_merge,  result->ns_step};
+        .queue = result->ns_queue,
+        .ingest = result->ns_ingest,
+        .refit = result->ns_refit,
+        .traversal = result->ns_traversal,
+        .tests = result->ns_tests,
+        .merge = result->ns_merge,
+        .step = result->ns_step,
+        .low = result->ns_low,
+        .high = result->ns_high,
+        .rebuild = result->ns_rebuild,
+    };
     answer->counters = (struct pccd_step_counters){
-        result->task_units,    result->box_tests,     result->leaf_pairs,
-        result->candidates_vf, result->candidates_ee, result->survivors,
-        result->exact,         result->builds,        result->allocs};
+        .task_units = result->task_units,
+        .box_tests = result->box_tests,
+        .leaf_pairs = result->leaf_pairs,
+        .candidates_vf = result->candidates_vf,
+        .candidates_ee = result->candidates_ee,
+        .survivors = result->survivors,
+        .exact = result->exact,
+        .builds = result->builds,
+        .allocs = result->allocs,
+        .rebuilds = result->rebuilds,
+        .rebuilt_triangles = result->rebuilt_triangles,
+        .swaps = result->swaps,
+        .swapped_triangles = result->swapped_triangles,
+    };
 }
 
 /* Hand a DONE call over to the user and free its entry. Returns the call's status. */

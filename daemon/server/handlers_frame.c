@@ -103,15 +103,35 @@ static void describe(const struct eng_step_result *step,
         .exact = step->counters.exact,
         .builds = step->counters.builds,
         .allocs = step->counters.allocs,
+        .ns_low = step->times.low,
+        .ns_high = step->times.high,
+        .ns_rebuild = step->times.rebuild,
+        .rebuilds = step->counters.rebuilds,
+        .rebuilt_triangles = step->counters.rebuilt_triangles,
+        .swaps = step->counters.swaps,
+        .swapped_triangles = step->counters.swapped_triangles,
     };
 }
 
-/* Run the staged step and keep its result in the scene. [compute] */
-static int compute_step(struct srv_request *request, struct eng_scene *engine)
+/* Which of the ways to share work were taken: none by a thread alone. */
+static void describe_sharing(const struct eng_step_settings *settings, uint32_t threads,
+                             struct proto_FRAME_SUBMIT_result *answer)
+{
+    if (threads < 2) {
+        return;
+    }
+    answer->scheduler = (uint32_t)settings->scheduler + 1;
+    answer->refit = (uint32_t)settings->refit + 1;
+    if (settings->scheduler == ENG_SCHEDULER_PAPER) {
+        answer->high_level = (uint32_t)settings->high_level + 1;
+    }
+}
+
+/* The engine's settings for a request that was checked. [compute] */
+static struct eng_step_settings settings_of(struct srv_request *request)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     const struct srv_options *options = request->session->loop->options;
-    struct srv_scene *scene = request->plan.scene;
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = (enum eng_mode)submit->mode;
     settings.method = (enum eng_method)submit->method;
@@ -122,7 +142,23 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     settings.deadline_ns = deadline_of(request);
     settings.cancel = &request->job.cancel;
     settings.contact_max = options->contacts_max;
+    if (submit->scheduler != PCCD_SCHEDULER_DEFAULT) {
+        settings.scheduler = (enum eng_scheduler)(submit->scheduler - 1);
+    }
+    if (submit->high_level != PCCD_HIGH_LEVEL_DEFAULT) {
+        settings.high_level = (enum eng_high_level)(submit->high_level - 1);
+    }
+    if (submit->refit != PCCD_REFIT_DEFAULT) {
+        settings.refit = (enum eng_refit_scheme)(submit->refit - 1);
+    }
+    return settings;
+}
 
+/* Run the staged step and keep its result in the scene. [compute] */
+static int compute_step(struct srv_request *request, struct eng_scene *engine)
+{
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_step_settings settings = settings_of(request);
     scene->has_answer = false; /* the step takes the memory of the last one's records */
     struct eng_step_result step;
     int status = srv_wire_status(eng_step(engine, &settings, &step));
@@ -131,7 +167,8 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
                                proto_status_text(status));
     }
     describe(&step, &scene->answer);
-    scene->answer.step = submit->step;
+    describe_sharing(&settings, step.threads, &scene->answer);
+    scene->answer.step = request->params.FRAME_SUBMIT.step;
     scene->records = step.records;
     scene->has_answer = true;
     PCCD_ASSERT(step.count == 0 || step.record_bytes == scene->answer.record_bytes);
@@ -193,17 +230,37 @@ static void finish_submit(struct srv_request *request)
     }
 }
 
+/* The choices of a step, one of an enum each. */
+static int check_choices(struct srv_call *call)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
+    const struct {
+        const char *name;
+        uint32_t value;
+        uint32_t count;
+    } choices[] = {
+        {"mode", submit->mode, PCCD_MODE_COUNT},
+        {"method", submit->method, PCCD_METHOD_COUNT},
+        {"scheduler", submit->scheduler, PCCD_SCHEDULER_COUNT},
+        {"high_level", submit->high_level, PCCD_HIGH_LEVEL_COUNT},
+        {"refit", submit->refit, PCCD_REFIT_COUNT},
+    };
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
+        if (choices[i].value >= choices[i].count) {
+            return proto_error_set(&call->error, PCCD_E_INVAL, "unknown %s %u",
+                                   choices[i].name, choices[i].value);
+        }
+    }
+    return 0;
+}
+
 /* The settings of a step, as far as they do not need the scene. */
 static int check_settings(struct srv_call *call)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
-    if (submit->mode >= PCCD_MODE_COUNT) {
-        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown mode %u",
-                               submit->mode);
-    }
-    if (submit->method >= PCCD_METHOD_COUNT) {
-        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown method %u",
-                               submit->method);
+    int status = check_choices(call);
+    if (status != 0) {
+        return status;
     }
     /* Written so that NaN is refused. */
     if (submit->tolerance != 0.0 &&

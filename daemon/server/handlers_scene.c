@@ -23,25 +23,52 @@ static struct srv_scene *find_scene(struct srv_call *call, uint32_t handle)
     return scene;
 }
 
+/* The wire's zeros are the engine's defaults. */
+static int scene_settings(struct srv_call *call, struct eng_scene_settings *settings)
+{
+    const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
+    const struct eng_scene_settings defaults = ENG_SCENE_SETTINGS_DEFAULT;
+    double ratio = request->rebuild_ratio;
+    *settings = defaults;
+    if (!(ratio <= 1.0)) { /* NaN too */
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "rebuild_ratio is %g; it is 0, at most 1, or negative",
+                               ratio);
+    }
+    if (request->quality >= PCCD_QUALITY_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown quality %u",
+                               request->quality);
+    }
+    if (ratio != 0.0) {
+        settings->rebuild_ratio = ratio < 0.0 ? 0.0 : ratio;
+    }
+    if (request->quality != PCCD_QUALITY_DEFAULT) {
+        settings->quality = (enum eng_quality)(request->quality - 1);
+    }
+    if (request->rebuild_triangles_max != 0) {
+        settings->rebuild_triangles_max = request->rebuild_triangles_max;
+    }
+    return 0;
+}
+
 int srv_on_SCENE_CREATE(struct srv_call *call)
 {
     struct srv_session *session = call->session;
-    double ratio = call->params.SCENE_CREATE.rebuild_ratio;
-    if (ratio != 0.0) {
-        return proto_error_set(&call->error, PCCD_E_INVAL,
-                               "rebuild_ratio is %g; this version takes only 0", ratio);
+    struct eng_scene_settings settings;
+    int status = scene_settings(call, &settings);
+    if (status != 0) {
+        return status;
     }
     if (session->scene_count >= SRV_SCENES_MAX) {
         return proto_error_set(&call->error, PCCD_E_BUSY,
                                "%u scenes wait to be freed behind what is computed now",
                                session->scene_count - session->scenes.count);
     }
-    struct srv_scene *scene = srv_scene_new(session, session->scene_salt++);
+    struct srv_scene *scene = srv_scene_new(session, &settings, session->scene_salt++);
     if (scene == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
     }
-    int status =
-        srv_handles_add(&session->scenes, scene, &call->result.SCENE_CREATE.scene);
+    status = srv_handles_add(&session->scenes, scene, &call->result.SCENE_CREATE.scene);
     if (status != 0) {
         srv_resource_drop(&scene->resource);
         return proto_error_set(&call->error, status, "a session has at most %u scenes",

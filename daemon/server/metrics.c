@@ -25,6 +25,13 @@ void srv_metrics_add_step(struct srv_metrics *metrics,
     counters->ns_tests += answer->ns_tests;
     counters->ns_merge += answer->ns_merge;
     counters->ns_step += answer->ns_step;
+    counters->ns_low += answer->ns_low;
+    counters->ns_high += answer->ns_high;
+    counters->ns_rebuild += answer->ns_rebuild;
+    counters->rebuilds += answer->rebuilds;
+    counters->rebuilt_triangles += answer->rebuilt_triangles;
+    counters->swaps += answer->swaps;
+    counters->swapped_triangles += answer->swapped_triangles;
 }
 
 void srv_metrics_add_error(struct srv_metrics *metrics, int status)

@@ -128,12 +128,14 @@ static void scene_free_rest(struct srv_job *job)
     srv_session_reaped(session);
 }
 
-struct srv_scene *srv_scene_new(struct srv_session *session, uint32_t salt)
+struct srv_scene *srv_scene_new(struct srv_session *session,
+                                const struct eng_scene_settings *settings, uint32_t salt)
 {
     struct srv_scene *scene = calloc(1, sizeof *scene);
     if (scene != NULL) {
         srv_resource_init(&scene->resource, session, scene_free_engine, scene_free_rest);
         srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE, salt);
+        scene->settings = *settings;
         session->loop->metrics.counters.scenes_now++;
         session->scene_count++;
     }
@@ -145,7 +147,7 @@ int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine)
     srv_assert_compute();
     int status = 0;
     if (scene->engine == NULL) {
-        status = srv_wire_status(eng_scene_new(NULL, &scene->engine));
+        status = srv_wire_status(eng_scene_new(&scene->settings, &scene->engine));
     }
     *engine = scene->engine;
     return status;

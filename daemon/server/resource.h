@@ -61,6 +61,7 @@ struct srv_placed {
 struct srv_scene {
     struct srv_resource resource;
     struct srv_handles objects; /* [loop] of struct srv_object */
+    struct eng_scene_settings settings; /* does not change */
     /* [compute] */
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
@@ -72,7 +73,8 @@ struct srv_scene {
 
 /* `salt` makes the object handles of one session's scenes differ. NULL: no memory.
  * [loop] */
-struct srv_scene *srv_scene_new(struct srv_session *session, uint32_t salt);
+struct srv_scene *srv_scene_new(struct srv_session *session,
+                                const struct eng_scene_settings *settings, uint32_t salt);
 int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine); /* [compute] */
 
 /* Room for an object with that handle. Returns 0 or PCCD_E_NOMEM. [compute] */

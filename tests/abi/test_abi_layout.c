@@ -76,13 +76,26 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_mesh_info, degenerate_count, 16);
     AT(pccd_mesh_info, isolated_count, 20);
     AT(pccd_mesh_info, build_ns, 24);
-    SIZE(pccd_step_settings, 32);
+    SIZE(pccd_scene_settings, 16);
+    AT(pccd_scene_settings, quality, 0);
+    AT(pccd_scene_settings, rebuild_triangles_max, 4);
+    AT(pccd_scene_settings, rebuild_ratio, 8);
+}
+
+/* If this failed, a step would be computed or described in another way than asked for. */
+static void step__structs_keep_their_layout(void **state)
+{
+    (void)state;
+    SIZE(pccd_step_settings, 40);
     AT(pccd_step_settings, mode, 0);
     AT(pccd_step_settings, method, 4);
     AT(pccd_step_settings, threads, 8);
-    AT(pccd_step_settings, tolerance, 16);
-    AT(pccd_step_settings, deadline_ns, 24);
-    SIZE(pccd_step_times, 56);
+    AT(pccd_step_settings, scheduler, 12);
+    AT(pccd_step_settings, high_level, 16);
+    AT(pccd_step_settings, refit, 20);
+    AT(pccd_step_settings, tolerance, 24);
+    AT(pccd_step_settings, deadline_ns, 32);
+    SIZE(pccd_step_times, 80);
     AT(pccd_step_times, queue, 0);
     AT(pccd_step_times, ingest, 8);
     AT(pccd_step_times, refit, 16);
@@ -90,7 +103,10 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_step_times, tests, 32);
     AT(pccd_step_times, merge, 40);
     AT(pccd_step_times, step, 48);
-    SIZE(pccd_step_counters, 72);
+    AT(pccd_step_times, low, 56);
+    AT(pccd_step_times, high, 64);
+    AT(pccd_step_times, rebuild, 72);
+    SIZE(pccd_step_counters, 104);
     AT(pccd_step_counters, task_units, 0);
     AT(pccd_step_counters, box_tests, 8);
     AT(pccd_step_counters, leaf_pairs, 16);
@@ -100,13 +116,17 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_step_counters, exact, 48);
     AT(pccd_step_counters, builds, 56);
     AT(pccd_step_counters, allocs, 64);
+    AT(pccd_step_counters, rebuilds, 72);
+    AT(pccd_step_counters, rebuilt_triangles, 80);
+    AT(pccd_step_counters, swaps, 88);
+    AT(pccd_step_counters, swapped_triangles, 96);
 }
 
 /* If this failed, a program would read an answer's members at the wrong places. */
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 288);
+    SIZE(pccd_answer, 352);
     AT(pccd_answer, step, 0);
     AT(pccd_answer, status, 8);
     AT(pccd_answer, mode, 12);
@@ -126,9 +146,12 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, toi_first, 112);
     AT(pccd_answer, hash, 120);
     AT(pccd_answer, threads, 136);
-    AT(pccd_answer, times, 144);
-    AT(pccd_answer, counters, 200);
-    AT(pccd_answer, reserved, 272);
+    AT(pccd_answer, scheduler, 140);
+    AT(pccd_answer, high_level, 144);
+    AT(pccd_answer, refit, 148);
+    AT(pccd_answer, times, 152);
+    AT(pccd_answer, counters, 232);
+    AT(pccd_answer, reserved, 336);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);
@@ -224,6 +247,18 @@ static void enums__keep_their_values(void **state)
     VALUE(PCCD_MODE_PAIRS, 3);
     VALUE(PCCD_METHOD_DEFAULT, 0);
     VALUE(PCCD_METHOD_PAPER, 1);
+    VALUE(PCCD_SCHEDULER_DEFAULT, 0);
+    VALUE(PCCD_SCHEDULER_STEAL, 1);
+    VALUE(PCCD_SCHEDULER_PAPER, 2);
+    VALUE(PCCD_HIGH_LEVEL_DEFAULT, 0);
+    VALUE(PCCD_HIGH_LEVEL_ROUND_ROBIN, 1);
+    VALUE(PCCD_HIGH_LEVEL_DISJOINT, 2);
+    VALUE(PCCD_REFIT_DEFAULT, 0);
+    VALUE(PCCD_REFIT_EVEN, 1);
+    VALUE(PCCD_REFIT_PAPER, 2);
+    VALUE(PCCD_QUALITY_DEFAULT, 0);
+    VALUE(PCCD_QUALITY_MEDIAN, 1);
+    VALUE(PCCD_QUALITY_SAH, 2);
     VALUE(PCCD_FORMAT_F32, 0);
     VALUE(PCCD_FORMAT_F64, 1);
     VALUE(PCCD_VF, 0);
@@ -268,6 +303,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records__keep_their_layout),
         cmocka_unit_test(library__structs_keep_their_layout),
+        cmocka_unit_test(step__structs_keep_their_layout),
         cmocka_unit_test(answer__keeps_its_layout),
         cmocka_unit_test(shared_memory__keeps_its_layout),
         cmocka_unit_test(status__keeps_its_number),

@@ -159,6 +159,19 @@ ctl check --json --threads 1 t0.ply t1.ply && [ "$(json_value threads)" = 1 ] &&
     ctl check --json --method paper t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ]
 report "threads and method do not change the hash"
 
+ctl check --json --threads 2 --scheduler paper --high-level disjoint --refit paper \
+    --quality sah --rebuild-ratio 0.5 s0.ply s1.ply && whole=$(json_value hash) &&
+    says '"quality": "sah"' '"rebuild_ratio": 0\.5' &&
+    ctl check --json --scheduler steal --rebuild-ratio 0 s0.ply s1.ply &&
+    [ "$(json_value hash)" = "$whole" ] && [ -n "$whole" ] &&
+    says '"quality": "default"' '"rebuild_ratio": 0\.0' '"scheduler": ' '"high_level": ' \
+        '"refit": ' '"low": [0-9]' '"high": [0-9]' '"rebuild": [0-9]' &&
+    ctl check t0.ply t1.ply && says '^trees +quality default, rebuild ratio default$' &&
+    ctl check --rebuild-ratio 0 t0.ply t1.ply && says '^trees .* never rebuilt$' &&
+    fails '"slow" is not known' check --scheduler slow t0.ply t1.ply &&
+    fails 'is not a number from 0 to 1' check --rebuild-ratio 2 t0.ply t1.ply
+report "scheduler, quality and reconstruction are chosen and told, and change no hash"
+
 ctl check --mode any t0.ply t1.ply && says '^contact +yes$' &&
     ctl check --mode any t0.ply t0.ply && says '^contact +no$'
 report "mode any says yes or no"

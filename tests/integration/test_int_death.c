@@ -166,7 +166,7 @@ static void expect_all_disconnected(struct pccd_client *client, struct test_grid
         assert_true(pccd_error_text(client)[0] != '\0');                                 \
     } while (0)
     GONE(pccd_ping(client, NULL));
-    GONE(pccd_scene_create(client, &handle));
+    GONE(pccd_scene_create(client, NULL, &handle));
     GONE(pccd_scene_destroy(client, grid->scene));
     GONE(pccd_scene_add(client, grid->scene, grid->mesh, &handle));
     GONE(pccd_scene_remove(client, grid->scene, grid->object));

@@ -198,6 +198,15 @@ static const struct {
     {"a field twice",
      BYTES("\x94\x00\x05\xadscene.destroy\x82\xa5scene\x01\xa5scene\x01"), PCCD_E_BADMSG},
     {"nil for a number", BYTES("\x94\x00\x05\xa4ping\x81\xa5token\xc0"), PCCD_E_BADMSG},
+    {"text for a scheduler",
+     BYTES("\x94\x00\x05\xac"
+           "frame.submit\x83\xa5scene\x01\xa8segments\x00\xa9"
+           "scheduler\xa5paper"),
+     PCCD_E_BADMSG},
+    {"text for a rebuild ratio",
+     BYTES("\x94\x00\x05\xac"
+           "scene.create\x81\xadrebuild_ratio\xa5never"),
+     PCCD_E_BADMSG},
     {"no such handle", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\x07"),
      PCCD_E_HANDLE},
     {"a name that is too long",

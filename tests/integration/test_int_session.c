@@ -186,7 +186,7 @@ static void session__handles_of_another_client_are_refused(void **state)
     assert_int_equal(pccd_step_x1(stranger, crossing.scene, crossing.object,
                                   test_triangle_x, PCCD_FORMAT_F32, 3, NULL, &answer),
                      PCCD_E_HANDLE);
-    assert_int_equal(pccd_scene_create(stranger, &scene), 0);
+    assert_int_equal(pccd_scene_create(stranger, NULL, &scene), 0);
     assert_int_equal(pccd_scene_add(stranger, scene, crossing.mesh, &object),
                      PCCD_E_HANDLE);
     assert_int_equal(pccd_step_x1(stranger, scene, crossing.object, test_triangle_x,
@@ -543,8 +543,8 @@ static void session__null_arguments_are_refused(void **state)
     assert_int_equal(pccd_ping(NULL, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_stats(NULL, count_stat, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_stats(client, NULL, NULL), PCCD_E_INVAL);
-    assert_int_equal(pccd_scene_create(NULL, &handle), PCCD_E_INVAL);
-    assert_int_equal(pccd_scene_create(client, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_scene_create(NULL, NULL, &handle), PCCD_E_INVAL);
+    assert_int_equal(pccd_scene_create(client, NULL, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_scene_add(client, 1, 1, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_mesh_create(client, NULL, PCCD_FORMAT_F32, 3, test_triangle, 1,
                                       &handle, NULL),

@@ -40,7 +40,7 @@ int test_crossing_make(struct pccd_client *client, struct test_crossing *crossin
     memset(crossing, 0, sizeof(*crossing));
     crossing->client = client;
     crossing->z = 1;
-    rc = pccd_scene_create(client, &crossing->scene);
+    rc = pccd_scene_create(client, NULL, &crossing->scene);
     if (rc == 0) {
         rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
                               &crossing->floor_mesh, NULL);

@@ -53,6 +53,13 @@ static int add_grid(struct test_grid *grid)
 
 int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *grid)
 {
+    return test_grid_make_with(client, side, NULL, grid);
+}
+
+int test_grid_make_with(struct pccd_client *client, uint32_t side,
+                        const struct pccd_scene_settings *settings,
+                        struct test_grid *grid)
+{
     uint32_t floor_mesh = 0;
     int rc;
 
@@ -66,7 +73,7 @@ int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *
         return PCCD_E_NOMEM;
     }
     test_grid_positions(grid, grid->z);
-    rc = pccd_scene_create(client, &grid->scene);
+    rc = pccd_scene_create(client, settings, &grid->scene);
     if (rc == 0) {
         rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
                               &floor_mesh, NULL);

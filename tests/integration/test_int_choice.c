@@ -1,0 +1,204 @@
+/* test_int_choice.c - the ways to compute that a client may choose between.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     every scheduler, high-level method, refit scheme, quality and rebuild ratio
+ *           gives the same bytes, and every answer says which were used.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "grid.h"
+#include "pccd.h"
+
+#define SIDE    40u /* of the grid: enough triangles for several threads */
+#define THREADS 3u
+
+static int start(void **state)
+{
+    static const char *const options[] = {"--threads", "3", NULL};
+
+    (void)state;
+    return test_daemon_start(&test_shared, options) ? 0 : -1;
+}
+
+/* Two turns of a grid in a scene of these settings; *answer is the second's. */
+static void turn(struct pccd_client *client, const struct pccd_scene_settings *scene,
+                 const struct pccd_step_settings *settings, struct pccd_answer *answer)
+{
+    struct test_grid grid;
+    uint64_t step = 0;
+
+    assert_int_equal(test_grid_make_with(client, SIDE, scene, &grid), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(test_grid_submit(&grid, settings, &step), 0);
+        assert_int_equal(pccd_wait(client, step, -1, answer), 0);
+        assert_true(test_grid_is_right(&grid, answer));
+        pccd_answer_release(client, answer);
+    }
+    assert_int_equal(pccd_scene_destroy(client, grid.scene), 0);
+    assert_int_equal(pccd_mesh_destroy(client, grid.mesh), 0);
+    test_grid_free(&grid);
+}
+
+/* The records of different scenes differ in the handles of the objects, so each hash is
+ * compared with one of the same scene: turns down, and turns up again. */
+static void expect_same_hash(struct pccd_client *client,
+                             const struct pccd_scene_settings *scene)
+{
+    struct pccd_step_settings settings = {.threads = 1};
+    struct test_grid grid;
+    struct pccd_answer answer;
+    uint64_t step = 0;
+    uint64_t hash[2][2];
+
+    assert_int_equal(test_grid_make_with(client, SIDE, scene, &grid), 0);
+    for (uint32_t i = 0; i < 2 + 3 * 3 * 3 * 2; i++) {
+        uint32_t choice = i < 2 ? 0 : (i - 2) / 2;
+
+        settings.threads = i < 2 ? 1 : THREADS;
+        settings.scheduler = (enum pccd_scheduler)(choice % 3);
+        settings.high_level = (enum pccd_high_level)(choice / 3 % 3);
+        settings.refit = (enum pccd_refit)(choice / 9);
+        assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
+        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_true(test_grid_is_right(&grid, &answer));
+        if (i < 2) {
+            memcpy(hash[i], answer.hash, sizeof(hash[i]));
+        }
+        assert_memory_equal(hash[i % 2], answer.hash, sizeof(answer.hash));
+        pccd_answer_release(client, &answer);
+    }
+    assert_int_equal(pccd_scene_destroy(client, grid.scene), 0);
+    assert_int_equal(pccd_mesh_destroy(client, grid.mesh), 0);
+    test_grid_free(&grid);
+}
+
+/* If it failed, the answer would depend on how it was computed. */
+static void choice__no_way_to_compute_changes_the_hash(void **state)
+{
+    struct test_crossing *crossing = *state;
+    const struct pccd_scene_settings scenes[] = {
+        {.quality = PCCD_QUALITY_DEFAULT},
+        {.quality = PCCD_QUALITY_SAH, .rebuild_ratio = -1},
+        {.quality = PCCD_QUALITY_MEDIAN, .rebuild_ratio = 1, .rebuild_triangles_max = 1},
+        {.rebuild_ratio = 0.25, .rebuild_triangles_max = UINT32_MAX},
+    };
+
+    expect_same_hash(crossing->client, NULL);
+    for (size_t i = 0; i < sizeof(scenes) / sizeof(scenes[0]); i++) {
+        expect_same_hash(crossing->client, &scenes[i]);
+    }
+}
+
+/* If it failed, a client could not tell by which way its step was computed. */
+static void choice__the_answer_says_what_was_used(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_step_settings settings = {.threads = THREADS};
+    struct pccd_answer answer;
+
+    turn(client, NULL, &settings, &answer);
+    assert_int_equal(answer.threads, THREADS);
+    assert_int_not_equal(answer.scheduler, PCCD_SCHEDULER_DEFAULT);
+    assert_int_not_equal(answer.refit, PCCD_REFIT_DEFAULT);
+
+    settings.scheduler = PCCD_SCHEDULER_STEAL;
+    settings.refit = PCCD_REFIT_EVEN;
+    settings.high_level = PCCD_HIGH_LEVEL_DISJOINT;
+    turn(client, NULL, &settings, &answer);
+    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_STEAL);
+    assert_int_equal(answer.refit, PCCD_REFIT_EVEN);
+    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DEFAULT); /* no such phase */
+
+    settings.scheduler = PCCD_SCHEDULER_PAPER;
+    settings.refit = PCCD_REFIT_PAPER;
+    turn(client, NULL, &settings, &answer);
+    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_PAPER);
+    assert_int_equal(answer.refit, PCCD_REFIT_PAPER);
+    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DISJOINT);
+
+    settings.threads = 1;
+    turn(client, NULL, &settings, &answer);
+    assert_int_equal(answer.threads, 1);
+    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_DEFAULT);
+    assert_int_equal(answer.refit, PCCD_REFIT_DEFAULT);
+    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DEFAULT);
+}
+
+/* If it failed, a choice that this daemon does not know would be taken for another. */
+static void choice__unknown_values_are_refused_by_name(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    const struct {
+        struct pccd_step_settings settings;
+        const char *text;
+    } wrong[] = {
+        {{.scheduler = PCCD_SCHEDULER_COUNT}, "unknown scheduler 3"},
+        {{.scheduler = (enum pccd_scheduler)UINT32_MAX}, "scheduler 4294967295"},
+        {{.high_level = PCCD_HIGH_LEVEL_COUNT}, "unknown high_level 3"},
+        {{.refit = (enum pccd_refit)77}, "unknown refit 77"},
+    };
+    struct pccd_answer answer;
+    float x1[3][3];
+
+    test_crossing_positions(x1, -1);
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
+                                      PCCD_FORMAT_F32, 3, &wrong[i].settings, &answer),
+                         PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(client), wrong[i].text));
+    }
+    assert_true(test_crossing_turn(crossing)); /* from where it was */
+}
+
+/* If it failed, a scene would be made with settings that nobody asked for. */
+static void choice__scene_settings_out_of_range_are_refused(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    const struct {
+        struct pccd_scene_settings settings;
+        const char *text;
+    } wrong[] = {
+        {{.rebuild_ratio = 1.5}, "rebuild_ratio is 1.5"},
+        {{.rebuild_ratio = INFINITY}, "rebuild_ratio is inf"},
+        {{.rebuild_ratio = NAN}, "rebuild_ratio is "},
+        {{.quality = PCCD_QUALITY_COUNT}, "unknown quality 3"},
+        {{.quality = (enum pccd_quality)UINT32_MAX}, "unknown quality 4294967295"},
+    };
+    uint64_t scenes = test_stat(client, "scenes_now");
+    uint32_t scene = 99;
+
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        assert_int_equal(pccd_scene_create(client, &wrong[i].settings, &scene),
+                         PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(client), wrong[i].text));
+    }
+    assert_int_equal(scene, 99);
+    assert_int_equal(test_stat(client, "scenes_now"), scenes);
+}
+
+#define CHOICE_TEST(name)                                                                \
+    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        CHOICE_TEST(choice__no_way_to_compute_changes_the_hash),
+        CHOICE_TEST(choice__the_answer_says_what_was_used),
+        CHOICE_TEST(choice__unknown_values_are_refused_by_name),
+        CHOICE_TEST(choice__scene_settings_out_of_range_are_refused),
+    };
+
+    return cmocka_run_group_tests_name("choice", tests, start, test_shared_stop);
+}
