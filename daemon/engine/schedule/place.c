@@ -10,7 +10,7 @@
 #include <sched.h>
 #include <stddef.h>
 
-/* Where this thread was bound; a new thread inherits its creator's processor, not this. */
+/* Where this thread was bound; a new one inherits its creator's processor, not this. */
 static _Thread_local int placed_on = -1;
 
 void eng_places_init(struct eng_places *places)
