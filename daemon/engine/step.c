@@ -77,58 +77,73 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
 }
 
 /* Refit and detection by one thread. */
-static void run_alone(struct eng_team *team, struct eng_step_result *result)
+static void run_alone(struct eng_team *team, struct eng_step_times *times)
 {
+    struct eng_worker *worker = team->workers[0];
     uint64_t begin_ns = eng_now_ns();
     eng_refit(team->scene);
     uint64_t refit_ns = eng_now_ns();
-    result->times.refit = refit_ns - begin_ns;
-    eng_schedule_serial(team, team->workers[0]);
-    team->workers[0]->busy_ns = eng_now_ns() - refit_ns;
+    eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
+    times->refit = refit_ns - begin_ns;
+    worker->record.refit_ns = times->refit;
+    eng_schedule_serial(team, worker);
+    times->low = eng_now_ns() - refit_ns;
+    worker->record.low_ns = times->low;
 }
 
 /* The same by a team. Its size may turn out smaller than asked for: a share of work
  * belongs to each thread that is there, so the team's count is set before anything is
  * divided. */
-static void run_together(struct eng_team *team, struct eng_step_result *result)
+static void run_together(struct eng_team *team, struct eng_step_times *times)
 {
     uint64_t begin_ns = eng_now_ns();
     uint64_t refit_ns = 0;
+    uint64_t end_ns = 0;
     bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
 #pragma omp parallel num_threads((int)team->count)
     {
+        struct eng_worker *worker = team->workers[omp_get_thread_num()];
 #pragma omp single
         {
             team->count = (uint32_t)omp_get_num_threads();
+        }
+        eng_refit_by_team(team, worker);
+        if (worker->thread == 0) {
             if (by_paper) {
                 eng_schedule_paper_begin(team);
             } else {
                 eng_schedule_steal_begin(team);
             }
-        }
-        eng_refit_by_team(team);
-        uint32_t thread = (uint32_t)omp_get_thread_num();
-        if (thread == 0) {
             refit_ns = eng_now_ns();
+            team->low_end_ns = 0;
         }
+        eng_worker_barrier(worker);
         if (by_paper) {
-            eng_schedule_paper(team, team->workers[thread]);
+            eng_schedule_paper(team, worker);
         } else {
-            eng_schedule_steal(team, team->workers[thread]);
+            eng_schedule_steal(team, worker);
+        }
+        eng_worker_barrier(worker);
+        if (worker->thread == 0) {
+            end_ns = eng_now_ns();
         }
     }
-    result->times.refit = refit_ns - begin_ns;
+    times->refit = refit_ns - begin_ns;
+    times->low = (team->low_end_ns > 0 ? team->low_end_ns : end_ns) - refit_ns;
+    times->high = end_ns - refit_ns - times->low;
 }
 
 /* Wall time of detection, divided into traversal and tests as the threads' time is. */
-static void divide_time(const struct eng_team *team, uint64_t wall_ns,
-                        struct eng_step_times *times)
+static void divide_time(const struct eng_team *team, struct eng_step_times *times)
 {
+    uint64_t wall_ns = times->low + times->high;
     double busy_ns = 1;
     double tests_ns = 0;
     for (uint32_t i = 0; i < team->count; i++) {
-        busy_ns += (double)team->workers[i]->busy_ns;
-        tests_ns += (double)team->workers[i]->tests_ns;
+        const struct eng_thread_record *record = &team->workers[i]->record;
+        busy_ns += (double)(record->low_ns + record->high_ns);
+        tests_ns += (double)record->tests_ns;
+        times->rebuild += record->rebuild_ns;
     }
     times->tests = (uint64_t)((double)wall_ns * (tests_ns / busy_ns));
     times->tests = times->tests < wall_ns ? times->tests : wall_ns;
@@ -139,14 +154,36 @@ static void add_counters(const struct eng_team *team, struct eng_step_counters *
 {
     for (uint32_t i = 0; i < team->count; i++) {
         const struct eng_worker *worker = team->workers[i];
-        sum->task_units += worker->counters.task_units;
-        sum->box_tests += worker->counters.box_tests;
-        sum->leaf_pairs += worker->counters.leaf_pairs;
-        sum->candidates_vf += worker->counters.candidates_vf;
-        sum->candidates_ee += worker->counters.candidates_ee;
-        sum->survivors += worker->counters.survivors;
+        sum->task_units += worker->record.task_units;
+        sum->box_tests += worker->record.box_tests;
+        sum->rebuilds += worker->record.rebuilds;
+        sum->leaf_pairs += worker->tally.leaf_pairs;
+        sum->candidates_vf += worker->tally.candidates_vf;
+        sum->candidates_ee += worker->tally.candidates_ee;
+        sum->survivors += worker->tally.survivors;
+        sum->rebuilt_triangles += worker->tally.rebuilt_triangles;
         sum->exact += worker->exact.queries;
     }
+}
+
+/* Bring the answer together, and what the workers did. */
+static void merge(struct eng_team *team, struct eng_step_memory *memory,
+                  struct eng_step_result *result)
+{
+    struct eng_worker *worker = team->workers[0];
+    uint64_t begin_ns = eng_now_ns();
+    eng_answer(memory, team, result);
+    eng_pool_reset(&memory->pool, team->count); /* ready for the next step */
+    result->times.merge = eng_now_ns() - begin_ns;
+    worker->record.merge_ns += result->times.merge;
+    eng_worker_trace(worker, ENG_TRACE_MERGE, begin_ns, 0, 0);
+    divide_time(team, &result->times);
+    add_counters(team, &result->counters);
+    for (uint32_t i = 0; i < team->count; i++) {
+        memory->records[i] = team->workers[i]->record;
+    }
+    result->thread_records = memory->records;
+    result->threads = team->count;
 }
 
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
@@ -176,24 +213,20 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                                 .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
-    uint64_t detect_ns = eng_now_ns();
     if (team.count == 1) {
-        run_alone(&team, &r);
+        run_alone(&team, &r.times);
     } else {
-        run_together(&team, &r);
+        run_together(&team, &r.times);
     }
 #ifdef PCCD_VALIDATE
     assert(eng_tree_validate(scene));
 #endif
-    uint64_t merge_ns = eng_now_ns();
-    divide_time(&team, merge_ns - detect_ns - r.times.refit, &r.times);
-    add_counters(&team, &r.counters);
-    r.threads = team.count;
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
-    eng_answer(scene->memory, &team, &r);
-    eng_pool_reset(&scene->memory->pool, team.count); /* ready for the next step */
-    r.times.merge = eng_now_ns() - merge_ns;
+    merge(&team, scene->memory, &r);
+    eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns,
+                     scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count,
+                     team.count);
     r.times.step = eng_now_ns() - begin_ns + scene->stage_ns;
     r.counters.builds = scene->builds - builds;
     r.counters.allocs = eng_alloc_count() - allocs;

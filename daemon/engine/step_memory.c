@@ -30,6 +30,7 @@ void eng_step_memory_free(struct eng_step_memory *memory)
         eng_worker_deinit(memory->workers[i]);
         eng_free(memory->workers[i]);
     }
+    eng_free(memory->records);
     eng_refit_plan_deinit(&memory->plan);
     eng_assignment_deinit(&memory->assignment);
     eng_pool_deinit(&memory->pool);
@@ -40,6 +41,14 @@ void eng_step_memory_free(struct eng_step_memory *memory)
 
 int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
 {
+    if (threads > memory->worker_count) {
+        struct eng_thread_record *records =
+            eng_realloc(memory->records, threads, sizeof *records);
+        if (!records) {
+            return ENG_E_NOMEM;
+        }
+        memory->records = records;
+    }
     while (memory->worker_count < threads) {
         struct eng_worker *worker = eng_alloc(1, sizeof *worker);
         if (!worker) {
@@ -64,7 +73,8 @@ uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
                      memory->plan.capacity * sizeof *memory->plan.nodes;
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         const struct eng_worker *worker = memory->workers[i];
-        bytes += sizeof *worker + worker->units.capacity * sizeof *worker->units.nodes;
+        bytes += sizeof *worker + sizeof *memory->records +
+                 worker->units.capacity * sizeof *worker->units.nodes;
     }
     return bytes;
 }

@@ -14,6 +14,7 @@
 struct eng_step_memory {
     struct eng_worker *workers[ENG_THREADS_MAX]; /* made when first needed */
     uint32_t worker_count;
+    struct eng_thread_record *records; /* [worker_count] of the last step */
     struct eng_refit_plan plan;
     struct eng_assignment assignment;
     struct eng_pool pool; /* of the workers' records */

@@ -8,6 +8,8 @@ check_LTLIBRARIES += libengkit.la
 libengkit_la_SOURCES = \
     tests/unit/eng_case.c \
     tests/unit/eng_case.h \
+    tests/unit/eng_crew.c \
+    tests/unit/eng_crew.h \
     tests/unit/eng_kit.c \
     tests/unit/eng_kit.h
 libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
@@ -29,7 +31,9 @@ ENG_TESTS = \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_fault \
     tests/unit/test_eng_deque \
-    tests/unit/test_eng_team
+    tests/unit/test_eng_team \
+    tests/unit/test_eng_record \
+    tests/unit/test_eng_trace
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
 
@@ -101,3 +105,11 @@ tests_unit_test_eng_deque_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_team_SOURCES = tests/unit/test_eng_team.c
 tests_unit_test_eng_team_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_team_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_record_SOURCES = tests/unit/test_eng_record.c
+tests_unit_test_eng_record_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_record_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_trace_SOURCES = tests/unit/test_eng_trace.c
+tests_unit_test_eng_trace_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_trace_LDADD = $(ENG_TEST_LDADD)

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "clock.h"
 #include "solve.h"
 
 static void load_point(const struct eng_scene *scene, struct eng_query *query, int point,
@@ -116,12 +115,13 @@ static void test_lanes(struct eng_worker *worker, enum eng_kind kind,
         eng_lanes_set(&lanes, lane, &queries[i]);
     }
     uint32_t survivors = eng_filter(kind, &lanes);
+    worker->record.tests += n;
     for (unsigned lane = 0; lane < n && !eng_stop_is_set(worker->stop); lane++) {
         struct eng_hit hit;
         if (!(survivors >> lane & 1u)) {
             continue;
         }
-        worker->counters.survivors++;
+        worker->tally.survivors++;
         uint64_t exact_queries = worker->exact.queries;
         if (eng_solve(&queries[lane], worker->settings->tolerance, worker->time_bound,
                       &worker->exact, &hit)) {
@@ -138,10 +138,11 @@ void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
 {
     uint64_t begin_ns = eng_now_ns();
     struct eng_chunk *chunk = kind == ENG_VF ? &worker->vf : &worker->ee;
+    uint32_t count = chunk->count;
     if (kind == ENG_VF) {
-        worker->counters.candidates_vf += chunk->count;
+        worker->tally.candidates_vf += chunk->count;
     } else {
-        worker->counters.candidates_ee += chunk->count;
+        worker->tally.candidates_ee += chunk->count;
     }
     if (worker->settings->mode == ENG_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
@@ -153,5 +154,10 @@ void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
     }
     chunk->count = 0;
     eng_worker_should_stop(worker);
-    worker->tests_ns += eng_now_ns() - begin_ns;
+    uint64_t end_ns = eng_now_ns();
+    worker->record.tests_ns += end_ns - begin_ns;
+    if (count > 0) {
+        eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_TESTS, begin_ns,
+                      end_ns, kind, count);
+    }
 }

@@ -15,10 +15,8 @@
  */
 #include "schedule.h"
 
-#include <omp.h>
 #include <time.h>
 
-#include "clock.h"
 #include "taskunit.h"
 
 /* Sleep of a thread that finds nobody with a node to spare, before it looks again. */
@@ -101,8 +99,9 @@ static void answer(struct eng_seat *asker, enum eng_reply reply, uint32_t node)
 /* Give front nodes to those who asked, oldest first, and keep one; with `close`, send the
  * rest away and take no more requests. */
 static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
-                  struct eng_task_queue *units, bool close)
+                  struct eng_worker *worker, bool close)
 {
+    struct eng_task_queue *units = &worker->units;
     pthread_mutex_lock(&seat->lock);
     uint32_t served = 0;
     while (served < seat->request_count && (close || queued(units) > 1)) {
@@ -110,6 +109,7 @@ static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
         if (queued(units) > 1) {
             /* Counted before the asker wakes, so that `active` is not zero meanwhile. */
             atomic_fetch_add_explicit(&assignment->active, 1, memory_order_relaxed);
+            worker->record.given++;
             answer(asker, ENG_REPLY_GIVEN, dequeue(units));
         } else {
             answer(asker, ENG_REPLY_DENIED, ENG_NO_NODE);
@@ -134,13 +134,13 @@ static void perform_units(struct eng_assignment *assignment, struct eng_seat *se
         eng_taskunit_perform(worker, dequeue(units), true);
         publish(seat, worker);
         if (atomic_load_explicit(&seat->requests_seen, memory_order_relaxed) > 0) {
-            serve(assignment, seat, units, false);
+            serve(assignment, seat, worker, false);
             publish(seat, worker);
         }
     }
     units->head = units->tail; /* when stopped */
     publish(seat, worker);
-    serve(assignment, seat, units, true);
+    serve(assignment, seat, worker, true);
     /* Release: whoever sees zero sees what every thread found. */
     atomic_fetch_sub_explicit(&assignment->active, 1, memory_order_acq_rel);
 }
@@ -169,14 +169,14 @@ static struct eng_seat *choose_victim(const struct eng_team *team, uint32_t thre
 }
 
 /* Place a request and sleep until it is answered. False: not taken, or denied. */
-static bool request(struct eng_seat *victim, struct eng_seat *seat, uint32_t thread,
-                    uint32_t *node)
+static bool request(struct eng_seat *victim, struct eng_seat *seat,
+                    struct eng_worker *worker, uint32_t *node)
 {
     seat->reply = ENG_REPLY_NONE; /* nobody else knows of us yet */
     pthread_mutex_lock(&victim->lock);
     bool taken = victim->takes_requests;
     if (taken) {
-        victim->requests[victim->request_count++] = thread;
+        victim->requests[victim->request_count++] = worker->thread;
         atomic_store_explicit(&victim->requests_seen, victim->request_count,
                               memory_order_relaxed);
     }
@@ -184,6 +184,8 @@ static bool request(struct eng_seat *victim, struct eng_seat *seat, uint32_t thr
     if (!taken) {
         return false;
     }
+    worker->record.requests++;
+    worker->record.sleeps++;
     pthread_mutex_lock(&seat->lock);
     while (seat->reply == ENG_REPLY_NONE) {
         pthread_cond_wait(&seat->wake, &seat->lock);
@@ -191,23 +193,28 @@ static bool request(struct eng_seat *victim, struct eng_seat *seat, uint32_t thr
     *node = seat->given;
     bool given = seat->reply == ENG_REPLY_GIVEN;
     pthread_mutex_unlock(&seat->lock);
+    worker->record.steals += given;
     return given;
 }
 
 /* Work from another thread; false: there is none anywhere. */
-static bool find_work(struct eng_team *team, struct eng_seat *seat, uint32_t thread,
-                      uint32_t *node)
+static bool find_work(struct eng_team *team, struct eng_seat *seat,
+                      struct eng_worker *worker, uint32_t *node)
 {
-    while (atomic_load_explicit(&team->assignment->active, memory_order_acquire) > 0) {
-        struct eng_seat *victim = choose_victim(team, thread);
-        if (victim && request(victim, seat, thread, node)) {
-            return true;
-        }
-        if (!victim) {
+    uint64_t begin_ns = eng_now_ns();
+    bool found = false;
+    while (!found &&
+           atomic_load_explicit(&team->assignment->active, memory_order_acquire) > 0) {
+        struct eng_seat *victim = choose_victim(team, worker->thread);
+        if (victim) {
+            found = request(victim, seat, worker, node);
+        } else {
+            worker->record.sleeps++;
             nanosleep(&(struct timespec){0, RETRY_NS}, NULL);
         }
     }
-    return false;
+    eng_worker_waited(worker, begin_ns);
+    return found;
 }
 
 static void enqueue(struct eng_worker *worker, uint32_t node)
@@ -223,20 +230,21 @@ static void open_seat(struct eng_seat *seat)
     pthread_mutex_unlock(&seat->lock);
 }
 
-/* Low-level nodes. Adds the time spent on work to *busy_ns. */
+/* Low-level nodes. */
 static void perform_low(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_assignment *assignment = team->assignment;
     struct eng_seat *seat = &assignment->seats[worker->thread];
     uint32_t node = seat->first_node;
-    bool has_work = node != ENG_NO_NODE || find_work(team, seat, worker->thread, &node);
+    bool has_work = node != ENG_NO_NODE || find_work(team, seat, worker, &node);
     while (has_work) {
         uint64_t begin_ns = eng_now_ns();
         enqueue(worker, node);
         open_seat(seat);
         perform_units(assignment, seat, worker);
-        worker->busy_ns += eng_now_ns() - begin_ns;
-        has_work = find_work(team, seat, worker->thread, &node);
+        eng_taskunit_flush(worker);
+        worker->record.low_ns += eng_now_ns() - begin_ns;
+        has_work = find_work(team, seat, worker, &node);
     }
 }
 
@@ -249,7 +257,7 @@ static void expand_high(struct eng_team *team, struct eng_worker *worker, uint32
     uint32_t wanted = ENG_PAIRS_PER_THREAD * team->count;
     uint32_t head = 0;
     uint64_t *pairs = assignment->pairs;
-    worker->counters.task_units++;
+    worker->record.task_units++;
     pairs[0] = (uint64_t)nodes[node].left << 32 | nodes[node].right;
     assignment->pair_count = 1;
     while (assignment->pair_count - head > 0 && assignment->pair_count < wanted) {
@@ -268,32 +276,53 @@ static void expand_high(struct eng_team *team, struct eng_worker *worker, uint32
     assignment->pair_count -= head;
 }
 
+/* Every thread's share of a high-level node's pairs. */
+static void perform_share(struct eng_team *team, struct eng_worker *worker, uint32_t node)
+{
+    struct eng_assignment *assignment = team->assignment;
+    uint64_t high_ns = eng_worker_slice(worker);
+    uint32_t performed = 0;
+    for (uint32_t k = worker->thread;
+         k < assignment->pair_count && !eng_worker_should_stop(worker);
+         k += team->count) {
+        uint64_t begin_ns = eng_worker_slice(worker);
+        uint32_t n = (uint32_t)(assignment->pairs[k] >> 32);
+        uint32_t m = (uint32_t)assignment->pairs[k];
+        eng_taskunit_pairs(worker, n, m);
+        eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
+        performed++;
+    }
+    eng_worker_trace(worker, ENG_TRACE_HIGH, high_ns, node, performed);
+}
+
 /* High-level nodes, the deepest first; every thread works on the same one. */
 static void perform_high(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_assignment *assignment = team->assignment;
     for (uint32_t i = assignment->high_count; i-- > 0;) {
-#pragma omp barrier
-        uint64_t begin_ns = eng_now_ns();
+        uint32_t node = assignment->high[i];
         if (worker->thread == 0) {
-            expand_high(team, worker, assignment->high[i]);
+            uint64_t begin_ns = eng_now_ns();
+            expand_high(team, worker, node);
+            worker->record.high_ns += eng_now_ns() - begin_ns;
         }
-#pragma omp barrier
-        for (uint32_t k = worker->thread;
-             k < assignment->pair_count && !eng_worker_should_stop(worker);
-             k += team->count) {
-            eng_taskunit_pairs(worker, (uint32_t)(assignment->pairs[k] >> 32),
-                               (uint32_t)assignment->pairs[k]);
-        }
-        worker->busy_ns += eng_now_ns() - begin_ns;
+        eng_worker_barrier(worker);
+        uint64_t dealt_ns = eng_now_ns();
+        perform_share(team, worker, node);
+        worker->record.high_ns += eng_now_ns() - dealt_ns;
+        eng_worker_barrier(worker); /* the pairs make room for the next node's */
     }
 }
 
 void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker)
 {
     perform_low(team, worker);
+    eng_worker_barrier(worker);
+    if (worker->thread == 0) {
+        team->low_end_ns = eng_now_ns();
+    }
     perform_high(team, worker);
     uint64_t begin_ns = eng_now_ns();
     eng_taskunit_flush(worker);
-    worker->busy_ns += eng_now_ns() - begin_ns;
+    worker->record.high_ns += eng_now_ns() - begin_ns;
 }

@@ -15,7 +15,6 @@
 
 #include <sched.h>
 
-#include "clock.h"
 #include "taskunit.h"
 
 /* Triangles below which a task is not split: about 50 us of work against about 0.1 us to
@@ -53,12 +52,15 @@ void eng_schedule_steal_begin(struct eng_team *team)
 static void perform_subtree(struct eng_worker *worker, uint32_t node)
 {
     struct eng_task_queue *units = &worker->units;
+    uint64_t begin_ns = eng_worker_slice(worker);
     eng_taskunit_perform(worker, node, true);
     while (units->head != units->tail && !eng_stop_is_set(worker->stop)) {
         uint32_t next = units->nodes[units->head++ & (units->capacity - 1)];
         eng_taskunit_perform(worker, next, true);
     }
     units->head = units->tail;
+    eng_worker_trace(worker, ENG_TRACE_SUBTREE, begin_ns, node,
+                     worker->scene->nodes[node].count);
 }
 
 static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint32_t n)
@@ -68,26 +70,30 @@ static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint3
         perform_subtree(worker, n);
         return;
     }
-    worker->counters.task_units++;
+    uint64_t begin_ns = eng_worker_slice(worker);
+    worker->record.task_units++;
     push(team, worker, node->left, node->left);
     push(team, worker, node->right, node->right);
     push(team, worker, node->left, node->right);
+    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, node->count);
 }
 
 static void perform_pair(struct eng_team *team, struct eng_worker *worker, uint32_t n,
                          uint32_t m)
 {
     const struct eng_node *nodes = team->scene->nodes;
+    uint64_t begin_ns = eng_worker_slice(worker);
     if ((uint64_t)nodes[n].count + nodes[m].count <= PAIR_GRAIN) {
         eng_taskunit_pairs(worker, n, m);
-        return;
+    } else {
+        uint32_t n_out[4];
+        uint32_t m_out[4];
+        uint32_t count = eng_taskunit_refine(worker, n, m, n_out, m_out);
+        for (uint32_t i = 0; i < count; i++) {
+            push(team, worker, n_out[i], m_out[i]);
+        }
     }
-    uint32_t n_out[4];
-    uint32_t m_out[4];
-    uint32_t count = eng_taskunit_refine(worker, n, m, n_out, m_out);
-    for (uint32_t i = 0; i < count; i++) {
-        push(team, worker, n_out[i], m_out[i]);
-    }
+    eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
 }
 
 static void perform(struct eng_team *team, struct eng_worker *worker, uint64_t task)
@@ -106,39 +112,45 @@ static void perform(struct eng_team *team, struct eng_worker *worker, uint64_t t
 }
 
 /* One round over the other workers, starting behind the own place. */
-static bool steal(struct eng_team *team, uint32_t thread, uint64_t *task)
+static bool steal(struct eng_team *team, struct eng_worker *worker, uint64_t *task)
 {
+    worker->record.requests++;
     for (uint32_t i = 1; i < team->count; i++) {
-        struct eng_worker *victim = team->workers[(thread + i) % team->count];
+        struct eng_worker *victim = team->workers[(worker->thread + i) % team->count];
         if (eng_deque_steal(&victim->deque, task)) {
+            worker->record.steals++;
             return true;
         }
     }
     return false;
 }
 
-void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
+/* A task of another worker; false: all are finished. */
+static bool search(struct eng_team *team, struct eng_worker *worker, uint64_t *task)
 {
-    uint32_t thread = worker->thread;
-    uint32_t failed_rounds = 0;
     uint64_t begin_ns = eng_now_ns();
-    uint64_t idle_ns = 0;
-    while (atomic_load_explicit(&team->open_tasks, memory_order_acquire) > 0) {
-        uint64_t task;
-        if (eng_deque_pop(&worker->deque, &task)) {
-            perform(team, worker, task);
-            continue;
-        }
-        uint64_t search_ns = eng_now_ns();
-        bool found = steal(team, thread, &task);
-        idle_ns += eng_now_ns() - search_ns;
-        if (found) {
-            failed_rounds = 0;
-            perform(team, worker, task);
-        } else if (++failed_rounds % ROUNDS_BEFORE_YIELD == 0) {
+    uint32_t failed_rounds = 0;
+    bool found = false;
+    while (!found && atomic_load_explicit(&team->open_tasks, memory_order_acquire) > 0) {
+        found = steal(team, worker, task);
+        if (!found && ++failed_rounds % ROUNDS_BEFORE_YIELD == 0) {
+            worker->record.sleeps++;
             sched_yield();
         }
     }
+    eng_worker_waited(worker, begin_ns);
+    return found;
+}
+
+void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
+{
+    uint64_t begin_ns = eng_now_ns();
+    uint64_t waited_ns = worker->record.wait_ns;
+    uint64_t task;
+    while (eng_deque_pop(&worker->deque, &task) || search(team, worker, &task)) {
+        perform(team, worker, task);
+    }
     eng_taskunit_flush(worker);
-    worker->busy_ns = eng_now_ns() - begin_ns - idle_ns;
+    worker->record.low_ns +=
+        eng_now_ns() - begin_ns - (worker->record.wait_ns - waited_ns);
 }

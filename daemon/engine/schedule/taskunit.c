@@ -92,7 +92,7 @@ static void edges_against_edges(struct eng_worker *worker, const struct eng_tria
 static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
                       const struct eng_node *m)
 {
-    worker->counters.leaf_pairs++;
+    worker->tally.leaf_pairs++;
     vertices_against_face(worker, n->right, m);
     vertices_against_face(worker, m->right, n);
     edges_against_edges(worker, &worker->scene->triangles[n->right],
@@ -106,7 +106,7 @@ static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_node *nodes = worker->scene->nodes;
     struct eng_pair_queue *pairs = &worker->pairs;
-    worker->counters.box_tests++;
+    worker->record.box_tests++;
     if (!overlap(worker, &nodes[n], &nodes[m])) {
         return;
     }
@@ -151,9 +151,9 @@ static uint32_t refine(const struct eng_node *nodes, uint32_t n, uint32_t m,
 void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     struct eng_pair_queue *pairs = &worker->pairs;
+    uint64_t refined = 0;
     test_pair(worker, n, m);
-    for (uint64_t refined = 1; pairs->count > 0 && !eng_stop_is_set(worker->stop);
-         refined++) {
+    while (pairs->count > 0 && !eng_stop_is_set(worker->stop)) {
         uint32_t n_out[4];
         uint32_t m_out[4];
         pairs->count--;
@@ -162,18 +162,19 @@ void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m)
         for (uint32_t i = 0; i < count; i++) {
             test_pair(worker, n_out[i], m_out[i]);
         }
-        if (refined % PAIRS_PER_LOOK == 0) {
+        if (++refined % PAIRS_PER_LOOK == 0) {
             eng_worker_should_stop(worker);
         }
     }
     pairs->count = 0;
+    worker->record.pairs += refined;
 }
 
 uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
                              uint32_t n_out[4], uint32_t m_out[4])
 {
     const struct eng_node *nodes = worker->scene->nodes;
-    worker->counters.box_tests++;
+    worker->record.box_tests++;
     if (!overlap(worker, &nodes[n], &nodes[m])) {
         return 0;
     }
@@ -181,6 +182,7 @@ uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
         leaf_pair(worker, &nodes[n], &nodes[m]);
         return 0;
     }
+    worker->record.pairs++;
     return refine(nodes, n, m, n_out, m_out);
 }
 
@@ -196,12 +198,14 @@ void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_ch
     if (nodes[node].left == ENG_LEAF) {
         return;
     }
-    worker->counters.task_units++;
+    uint64_t begin_ns = eng_worker_slice(worker);
+    worker->record.task_units++;
     if (push_children) {
         push_unit(&worker->units, nodes[node].left);
         push_unit(&worker->units, nodes[node].right);
     }
     eng_taskunit_pairs(worker, nodes[node].left, nodes[node].right);
+    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, node, nodes[node].count);
 }
 
 void eng_taskunit_flush(struct eng_worker *worker)

@@ -17,7 +17,8 @@ struct eng_team {
     struct eng_worker **workers; /* [count] */
     uint32_t count;              /* threads, >= 1 */
     struct eng_refit_plan *plan;
-    struct eng_assignment *assignment;            /* the paper's scheduler */
+    struct eng_assignment *assignment; /* the paper's scheduler */
+    uint64_t low_end_ns; /* when the low-level nodes were done; written by thread 0 */
     _Alignas(128) atomic_uint next_subtree;       /* refit: the next one to be taken */
     _Alignas(128) atomic_int_fast64_t open_tasks; /* stealing: pushed and not finished */
 };

@@ -13,17 +13,18 @@
 #include <stdint.h>
 
 enum eng_trace_kind {
-    ENG_TRACE_STEP = 0,     /* a whole step; a: triangles, b: threads */
-    ENG_TRACE_REFIT = 1,    /* a thread's part of it */
-    ENG_TRACE_UNIT = 2,     /* self-CD task unit; a: node, b: triangles below it */
-    ENG_TRACE_SUBTREE = 3,  /* a task: all units below a node; a: node, b: triangles */
-    ENG_TRACE_PAIRS = 4,    /* a task: what a pair of nodes leads to; a, b: nodes */
-    ENG_TRACE_HIGH = 5,     /* a thread's part of a high-level unit; a: node, b: pairs */
-    ENG_TRACE_TESTS = 6,    /* a chunk of elementary tests; a: kind, b: candidates */
-    ENG_TRACE_REBUILD = 7,  /* reconstruction in the traversal; a: node, b: triangles */
-    ENG_TRACE_ASIDE = 8,    /* a share of a subtree built aside; a: node, b: triangles */
-    ENG_TRACE_WAIT = 9,     /* without work, asleep or searching */
-    ENG_TRACE_MERGE = 10,   /* sort, gather, hash */
+    ENG_TRACE_STEP = 0,    /* a whole step; a: triangles, b: threads */
+    ENG_TRACE_REFIT = 1,   /* a thread's part of it */
+    ENG_TRACE_UNIT = 2,    /* self-CD task unit; a: node, b: triangles below it */
+    ENG_TRACE_SUBTREE = 3, /* a task: all units below a node; a: node, b: triangles */
+    ENG_TRACE_PAIRS = 4,   /* a task: what a pair of nodes leads to; a, b: nodes */
+    ENG_TRACE_HIGH = 5,    /* a thread's part of a high-level unit, which has no slice
+                            * of its own; a: node, b: pairs */
+    ENG_TRACE_TESTS = 6,   /* a chunk of elementary tests; a: kind, b: candidates */
+    ENG_TRACE_REBUILD = 7, /* reconstruction in the traversal; a: node, b: triangles */
+    ENG_TRACE_ASIDE = 8,   /* a share of a subtree built aside; a: node, b: triangles */
+    ENG_TRACE_WAIT = 9,    /* without work, asleep or searching */
+    ENG_TRACE_MERGE = 10,  /* sort, gather, hash */
     ENG_TRACE_KINDS
 };
 

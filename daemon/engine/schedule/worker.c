@@ -1,14 +1,14 @@
 /* daemon/engine/schedule/worker.c - what one thread of a step owns.
  *
  * Room:     engine.
- * Does:     begin a step, watch clock and cancel flag, share the bound on time.
+ * Does:     begin a step, watch clock and cancel flag, share the bound on time, account
+ *           for time without work.
  * Threads:  [team]; a worker belongs to one thread.
  */
 #include "worker.h"
 
 #include <string.h>
 
-#include "clock.h"
 #include "memory.h"
 
 void eng_worker_init(struct eng_worker *worker)
@@ -69,9 +69,8 @@ int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
     worker->exact.queries = 0;
     worker->possible_seen = 0;
     worker->proved_seen = 0;
-    worker->tests_ns = 0;
-    worker->busy_ns = 0;
-    memset(&worker->counters, 0, sizeof worker->counters);
+    memset(&worker->record, 0, sizeof worker->record);
+    memset(&worker->tally, 0, sizeof worker->tally);
     eng_found_begin(&worker->found, pool,
                     settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)
                                                      : sizeof(struct eng_contact),
@@ -143,4 +142,19 @@ void eng_worker_tighten(struct eng_worker *worker, double time)
                                memory_order_relaxed, memory_order_relaxed)) {
     }
     look_at_bound(worker);
+}
+
+void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
+{
+    uint64_t end_ns = eng_now_ns();
+    worker->record.wait_ns += end_ns - begin_ns;
+    eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_WAIT, begin_ns,
+                  end_ns, 0, 0);
+}
+
+void eng_worker_barrier(struct eng_worker *worker)
+{
+    uint64_t begin_ns = eng_now_ns();
+#pragma omp barrier
+    eng_worker_waited(worker, begin_ns);
 }

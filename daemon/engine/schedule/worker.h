@@ -1,6 +1,7 @@
 /* daemon/engine/schedule/worker.h - what one thread of a step owns.
  *
- * Room:     engine. May include: deque.h, exact.h, filter.h, result.h, world.h.
+ * Room:     engine. May include: clock.h, deque.h, exact.h, filter.h, result.h, trace.h,
+ *           world.h.
  * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
  *           scratch of the solver and the records found: the one interface through which
  *           schedule, traversal, filter, solver and results meet. A step's workers share
@@ -10,10 +11,12 @@
 #ifndef ENG_WORKER_H
 #define ENG_WORKER_H
 
+#include "clock.h"
 #include "deque.h"
 #include "exact.h"
 #include "filter.h"
 #include "result.h"
+#include "trace.h"
 #include "world.h"
 
 #define ENG_THREADS_MAX 256u /* of one step */
@@ -62,6 +65,15 @@ struct eng_stop {
     atomic_uint_fast64_t time_bound;
 };
 
+/* What a worker counts besides its record; struct eng_step_counters says what each is. */
+struct eng_tally {
+    uint64_t leaf_pairs;
+    uint64_t candidates_vf;
+    uint64_t candidates_ee;
+    uint64_t survivors;
+    uint64_t rebuilt_triangles;
+};
+
 /* Every access is relaxed: these are hints that only save work, and the end of the
  * parallel region orders them before anybody reads the outcome. */
 static inline bool eng_stop_is_set(const struct eng_stop *stop)
@@ -83,11 +95,10 @@ struct eng_worker {
     struct eng_chunk ee;
     struct eng_found found;
     struct eng_exact exact;
-    struct eng_step_counters counters;
+    struct eng_thread_record record;
+    struct eng_tally tally;
     uint64_t possible_seen; /* mode any */
     uint64_t proved_seen;
-    uint64_t tests_ns;
-    uint64_t busy_ns; /* in traversal and tests, without waiting for work */
 };
 
 void eng_worker_init(struct eng_worker *worker);
@@ -105,6 +116,29 @@ void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settin
 
 /* Should the worker stop? Looks at the clock and at the cancel flag. */
 bool eng_worker_should_stop(struct eng_worker *worker);
+
+/* When a slice of the trace begins; 0 without a trace, so that nobody asks the clock. */
+static inline uint64_t eng_worker_slice(const struct eng_worker *worker)
+{
+    return worker->settings->trace ? eng_now_ns() : 0;
+}
+
+/* End it now. */
+static inline void eng_worker_trace(const struct eng_worker *worker,
+                                    enum eng_trace_kind kind, uint64_t begin_ns,
+                                    uint32_t a, uint32_t b)
+{
+    if (worker->settings->trace) {
+        eng_trace_add(worker->settings->trace, worker->thread, kind, begin_ns,
+                      eng_now_ns(), a, b);
+    }
+}
+
+/* The worker was without work since `begin_ns`. */
+void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns);
+
+/* Wait for the other threads of the region; every one of them calls it. */
+void eng_worker_barrier(struct eng_worker *worker);
 
 /* Mode first: a proved contact has certainly begun at `time`. */
 void eng_worker_tighten(struct eng_worker *worker, double time);

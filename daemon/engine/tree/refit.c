@@ -9,7 +9,6 @@
  */
 #include "refit.h"
 
-#include <omp.h>
 #include <string.h>
 
 #include "memory.h"
@@ -116,24 +115,10 @@ static struct eng_range share_of(struct eng_range range, uint32_t thread,
     return (struct eng_range){range.first + (uint32_t)begin, (uint32_t)(end - begin)};
 }
 
-void eng_refit_by_team(struct eng_team *team)
+static void refit_subtrees(struct eng_team *team)
 {
     struct eng_scene *scene = team->scene;
     const struct eng_refit_plan *plan = team->plan;
-    uint32_t thread = (uint32_t)omp_get_thread_num();
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh) {
-            refit_vertices(scene,
-                           share_of(scene->objects[i].vertices, thread, team->count));
-        }
-    }
-#pragma omp barrier
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh) {
-            refit_edges(scene, share_of(scene->objects[i].edges, thread, team->count));
-        }
-    }
-    /* Boxes of nodes need those of vertices only, so no barrier before them. */
     for (;;) {
         uint32_t i = plan->opened + atomic_fetch_add_explicit(&team->next_subtree, 1,
                                                               memory_order_relaxed);
@@ -143,12 +128,45 @@ void eng_refit_by_team(struct eng_team *team)
         uint32_t root = plan->nodes[i];
         refit_nodes(scene, (struct eng_range){root, 2 * scene->nodes[root].count - 1});
     }
-#pragma omp barrier
+}
+
+/* A part of the refit is done, its work begun at `begin_ns`. */
+static void end_part(struct eng_worker *worker, uint64_t begin_ns)
+{
+    worker->record.refit_ns += eng_now_ns() - begin_ns;
+    eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
+}
+
+void eng_refit_by_team(struct eng_team *team, struct eng_worker *worker)
+{
+    struct eng_scene *scene = team->scene;
+    const struct eng_refit_plan *plan = team->plan;
+    uint32_t thread = worker->thread;
+    uint64_t begin_ns = eng_now_ns();
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh) {
+            refit_vertices(scene,
+                           share_of(scene->objects[i].vertices, thread, team->count));
+        }
+    }
+    end_part(worker, begin_ns);
+    eng_worker_barrier(worker);
+    begin_ns = eng_now_ns();
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh) {
+            refit_edges(scene, share_of(scene->objects[i].edges, thread, team->count));
+        }
+    }
+    /* Boxes of nodes need those of vertices only, so no barrier before them. */
+    refit_subtrees(team);
+    end_part(worker, begin_ns);
+    eng_worker_barrier(worker);
     if (thread == 0) {
+        begin_ns = eng_now_ns();
         for (uint32_t i = plan->opened; i-- > 0;) {
             refit_node(scene, plan->nodes[i]);
         }
         refit_nodes(scene, scene->top);
+        end_part(worker, begin_ns);
     }
-#pragma omp barrier
 }

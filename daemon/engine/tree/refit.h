@@ -35,8 +35,8 @@ void eng_refit_object(struct eng_scene *scene, const struct eng_object *object);
 /* All objects, then the tree over them, by one thread. */
 void eng_refit(struct eng_scene *scene);
 
-/* The same by all threads of the region; every thread calls it, and all boxes are up to
- * date when it returns. [team] */
-void eng_refit_by_team(struct eng_team *team);
+/* The same by all threads of the region, each of which calls it. All boxes are up to date
+ * when it returns to the first worker; the others need a barrier. [team] */
+void eng_refit_by_team(struct eng_team *team, struct eng_worker *worker);
 
 #endif

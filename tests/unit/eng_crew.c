@@ -1,0 +1,95 @@
+/* tests/unit/eng_crew.c - a scene for more than one thread, and the teams to try on it.
+ *
+ * Room:     engine (private headers).
+ * Does:     make and step the scene.
+ * Threads:  up to sixteen, whatever the machine has.
+ * Source:   daemon/engine/step.h.
+ */
+#include "eng_crew.h"
+
+#include <stdlib.h>
+
+#include "build.h"
+
+/* Large enough that a step does not stay on one thread. */
+#define SHEET_SIDE 30u
+
+static const uint32_t sizes[] = {2, 3, 4, 8, 16};
+#define SIZE_COUNT (sizeof sizes / sizeof *sizes)
+
+static const struct {
+    enum eng_scheduler scheduler;
+    enum eng_high_level high_level;
+    enum eng_refit_scheme refit;
+} ways[] = {
+    {ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN},
+    {ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN},
+};
+#define WAY_COUNT (sizeof ways / sizeof *ways)
+
+int crew_setup(void **state)
+{
+    struct crew *crew = malloc(sizeof *crew);
+    struct kit_random random = {97};
+    uint32_t sheet;
+    assert_non_null(crew);
+    assert_int_equal(eng_scene_new(NULL, &crew->scene), ENG_OK);
+    struct eng_mesh *mesh = kit_sheet(SHEET_SIDE, 0.5);
+    assert_int_equal(eng_scene_add(crew->scene, mesh, 2, &sheet), ENG_OK);
+    eng_mesh_release(mesh);
+    mesh = kit_soup(&random, CREW_SOUP_TRIANGLES);
+    assert_int_equal(eng_scene_add(crew->scene, mesh, 1, &crew->soup), ENG_OK);
+    eng_mesh_release(mesh);
+    const struct eng_object *object = eng_scene_object(crew->scene, crew->soup);
+    for (uint32_t i = 0; i < CREW_SOUP_VERTICES; i++) {
+        for (int k = 0; k < 3; k++) {
+            double x = crew->scene->x[crew->scene->now][object->vertices.first + i][k];
+            crew->x0[i][k] = x;
+            crew->x1[i][k] = x + kit_between(&random, -0.05, 0.05);
+        }
+    }
+    *state = crew;
+    return 0;
+}
+
+int crew_teardown(void **state)
+{
+    struct crew *crew = *state;
+    eng_scene_free(crew->scene);
+    free(crew);
+    return 0;
+}
+
+struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings settings)
+{
+    struct eng_step_result result;
+    eng_stage_begin(crew->scene);
+    assert_int_equal(eng_stage_x0x1(crew->scene, crew->soup, ENG_F64, 0,
+                                    CREW_SOUP_VERTICES, crew->x0, crew->x1),
+                     ENG_OK);
+    assert_int_equal(eng_step(crew->scene, &settings, &result), ENG_OK);
+    assert_true(eng_tree_validate(crew->scene));
+    return result;
+}
+
+struct eng_step_settings crew_alone(enum eng_mode mode)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    return settings;
+}
+
+size_t crew_count(void)
+{
+    return SIZE_COUNT * WAY_COUNT;
+}
+
+struct eng_step_settings crew_team(enum eng_mode mode, size_t i)
+{
+    struct eng_step_settings settings = crew_alone(mode);
+    settings.threads = sizes[i % SIZE_COUNT];
+    settings.scheduler = ways[i / SIZE_COUNT].scheduler;
+    settings.high_level = ways[i / SIZE_COUNT].high_level;
+    settings.refit = ways[i / SIZE_COUNT].refit;
+    return settings;
+}

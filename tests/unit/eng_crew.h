@@ -1,0 +1,43 @@
+/* tests/unit/eng_crew.h - a scene for more than one thread, and the teams to try on it.
+ *
+ * Room:     engine (private headers).
+ * Does:     stage the same step of a sheet and a soup of triangles again and again; name
+ *           every way in which threads may share it.
+ * Threads:  up to sixteen, whatever the machine has.
+ * Source:   daemon/engine/step.h.
+ */
+#ifndef TEST_ENG_CREW_H
+#define TEST_ENG_CREW_H
+
+#include "eng_kit.h"
+
+#include "step.h"
+#include "world.h"
+
+#define CREW_SOUP_TRIANGLES 1500u
+#define CREW_SOUP_VERTICES  (3 * CREW_SOUP_TRIANGLES)
+
+struct crew {
+    struct eng_scene *scene;
+    uint32_t soup; /* index of the object that moves */
+    double x0[CREW_SOUP_VERTICES][3];
+    double x1[CREW_SOUP_VERTICES][3];
+};
+
+int crew_setup(void **state);
+int crew_teardown(void **state);
+
+/* Stage the step and run it; the tree must be a tree afterwards. */
+struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings settings);
+
+/* One thread. */
+struct eng_step_settings crew_alone(enum eng_mode mode);
+
+/* Team `i` of crew_count(): every number of threads by every scheduler, method of
+ * high-level nodes and scheme of the refit. */
+struct eng_step_settings crew_team(enum eng_mode mode, size_t i);
+size_t crew_count(void);
+
+#define CREW_TEST(name) cmocka_unit_test_setup_teardown(name, crew_setup, crew_teardown)
+
+#endif
