@@ -30,6 +30,7 @@ ENG_TESTS = \
     tests/unit/test_eng_step \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_fault \
+    tests/unit/test_eng_replace \
     tests/unit/test_eng_deque \
     tests/unit/test_eng_team \
     tests/unit/test_eng_record \
@@ -97,6 +98,10 @@ tests_unit_test_eng_warm_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_fault_SOURCES = tests/unit/test_eng_fault.c
 tests_unit_test_eng_fault_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_fault_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_replace_SOURCES = tests/unit/test_eng_replace.c
+tests_unit_test_eng_replace_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_replace_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_deque_SOURCES = tests/unit/test_eng_deque.c
 tests_unit_test_eng_deque_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

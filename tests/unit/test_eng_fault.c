@@ -240,6 +240,30 @@ static void check_failed_step_moves_nothing(struct eng_scene *scene)
     free(before);
 }
 
+/* Both objects get the mesh, or both are what they were. */
+static int replace_both(struct eng_scene *scene, const uint32_t idx[2],
+                        struct eng_mesh *mesh)
+{
+    const struct eng_object before[2] = {scene->objects[idx[0]], scene->objects[idx[1]]};
+    int status = eng_scene_try_replace(scene, idx[0], mesh);
+    if (status == ENG_OK) {
+        status = eng_scene_try_replace(scene, idx[1], mesh);
+    }
+    if (status == ENG_OK) {
+        eng_scene_settle(scene);
+        return status;
+    }
+    eng_scene_take_back(scene);
+    for (int i = 0; i < 2; i++) {
+        const struct eng_object *now = &scene->objects[idx[i]];
+        assert_ptr_equal(now->mesh, before[i].mesh);
+        assert_int_equal(now->id, before[i].id);
+        assert_int_equal(now->vertices.first, before[i].vertices.first);
+        assert_int_equal(now->nodes.first, before[i].nodes.first);
+    }
+    return status;
+}
+
 static void live(struct diary *diary)
 {
     struct eng_scene *scene = NULL;
@@ -260,6 +284,11 @@ static void live(struct diary *diary)
     }
     check_failed_step_moves_nothing(scene);
     step(scene, ENG_MODE_ANY, 4, diary);
+    struct eng_mesh *other = make_sheet();
+    RETRY(replace_both(scene, idx + 4, other));
+    RETRY(eng_scene_replace(scene, idx[7], other));
+    eng_mesh_release(other);
+    step(scene, ENG_MODE_ALL, 8, diary);
     for (uint32_t i = 3; i < 20; i += 2) {
         assert_int_equal(eng_scene_remove(scene, idx[i]), ENG_OK);
     }

@@ -6,6 +6,7 @@
  * Does not: stage positions (stage.c) or step (step.c).
  * Threads:  [compute].
  */
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -63,6 +64,7 @@ void eng_scene_free(struct eng_scene *scene)
     eng_ranges_deinit(&scene->triangle_ranges);
     eng_ranges_deinit(&scene->node_ranges);
     eng_free(scene->objects);
+    eng_free(scene->replaced);
     eng_free(scene->x[0]);
     eng_free(scene->x[1]);
     eng_free(scene->start);
@@ -235,7 +237,21 @@ int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t objec
     return ENG_OK;
 }
 
-int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx, struct eng_mesh *mesh)
+/* Room for one more entry of scene->replaced. */
+static int reserve_replaced(struct eng_scene *scene)
+{
+    if (scene->replaced_count < scene->replaced_capacity) {
+        return ENG_OK;
+    }
+    uint32_t capacity =
+        eng_world_grown(scene->replaced_capacity, scene->replaced_count + 1);
+    int status = eng_world_grow(&scene->replaced, capacity, sizeof *scene->replaced);
+    scene->replaced_capacity = status == ENG_OK ? capacity : scene->replaced_capacity;
+    return status;
+}
+
+int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
+                          struct eng_mesh *mesh)
 {
     struct eng_object *object = eng_scene_object(scene, object_idx);
     if (!object) {
@@ -244,14 +260,47 @@ int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx, struct eng_m
     if (scene->staging || !eng_mesh_is_committed(mesh)) {
         return ENG_E_STATE;
     }
-    struct eng_object before = *object;
-    int status = place(scene, object_idx, mesh, before.id);
+    int status = reserve_replaced(scene);
     if (status != ENG_OK) {
         return status;
     }
-    give_all(scene, &before);
-    eng_mesh_release(before.mesh);
-    return ENG_OK;
+    struct eng_object before = *object;
+    status = place(scene, object_idx, mesh, before.id);
+    if (status == ENG_OK) {
+        scene->replaced[scene->replaced_count++] =
+            (struct eng_replaced){.object = object_idx, .before = before};
+    }
+    return status;
+}
+
+void eng_scene_settle(struct eng_scene *scene)
+{
+    while (scene->replaced_count > 0) {
+        struct eng_object *before = &scene->replaced[--scene->replaced_count].before;
+        give_all(scene, before);
+        eng_mesh_release(before->mesh);
+    }
+}
+
+void eng_scene_take_back(struct eng_scene *scene)
+{
+    while (scene->replaced_count > 0) {
+        struct eng_replaced *replaced = &scene->replaced[--scene->replaced_count];
+        struct eng_object *object = &scene->objects[replaced->object];
+        give_all(scene, object);
+        eng_mesh_release(object->mesh);
+        *object = replaced->before;
+    }
+}
+
+int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx, struct eng_mesh *mesh)
+{
+    assert(scene->replaced_count == 0);
+    int status = eng_scene_try_replace(scene, object_idx, mesh);
+    if (status == ENG_OK) {
+        eng_scene_settle(scene);
+    }
+    return status;
 }
 
 int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
@@ -286,6 +335,7 @@ uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_i
 uint64_t eng_scene_bytes(const struct eng_scene *scene)
 {
     return sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +
+           (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
            (uint64_t)scene->vertex_capacity *
                (2 * sizeof *scene->x[0] + sizeof *scene->vertices) +
            (uint64_t)scene->start_capacity * sizeof *scene->start +

@@ -62,6 +62,15 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx);
 int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx,
                       struct eng_mesh *mesh);
 
+/* The same for many objects, of any scenes, all or none: try each, once; then settle
+ * every scene that was tried, or take all of it back. Neither can fail. Until then what
+ * the objects were before is kept aside, and the scene must not be stepped or changed
+ * otherwise. Errors as eng_scene_replace; earlier tries stand. */
+int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
+                          struct eng_mesh *mesh);
+void eng_scene_settle(struct eng_scene *scene);
+void eng_scene_take_back(struct eng_scene *scene);
+
 uint32_t eng_scene_object_count(const struct eng_scene *scene);
 uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_idx);
 uint64_t eng_scene_bytes(const struct eng_scene *scene);

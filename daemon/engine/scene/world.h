@@ -92,6 +92,12 @@ struct eng_write {
     bool has_start; /* x0 waits in world->start */
 };
 
+/* What an object was before a replacement that is not settled. */
+struct eng_replaced {
+    uint32_t object;
+    struct eng_object before;
+};
+
 struct eng_step_memory; /* step.c: what one step leaves for the next */
 
 struct eng_scene {
@@ -99,6 +105,9 @@ struct eng_scene {
     struct eng_object *objects;
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;
+    struct eng_replaced *replaced; /* not settled yet */
+    uint32_t replaced_count;
+    uint32_t replaced_capacity;
 
     struct eng_ranges vertex_ranges;
     struct eng_ranges edge_ranges;

@@ -1,0 +1,144 @@
+/* tests/unit/test_eng_replace.c - objects that change their topology between steps.
+ *
+ * Room:     engine (private headers).
+ * Does:     replace, try, settle and take back, against scenes that were made so at once.
+ * Does not: let memory run out (test_eng_fault.c).
+ * Threads:  one.
+ * Source:   scene.h.
+ */
+#include "eng_kit.h"
+
+#include "memory.h"
+#include "step.h"
+#include "world.h"
+
+#define SIDE 6u
+
+/* A sheet that falls through another one. */
+struct fixture {
+    struct eng_scene *scene;
+    struct eng_mesh *sheet;
+    struct eng_mesh *finer;
+    uint32_t low;
+    uint32_t high;
+};
+
+static void open_scene(struct fixture *f, struct eng_mesh *low, struct eng_mesh *high)
+{
+    assert_int_equal(eng_scene_new(NULL, &f->scene), ENG_OK);
+    assert_int_equal(eng_scene_add(f->scene, low, 7, &f->low), ENG_OK);
+    assert_int_equal(eng_scene_add(f->scene, high, 9, &f->high), ENG_OK);
+}
+
+static int set_up(void **state)
+{
+    static struct fixture fixture;
+    fixture.sheet = kit_sheet(SIDE, 0);
+    fixture.finer = kit_sheet(2 * SIDE, 0.25);
+    open_scene(&fixture, fixture.sheet, fixture.sheet);
+    *state = &fixture;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    eng_scene_free(f->scene);
+    eng_mesh_release(f->sheet);
+    eng_mesh_release(f->finer);
+    assert_int_equal(eng_alloc_bytes(), 0);
+    return 0;
+}
+
+/* The high sheet from where it was registered, tilted, down to `z`. */
+static uint64_t step(struct fixture *f, double z)
+{
+    const struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    const double from[12] = {1, 0, 0, 0.01, 0, 1, 0, 0.02, 0, 0, 1, 0.5};
+    const double to[12] = {1, 0, 0, 0.03, 0, 1, 0, 0.01, 0.125, 0.0625, 1, z};
+    struct eng_step_result result;
+    uint32_t count = eng_scene_vertex_count(f->scene, f->high);
+    eng_stage_begin(f->scene);
+    assert_int_equal(eng_stage_rigid(f->scene, f->high, 0, count, from, to), ENG_OK);
+    assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
+    assert_true(result.count > 0);
+    return result.hash_lo;
+}
+
+/* If it failed: a replaced object would answer otherwise than one made so. */
+static void replace__answers_as_a_fresh_object(void **state)
+{
+    struct fixture *f = *state;
+    struct fixture fresh = *f;
+    step(f, -0.75);
+    open_scene(&fresh, f->sheet, f->finer);
+    uint32_t idx = f->high;
+    assert_int_equal(eng_scene_replace(f->scene, idx, f->finer), ENG_OK);
+    assert_int_equal(eng_scene_object_count(f->scene), 2);
+    assert_int_equal(eng_scene_vertex_count(f->scene, idx), 13 * 13);
+    for (int i = 0; i < 3; i++) {
+        assert_true(step(f, -0.5 - i) == step(&fresh, -0.5 - i));
+    }
+    eng_scene_free(fresh.scene);
+}
+
+/* If it failed: an attempt that came to nothing would have moved or changed something. */
+static void replace__taken_back_leaves_everything_as_it_was(void **state)
+{
+    struct fixture *f = *state;
+    struct fixture twin = *f;
+    open_scene(&twin, f->sheet, f->sheet);
+    assert_true(step(f, -0.75) == step(&twin, -0.75));
+    for (int i = 0; i < 3; i++) {
+        uint32_t end = f->scene->node_ranges.end;
+        assert_int_equal(eng_scene_try_replace(f->scene, f->low, f->finer), ENG_OK);
+        assert_int_equal(eng_scene_try_replace(f->scene, f->high, f->finer), ENG_OK);
+        assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 13 * 13);
+        eng_scene_take_back(f->scene);
+        assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 7 * 7);
+        assert_int_equal(f->scene->node_ranges.end, end);
+        assert_true(step(f, -0.5 - i) == step(&twin, -0.5 - i));
+    }
+    eng_scene_free(twin.scene);
+}
+
+/* If it failed: what an object was would stay in memory, or go while it is in use. */
+static void replace__settled_releases_what_was(void **state)
+{
+    struct fixture *f = *state;
+    step(f, -0.75);
+    assert_int_equal(eng_scene_try_replace(f->scene, f->low, f->finer), ENG_OK);
+    assert_int_equal(eng_scene_try_replace(f->scene, f->high, f->finer), ENG_OK);
+    eng_scene_settle(f->scene);
+    step(f, -0.5);
+    assert_int_equal(eng_scene_remove(f->scene, f->low), ENG_OK);
+    assert_int_equal(eng_scene_remove(f->scene, f->high), ENG_OK);
+    assert_int_equal(f->scene->vertex_ranges.end, 0);
+    assert_int_equal(f->scene->triangle_ranges.end, 0);
+}
+
+/* If it failed: a wrong call would be taken for another. */
+static void replace__wrong_calls_are_refused(void **state)
+{
+    struct fixture *f = *state;
+    struct eng_mesh *empty = NULL;
+    assert_int_equal(eng_mesh_new(3, 1, &empty), ENG_OK);
+    assert_int_equal(eng_scene_try_replace(f->scene, 77, f->finer), ENG_E_INVAL);
+    assert_int_equal(eng_scene_try_replace(f->scene, f->low, empty), ENG_E_STATE);
+    eng_stage_begin(f->scene);
+    assert_int_equal(eng_scene_try_replace(f->scene, f->low, f->finer), ENG_E_STATE);
+    eng_stage_abort(f->scene);
+    eng_mesh_release(empty);
+}
+
+int main(void)
+{
+#define REPLACE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        REPLACE_TEST(replace__answers_as_a_fresh_object),
+        REPLACE_TEST(replace__taken_back_leaves_everything_as_it_was),
+        REPLACE_TEST(replace__settled_releases_what_was),
+        REPLACE_TEST(replace__wrong_calls_are_refused),
+    };
+    return cmocka_run_group_tests_name("eng_replace", tests, NULL, NULL);
+}
