@@ -4,6 +4,7 @@ include $(top_srcdir)/tests/support/local.mk
 include $(top_srcdir)/tests/support/scenes.mk
 include $(top_srcdir)/tests/oracle/local.mk
 include $(top_srcdir)/tests/unit/local.mk
+include $(top_srcdir)/tests/determinism/local.mk
 include $(top_srcdir)/tests/property/local.mk
 include $(top_srcdir)/tests/truth/local.mk
 include $(top_srcdir)/tests/proto/local.mk

@@ -5,6 +5,10 @@ check_LTLIBRARIES += libtestscenes.la
 libtestscenes_la_SOURCES = \
     tests/support/data.c \
     tests/support/data.h \
+    tests/support/golden.c \
+    tests/support/golden.h \
+    tests/support/play.c \
+    tests/support/play.h \
     tests/support/ply.c \
     tests/support/ply.h \
     tests/support/prng.h \

@@ -11,8 +11,10 @@ libengkit_la_SOURCES = \
     tests/unit/eng_crew.c \
     tests/unit/eng_crew.h \
     tests/unit/eng_kit.c \
-    tests/unit/eng_kit.h
-libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+    tests/unit/eng_kit.h \
+    tests/unit/eng_player.c \
+    tests/unit/eng_player.h
+libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 
 ENG_TESTS = \
     tests/unit/test_eng_memory \

@@ -1,0 +1,16 @@
+# tests/determinism/local.mk - the same bytes whatever the settings, threads and history.
+
+DETERMINISM_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/tests/support \
+    -I$(top_srcdir)/tests/oracle -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
+DETERMINISM_LDADD = libengkit.la libengine.la libtestscenes.la $(CMOCKA_LIBS) \
+    $(GMP_LIBS) $(LIBM)
+
+determinism_names = \
+    tests/determinism/test_eng_golden
+check_PROGRAMS += $(determinism_names)
+TESTS += $(determinism_names)
+
+tests_determinism_test_eng_golden_SOURCES = tests/determinism/test_eng_golden.c
+tests_determinism_test_eng_golden_CPPFLAGS = $(DETERMINISM_CPPFLAGS)
+tests_determinism_test_eng_golden_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_determinism_test_eng_golden_LDADD = $(DETERMINISM_LDADD)

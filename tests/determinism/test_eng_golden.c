@@ -1,0 +1,468 @@
+/* test_eng_golden.c - the bytes of an answer, written down.
+ *
+ * Room:     tests/determinism. May include: daemon/engine, tests/support, tests/unit.
+ * Does:     every golden play by one thread against its literals, then under rows of
+ *           settings that hold every pair of levels of any two settings, against the same
+ *           bytes; a small play under every combination.
+ * Threads:  up to sixteen, whatever the machine has.
+ * Source:   tests/support/golden.h; what may change an answer is nothing but its input.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "build.h"
+#include "eng_player.h"
+#include "golden.h"
+
+/* ---- settings -------------------- */
+
+enum factor {
+    THREADS,
+    SCHEDULER,
+    HIGH_LEVEL,
+    REFIT,
+    QUALITY,
+    RATIO,
+    REGION,
+    HISTORY,
+    MODE,
+    FACTORS
+};
+
+enum history {
+    RESIDENT, /* the steps before, each once */
+    BACK,     /* each step forward, back and forward again */
+    FRESH,    /* a scene made for the step */
+    HISTORIES
+};
+
+static const uint32_t levels[FACTORS] = {6, 2, 2, 2, 2, 3, 2, HISTORIES, 4};
+static const uint32_t thread_counts[] = {1, 2, 3, 4, 8, 16};
+static const double ratios[] = {0, 0.9, 1};
+static const uint32_t regions[] = {8, 1024};
+
+struct row {
+    uint32_t level[FACTORS];
+};
+
+static struct eng_scene_settings scene_settings(const struct row *row)
+{
+    struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
+    settings.quality = (enum eng_quality)row->level[QUALITY];
+    settings.rebuild_ratio = ratios[row->level[RATIO]];
+    settings.rebuild_triangles_max = regions[row->level[REGION]];
+    return settings;
+}
+
+static struct eng_step_settings step_settings(const struct row *row)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = (enum eng_mode)row->level[MODE];
+    settings.threads = thread_counts[row->level[THREADS]];
+    settings.scheduler = (enum eng_scheduler)row->level[SCHEDULER];
+    settings.high_level = (enum eng_high_level)row->level[HIGH_LEVEL];
+    settings.refit = (enum eng_refit_scheme)row->level[REFIT];
+    return settings;
+}
+
+/* ---- rows that cover all pairs of levels -------------------- */
+
+#define ROWS_MAX   64u
+#define CANDIDATES 64u /* for a row */
+
+/* covered[f][g][i][j]: some row has level i of f and level j of g. */
+struct cover {
+    struct row rows[ROWS_MAX];
+    uint32_t row_count;
+    bool covered[FACTORS][FACTORS][6][6];
+};
+
+/* Pairs of levels of the row that no row before has. */
+static uint32_t news(const struct cover *cover, const struct row *row)
+{
+    uint32_t count = 0;
+    for (uint32_t f = 0; f < FACTORS; f++) {
+        for (uint32_t g = f + 1; g < FACTORS; g++) {
+            count += !cover->covered[f][g][row->level[f]][row->level[g]];
+        }
+    }
+    return count;
+}
+
+static void mark(struct cover *cover, const struct row *row)
+{
+    for (uint32_t f = 0; f < FACTORS; f++) {
+        for (uint32_t g = f + 1; g < FACTORS; g++) {
+            cover->covered[f][g][row->level[f]][row->level[g]] = true;
+        }
+    }
+    cover->rows[cover->row_count++] = *row;
+}
+
+static uint32_t uncovered(const struct cover *cover)
+{
+    uint32_t count = 0;
+    for (uint32_t f = 0; f < FACTORS; f++) {
+        for (uint32_t g = f + 1; g < FACTORS; g++) {
+            for (uint32_t i = 0; i < levels[f] * levels[g]; i++) {
+                count += !cover->covered[f][g][i / levels[g]][i % levels[g]];
+            }
+        }
+    }
+    return count;
+}
+
+/* The best of many random rows, again and again. */
+static void cover_make(struct cover *cover, uint64_t seed)
+{
+    struct prng prng = {seed};
+    memset(cover, 0, sizeof *cover);
+    while (uncovered(cover) > 0) {
+        struct row best = {{0}};
+        assert_true(cover->row_count < ROWS_MAX);
+        for (uint32_t i = 0; i < CANDIDATES; i++) {
+            struct row row;
+            for (uint32_t f = 0; f < FACTORS; f++) {
+                row.level[f] = (uint32_t)prng_below(&prng, levels[f]);
+            }
+            if (i == 0 || news(cover, &row) > news(cover, &best)) {
+                best = row;
+            }
+        }
+        mark(cover, &best);
+    }
+}
+
+/* ---- the play by one thread -------------------- */
+
+struct answer {
+    uint64_t count;
+    uint64_t bytes;
+    uint64_t hash_hi;
+    uint64_t hash_lo;
+    enum eng_verdict verdict;
+    void *records;
+};
+
+/* Of every step in every mode, by one thread with default settings. */
+struct fixture {
+    const struct golden *golden;
+    struct play play;
+    struct answer answers[GOLDEN_STEPS_MAX][4];
+};
+
+static void keep(struct answer *answer, const struct eng_step_result *result)
+{
+    answer->count = result->count;
+    answer->bytes = result->count * result->record_bytes;
+    answer->hash_hi = result->hash_hi;
+    answer->hash_lo = result->hash_lo;
+    answer->verdict = result->verdict;
+    answer->records = malloc(answer->bytes + 1);
+    assert_non_null(answer->records);
+    if (answer->bytes > 0) {
+        memcpy(answer->records, result->records, answer->bytes);
+    }
+}
+
+static void fixture_init(struct fixture *f, const struct golden *golden)
+{
+    struct player player;
+    uint32_t step = 0;
+    f->golden = golden;
+    play_make(&f->play, golden->kind, golden->triangle_count, golden->seed);
+    assert_true(f->play.step_count <= GOLDEN_STEPS_MAX);
+    player_init(&player, NULL);
+    for (uint32_t i = 0; i < f->play.act_count; i++) {
+        if (f->play.acts[i].what != PLAY_STEP) {
+            player_act(&player, &f->play.acts[i]);
+            continue;
+        }
+        for (uint32_t mode = 0; mode < 4; mode++) {
+            struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+            struct eng_step_result result;
+            settings.mode = (enum eng_mode)mode;
+            if (mode > 0) {
+                player_stage_copies(&player);
+            }
+            assert_int_equal(player_step(&player, &settings, &result), ENG_OK);
+            keep(&f->answers[step][mode], &result);
+        }
+        step++;
+    }
+    player_deinit(&player);
+}
+
+static void fixture_deinit(struct fixture *f)
+{
+    for (uint32_t i = 0; i < GOLDEN_STEPS_MAX * 4; i++) {
+        free(f->answers[i / 4][i % 4].records);
+    }
+    play_deinit(&f->play);
+    memset(f, 0, sizeof *f);
+}
+
+static const enum eng_mode columns[GOLDEN_MODES] = {ENG_MODE_ALL, ENG_MODE_FIRST,
+                                                    ENG_MODE_PAIRS};
+
+static void print_golden(const struct fixture *f)
+{
+    print_message("# %s, %u triangles, is now:\n", play_name(f->golden->kind),
+                  f->golden->triangle_count);
+    for (uint32_t step = 0; step < f->play.step_count; step++) {
+        const struct answer *a = f->answers[step];
+        print_message("# {{%llu, %llu, %llu},\n", (unsigned long long)a[0].count,
+                      (unsigned long long)a[1].count, (unsigned long long)a[3].count);
+        for (int m = 0; m < GOLDEN_MODES; m++) {
+            print_message("# %s{0x%016llx, 0x%016llx}%s\n", m == 0 ? " {" : "  ",
+                          (unsigned long long)a[columns[m]].hash_hi,
+                          (unsigned long long)a[columns[m]].hash_lo,
+                          m == 2 ? "}}," : ",");
+        }
+    }
+}
+
+static bool is_golden(const struct fixture *f)
+{
+    for (uint32_t i = 0; i < f->play.step_count * GOLDEN_MODES; i++) {
+        uint32_t mode = i % GOLDEN_MODES;
+        const struct golden_step *want = &f->golden->steps[i / GOLDEN_MODES];
+        const struct answer *have = &f->answers[i / GOLDEN_MODES][columns[mode]];
+        if (have->count != want->count[mode] || have->hash_hi != want->hash[mode][0] ||
+            have->hash_lo != want->hash[mode][1]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ---- the play under a row -------------------- */
+
+static void fail_row(const struct fixture *f, const struct row *row, uint32_t step,
+                     const char *what)
+{
+    fail_msg("%s, step %u: %s; %u threads, scheduler %u, high level %u, refit %u, "
+             "quality %u, ratio %g, region %u, history %u, mode %u",
+             play_name(f->golden->kind), step, what, thread_counts[row->level[THREADS]],
+             row->level[SCHEDULER], row->level[HIGH_LEVEL], row->level[REFIT],
+             row->level[QUALITY], ratios[row->level[RATIO]], regions[row->level[REGION]],
+             row->level[HISTORY], row->level[MODE]);
+}
+
+static void compare(const struct fixture *f, const struct row *row, uint32_t step,
+                    const struct eng_scene *scene, const struct eng_step_result *result)
+{
+    const struct answer *want = &f->answers[step][row->level[MODE]];
+    if (result->threads != thread_counts[row->level[THREADS]]) {
+        fail_row(f, row, step, "not by as many threads as asked");
+    }
+    if (result->incomplete != ENG_COMPLETE) {
+        fail_row(f, row, step, "incomplete");
+    }
+    if (result->count != want->count || result->verdict != want->verdict ||
+        result->hash_hi != want->hash_hi || result->hash_lo != want->hash_lo) {
+        fail_row(f, row, step, "another answer");
+    }
+    if (want->bytes > 0 && memcmp(result->records, want->records, want->bytes) != 0) {
+        fail_row(f, row, step, "other bytes under the same hash");
+    }
+    if (!eng_tree_validate(scene)) {
+        fail_row(f, row, step, "a tree that is none");
+    }
+}
+
+/* The step that is staged, after a history. */
+static void take_step(const struct fixture *f, const struct row *row, uint32_t step,
+                      struct player *player)
+{
+    const struct eng_scene_settings made = scene_settings(row);
+    const struct eng_step_settings settings = step_settings(row);
+    struct eng_step_result result;
+    if (row->level[HISTORY] == FRESH) {
+        struct player copy;
+        player_copy(player, &made, &copy);
+        assert_int_equal(player_step(&copy, &settings, &result), ENG_OK);
+        compare(f, row, step, copy.scene, &result);
+        player_deinit(&copy);
+        player_drop(player);
+        return;
+    }
+    assert_int_equal(player_step(player, &settings, &result), ENG_OK);
+    compare(f, row, step, player->scene, &result);
+    if (row->level[HISTORY] == BACK) {
+        player_go_back(player, &settings);
+        player_stage_copies(player);
+        assert_int_equal(player_step(player, &settings, &result), ENG_OK);
+        compare(f, row, step, player->scene, &result);
+    }
+}
+
+static void perform(const struct fixture *f, const struct row *row)
+{
+    const struct eng_scene_settings settings = scene_settings(row);
+    struct player player;
+    uint32_t step = 0;
+    player_init(&player, &settings);
+    for (uint32_t i = 0; i < f->play.act_count; i++) {
+        if (f->play.acts[i].what == PLAY_STEP) {
+            take_step(f, row, step++, &player);
+        } else {
+            player_act(&player, &f->play.acts[i]);
+        }
+    }
+    player_deinit(&player);
+}
+
+/* ---- tests -------------------- */
+
+/* If this failed, the bytes of an answer would not be those of the release before. */
+static void golden__answers_are_as_written_down(void **state)
+{
+    uint32_t different = 0;
+    (void)state;
+    for (uint32_t p = 0; p < GOLDEN_PLAYS; p++) {
+        struct fixture f = {0};
+        fixture_init(&f, &golden_plays[p]);
+        if (!is_golden(&f)) {
+            print_golden(&f);
+            different++;
+        }
+        for (uint32_t step = 0; step < f.play.step_count; step++) {
+            assert_true(f.answers[step][ENG_MODE_ALL].count > 0);
+            assert_int_equal(f.answers[step][ENG_MODE_ANY].verdict, ENG_VERDICT_YES);
+        }
+        fixture_deinit(&f);
+    }
+    assert_int_equal(different, 0);
+}
+
+static void under_cover(uint32_t play)
+{
+    static struct cover cover;
+    struct fixture f = {0};
+    fixture_init(&f, &golden_plays[play]);
+    cover_make(&cover, golden_plays[play].seed);
+    for (uint32_t threads = 0; threads < levels[THREADS]; threads++) {
+        for (uint32_t i = 0; i < cover.row_count; i++) {
+            if (cover.rows[i].level[THREADS] == threads) { /* teams stay as large */
+                perform(&f, &cover.rows[i]);
+            }
+        }
+    }
+    fixture_deinit(&f);
+}
+
+/* If this failed, what touches in a soup would depend on who looks, and how. */
+static void golden__soup_has_the_same_bytes_under_all_settings(void **state)
+{
+    (void)state;
+    under_cover(PLAY_SOUP);
+}
+
+/* If this failed, an answer would depend on the hierarchy that a bursting sheet leaves
+ * behind. */
+static void golden__tear_has_the_same_bytes_under_all_settings(void **state)
+{
+    (void)state;
+    under_cover(PLAY_TEAR);
+}
+
+/* If this failed, an answer would depend on how objects are merged into one tree. */
+static void golden__crowd_has_the_same_bytes_under_all_settings(void **state)
+{
+    (void)state;
+    under_cover(PLAY_CROWD);
+}
+
+/* If this failed, an object that breaks would leave something of its old mesh. */
+static void golden__break_has_the_same_bytes_under_all_settings(void **state)
+{
+    (void)state;
+    under_cover(PLAY_BREAK);
+}
+
+/* If this failed, an object that came or went would change what others answer. */
+static void golden__traffic_has_the_same_bytes_under_all_settings(void **state)
+{
+    (void)state;
+    under_cover(PLAY_TRAFFIC);
+}
+
+/* Combinations that make a difference: one thread has no scheduler, and only the paper's
+ * has high-level nodes. */
+static bool is_a_combination(const struct row *row)
+{
+    bool by_paper = row->level[SCHEDULER] == ENG_SCHEDULER_PAPER;
+    bool is_alone = row->level[THREADS] == 0;
+    return (by_paper || row->level[HIGH_LEVEL] == 0) &&
+           (!is_alone || (!by_paper && row->level[REFIT] == 0));
+}
+
+/* The second step of the play, back and forward again under every combination of the
+ * step's settings; modes take turns. */
+static void under_all_step_settings(const struct fixture *f, struct row row)
+{
+    struct eng_scene_settings settings = scene_settings(&row);
+    struct player player;
+    uint32_t steps = 0;
+    player_init(&player, &settings);
+    for (uint32_t i = 0; steps < 2; i++) {
+        if (f->play.acts[i].what == PLAY_STEP) {
+            row.level[MODE] = ENG_MODE_ALL;
+            take_step(f, &row, steps++, &player);
+        } else {
+            player_act(&player, &f->play.acts[i]);
+        }
+    }
+    for (uint32_t i = 0; i < 6 * 2 * 2 * 2; i++) {
+        row.level[THREADS] = i / 8;
+        row.level[SCHEDULER] = i / 4 % 2;
+        row.level[HIGH_LEVEL] = i / 2 % 2;
+        row.level[REFIT] = i % 2;
+        if (is_a_combination(&row)) {
+            struct eng_step_settings back = step_settings(&row);
+            row.level[MODE] = (row.level[MODE] + 1) % 4;
+            player_go_back(&player, &back);
+            player_stage_copies(&player);
+            take_step(f, &row, 1, &player);
+        }
+    }
+    player_deinit(&player);
+}
+
+/* If this failed, some combination of settings would have an answer of its own. */
+static void golden__every_combination_has_the_same_bytes(void **state)
+{
+    struct fixture f = {0};
+    (void)state;
+    fixture_init(&f, &golden_plays[PLAY_KINDS]);
+    for (uint32_t i = 0; i < 2 * 3 * 2; i++) {
+        struct row row = {{0}};
+        row.level[QUALITY] = i / 6;
+        row.level[RATIO] = i / 2 % 3;
+        row.level[REGION] = i % 2;
+        row.level[MODE] = i % 4;
+        under_all_step_settings(&f, row);
+    }
+    fixture_deinit(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(golden__answers_are_as_written_down),
+        cmocka_unit_test(golden__soup_has_the_same_bytes_under_all_settings),
+        cmocka_unit_test(golden__tear_has_the_same_bytes_under_all_settings),
+        cmocka_unit_test(golden__crowd_has_the_same_bytes_under_all_settings),
+        cmocka_unit_test(golden__break_has_the_same_bytes_under_all_settings),
+        cmocka_unit_test(golden__traffic_has_the_same_bytes_under_all_settings),
+        cmocka_unit_test(golden__every_combination_has_the_same_bytes),
+    };
+    return cmocka_run_group_tests_name("eng_golden", tests, NULL, NULL);
+}

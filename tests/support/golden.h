@@ -1,0 +1,35 @@
+/* golden.h - plays whose answers are written down.
+ *
+ * Room:     tests/support. May include: play.h.
+ * Does:     name the plays, and the count and hash of every step's records.
+ * Does not: know the engine.
+ * Threads:  [any].
+ * Source:   golden.c says how they were made.
+ */
+#ifndef TESTS_GOLDEN_H
+#define TESTS_GOLDEN_H
+
+#include "play.h"
+
+#define GOLDEN_STEPS_MAX 8u
+
+/* Modes with records, as columns. */
+enum { GOLDEN_ALL, GOLDEN_FIRST, GOLDEN_PAIRS, GOLDEN_MODES };
+
+struct golden_step {
+    uint64_t count[GOLDEN_MODES];
+    uint64_t hash[GOLDEN_MODES][2]; /* XXH3-128, high word first */
+};
+
+struct golden {
+    enum play_kind kind;
+    uint32_t triangle_count;
+    uint64_t seed;
+    struct golden_step steps[GOLDEN_STEPS_MAX];
+};
+
+/* The last one is a small one, for the product of all settings. */
+#define GOLDEN_PLAYS (PLAY_KINDS + 1)
+extern const struct golden golden_plays[GOLDEN_PLAYS];
+
+#endif

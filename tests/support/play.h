@@ -1,0 +1,61 @@
+/* play.h - fixed sequences of what a client does: objects come, go, move and break.
+ *
+ * Room:     tests/support. May include: prng.h.
+ * Does:     the same numbers on every machine: every coordinate is a multiple of 2^-10
+ *           made of integers, so no rounding, libm or compiler takes part.
+ * Does not: know the engine; its kit performs a play (tests/unit/eng_player.h).
+ * Threads:  [any].
+ */
+#ifndef TESTS_PLAY_H
+#define TESTS_PLAY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "prng.h"
+
+enum play_kind {
+    PLAY_SOUP,    /* unconnected triangles, some of them duplicates or degenerate */
+    PLAY_TEAR,    /* a sheet that bursts into patches, which fly through each other */
+    PLAY_CROWD,   /* many objects, rigid, deforming and standing */
+    PLAY_BREAK,   /* an object whose mesh is replaced three times while others move */
+    PLAY_TRAFFIC, /* objects come and go beside two that stay */
+    PLAY_KINDS
+};
+
+enum play_what {
+    PLAY_ADD,     /* triangles and x0: an object at its registered positions */
+    PLAY_REMOVE,
+    PLAY_REPLACE, /* triangles and x0, as for PLAY_ADD */
+    PLAY_X1,      /* x1: moves on from where it is */
+    PLAY_X0X1,    /* x0 and x1 */
+    PLAY_RIGID,   /* m: of the registered positions, rows of [R | t], at both ends */
+    PLAY_STEP     /* whoever has not moved since the last one stands still */
+};
+
+struct play_act {
+    enum play_what what;
+    uint32_t object_id;
+    bool is_f32; /* positions are to be sent as floats; they are floats then */
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    double (*x0)[3];
+    double (*x1)[3];
+    uint32_t (*triangles)[3];
+    double m[2][12];
+};
+
+struct play {
+    struct play_act *acts;
+    uint32_t act_count;
+    uint32_t step_count;
+};
+
+const char *play_name(enum play_kind kind);
+
+/* About `triangle_count` triangles at the start. Ends the process where memory ends. */
+void play_make(struct play *play, enum play_kind kind, uint32_t triangle_count,
+               uint64_t seed);
+void play_deinit(struct play *play);
+
+#endif

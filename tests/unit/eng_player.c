@@ -1,0 +1,292 @@
+/* tests/unit/eng_player.c - performs a play on a scene, and knows where everything is.
+ *
+ * Room:     engine (scene.h, step.h).
+ * Does:     keep the copies; every call of the engine must succeed.
+ * Threads:  one.
+ */
+#include "eng_player.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void *copy_of(const void *block, size_t count, size_t bytes)
+{
+    void *copy = malloc(count * bytes + 1);
+    assert_non_null(copy);
+    if (count > 0) {
+        memcpy(copy, block, count * bytes);
+    }
+    return copy;
+}
+
+void player_init(struct player *player, const struct eng_scene_settings *settings)
+{
+    memset(player, 0, sizeof *player);
+    assert_int_equal(eng_scene_new(settings, &player->scene), ENG_OK);
+}
+
+static void object_deinit(struct player_object *object)
+{
+    eng_mesh_release(object->mesh);
+    free(object->registered);
+    free(object->x0);
+    free(object->x1);
+    free(object->triangles);
+}
+
+void player_deinit(struct player *player)
+{
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        object_deinit(&player->objects[i]);
+    }
+    eng_scene_free(player->scene);
+    memset(player, 0, sizeof *player);
+}
+
+static struct player_object *find(struct player *player, uint32_t id)
+{
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        if (player->objects[i].id == id) {
+            return &player->objects[i];
+        }
+    }
+    fail_msg("no object %u", id);
+    return NULL;
+}
+
+/* All but the place in the scene. */
+static void object_init(struct player_object *object, const struct play_act *act)
+{
+    uint32_t bad;
+    memset(object, 0, sizeof *object);
+    object->id = act->object_id;
+    object->vertex_count = act->vertex_count;
+    object->triangle_count = act->triangle_count;
+    object->registered = copy_of(act->x0, act->vertex_count, sizeof *act->x0);
+    object->x0 = copy_of(act->x0, act->vertex_count, sizeof *act->x0);
+    object->x1 = copy_of(act->x0, act->vertex_count, sizeof *act->x0);
+    object->triangles =
+        copy_of(act->triangles, act->triangle_count, sizeof *act->triangles);
+    assert_int_equal(
+        eng_mesh_new(object->vertex_count, object->triangle_count, &object->mesh),
+        ENG_OK);
+    assert_int_equal(eng_mesh_write_vertices(object->mesh, ENG_F64, 0,
+                                             object->vertex_count, object->registered),
+                     ENG_OK);
+    assert_int_equal(eng_mesh_write_triangles(object->mesh, 0, object->triangle_count,
+                                              object->triangles, &bad),
+                     ENG_OK);
+    assert_int_equal(eng_mesh_commit(object->mesh), ENG_OK);
+}
+
+static void add(struct player *player, const struct play_act *act)
+{
+    assert_true(player->object_count < PLAYER_OBJECTS_MAX);
+    struct player_object *object = &player->objects[player->object_count++];
+    object_init(object, act);
+    assert_int_equal(
+        eng_scene_add(player->scene, object->mesh, object->id, &object->idx), ENG_OK);
+}
+
+static void take_away(struct player *player, uint32_t id)
+{
+    struct player_object *object = find(player, id);
+    assert_int_equal(eng_scene_remove(player->scene, object->idx), ENG_OK);
+    object_deinit(object);
+    *object = player->objects[--player->object_count];
+}
+
+static void replace(struct player *player, const struct play_act *act)
+{
+    struct player_object *object = find(player, act->object_id);
+    struct player_object other;
+    object_init(&other, act);
+    other.idx = object->idx;
+    assert_int_equal(eng_scene_replace(player->scene, other.idx, other.mesh), ENG_OK);
+    object_deinit(object);
+    *object = other;
+}
+
+/* What is not staged from here on stands still. */
+static void open_staging(struct player *player)
+{
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        struct player_object *object = &player->objects[i];
+        memcpy(object->x0, object->x1, object->vertex_count * sizeof *object->x0);
+    }
+    eng_stage_begin(player->scene);
+    player->is_staging = true;
+}
+
+/* The positions as the act wants them sent. Freed by the caller. */
+static void *packed(const struct play_act *act, const double (*x)[3])
+{
+    if (!act->is_f32) {
+        return copy_of(x, act->vertex_count, sizeof *x);
+    }
+    float(*floats)[3] = malloc(act->vertex_count * sizeof *floats);
+    assert_non_null(floats);
+    for (uint32_t i = 0; i < 3 * act->vertex_count; i++) {
+        floats[i / 3][i % 3] = (float)x[i / 3][i % 3];
+        assert_true((double)floats[i / 3][i % 3] == x[i / 3][i % 3]);
+    }
+    return floats;
+}
+
+/* As scene.h says: each operation rounded once. */
+static void transform(const double m[12], const double from[3], double to[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const double *row = m + 4 * k;
+        to[k] = ((row[0] * from[0] + row[1] * from[1]) + row[2] * from[2]) + row[3];
+    }
+}
+
+static void move(struct player *player, const struct play_act *act)
+{
+    struct player_object *object = find(player, act->object_id);
+    enum eng_format format = act->is_f32 ? ENG_F32 : ENG_F64;
+    uint32_t count = object->vertex_count;
+    int status;
+    assert_int_equal(act->vertex_count, count);
+    if (act->what == PLAY_RIGID) {
+        for (uint32_t i = 0; i < count; i++) {
+            transform(act->m[0], object->registered[i], object->x0[i]);
+            transform(act->m[1], object->registered[i], object->x1[i]);
+        }
+        status =
+            eng_stage_rigid(player->scene, object->idx, 0, count, act->m[0], act->m[1]);
+    } else {
+        void *x1 = packed(act, (const double(*)[3])act->x1);
+        memcpy(object->x1, act->x1, count * sizeof *object->x1);
+        if (act->what == PLAY_X0X1) {
+            void *x0 = packed(act, (const double(*)[3])act->x0);
+            memcpy(object->x0, act->x0, count * sizeof *object->x0);
+            status =
+                eng_stage_x0x1(player->scene, object->idx, format, 0, count, x0, x1);
+            free(x0);
+        } else {
+            status = eng_stage_x1(player->scene, object->idx, format, 0, count, x1);
+        }
+        free(x1);
+    }
+    assert_int_equal(status, ENG_OK);
+}
+
+void player_act(struct player *player, const struct play_act *act)
+{
+    switch (act->what) {
+    case PLAY_ADD:
+        add(player, act);
+        break;
+    case PLAY_REMOVE:
+        take_away(player, act->object_id);
+        break;
+    case PLAY_REPLACE:
+        replace(player, act);
+        break;
+    default:
+        if (!player->is_staging) {
+            open_staging(player);
+        }
+        move(player, act);
+        break;
+    }
+}
+
+int player_step(struct player *player, const struct eng_step_settings *settings,
+                struct eng_step_result *result)
+{
+    if (!player->is_staging) {
+        open_staging(player);
+    }
+    player->is_staging = false;
+    return eng_step(player->scene, settings, result);
+}
+
+void player_drop(struct player *player)
+{
+    if (player->is_staging) {
+        eng_stage_abort(player->scene);
+    }
+    player->is_staging = false;
+}
+
+void player_stage_copies(struct player *player)
+{
+    player_drop(player);
+    eng_stage_begin(player->scene);
+    player->is_staging = true;
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        const struct player_object *object = &player->objects[i];
+        assert_int_equal(eng_stage_x0x1(player->scene, object->idx, ENG_F64, 0,
+                                        object->vertex_count, object->x0, object->x1),
+                         ENG_OK);
+    }
+}
+
+void player_copy(const struct player *player, const struct eng_scene_settings *settings,
+                 struct player *copy)
+{
+    player_init(copy, settings);
+    for (uint32_t i = player->object_count; i-- > 0;) {
+        const struct player_object *from = &player->objects[i];
+        struct player_object *to = &copy->objects[copy->object_count++];
+        size_t bytes = sizeof *from->x0;
+        *to = *from;
+        to->mesh = eng_mesh_acquire(from->mesh);
+        to->registered = copy_of(from->registered, from->vertex_count, bytes);
+        to->x0 = copy_of(from->x0, from->vertex_count, bytes);
+        to->x1 = copy_of(from->x1, from->vertex_count, bytes);
+        to->triangles =
+            copy_of(from->triangles, from->triangle_count, sizeof *from->triangles);
+        assert_int_equal(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx), ENG_OK);
+    }
+    player_stage_copies(copy);
+}
+
+/* A step of every object from x1 to `to` of it. */
+static void take_detour(struct player *player, const struct eng_step_settings *settings,
+                        void (*to)(const struct player_object *, double (*)[3]))
+{
+    struct eng_step_result result;
+    player_drop(player);
+    eng_stage_begin(player->scene);
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        const struct player_object *object = &player->objects[i];
+        double(*x)[3] = copy_of(object->x1, object->vertex_count, sizeof *x);
+        to(object, x);
+        int status = eng_stage_x0x1(player->scene, object->idx, ENG_F64, 0,
+                                    object->vertex_count, object->x1, x);
+        free(x);
+        assert_int_equal(status, ENG_OK);
+    }
+    assert_int_equal(eng_step(player->scene, settings, &result), ENG_OK);
+}
+
+static void to_start(const struct player_object *object, double (*x)[3])
+{
+    memcpy(x, object->x0, object->vertex_count * sizeof *x);
+}
+
+static void to_others(const struct player_object *object, double (*x)[3])
+{
+    for (uint32_t v = 0; v < object->vertex_count; v++) {
+        memcpy(x[v], object->x1[(uint64_t)v * 7919 % object->vertex_count], sizeof *x);
+    }
+}
+
+void player_go_back(struct player *player, const struct eng_step_settings *settings)
+{
+    take_detour(player, settings, to_start);
+}
+
+void player_scramble(struct player *player, const struct eng_step_settings *settings)
+{
+    take_detour(player, settings, to_others);
+}

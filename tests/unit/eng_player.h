@@ -1,0 +1,66 @@
+/* tests/unit/eng_player.h - performs a play on a scene, and knows where everything is.
+ *
+ * Room:     engine (scene.h, step.h).
+ * Does:     one act after another on a scene of the engine, with a copy of every object's
+ *           motion beside it; the same motion again, or in a scene made anew.
+ * Does not: decide collisions.
+ * Threads:  one.
+ * Source:   tests/support/play.h for what is performed.
+ */
+#ifndef TEST_ENG_PLAYER_H
+#define TEST_ENG_PLAYER_H
+
+#include "play.h"
+#include "step.h"
+
+#define PLAYER_OBJECTS_MAX 32u
+
+struct player_object {
+    uint32_t id;
+    uint32_t idx; /* in the scene */
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    struct eng_mesh *mesh;
+    double (*registered)[3];
+    double (*x0)[3]; /* the motion of the step that is being staged or was last taken */
+    double (*x1)[3];
+    uint32_t (*triangles)[3];
+};
+
+struct player {
+    struct eng_scene *scene;
+    struct player_object objects[PLAYER_OBJECTS_MAX];
+    uint32_t object_count;
+    bool is_staging;
+};
+
+/* An empty scene; `settings` NULL: the defaults. */
+void player_init(struct player *player, const struct eng_scene_settings *settings);
+void player_deinit(struct player *player);
+
+/* Perform any act but PLAY_STEP; the first motion of a step opens the staging. */
+void player_act(struct player *player, const struct play_act *act);
+
+/* Step with what is staged. Returns what eng_step returns. */
+int player_step(struct player *player, const struct eng_step_settings *settings,
+                struct eng_step_result *result);
+
+/* Stage both ends of everything, in place of what is staged: the motion of the copies. */
+void player_stage_copies(struct player *player);
+
+/* Forget what is staged; the copies keep it. The scene stays where it was. */
+void player_drop(struct player *player);
+
+/* Another scene with the same objects, added in another order, and the same motion
+ * staged. */
+void player_copy(const struct player *player, const struct eng_scene_settings *settings,
+                 struct player *copy);
+
+/* Other steps before the one that is being staged, which has to be staged again
+ * (player_stage_copies): all the way back from its end to its start; or every object's
+ * vertices to each other's places, which tears any hierarchy apart and may take long:
+ * give it a deadline. */
+void player_go_back(struct player *player, const struct eng_step_settings *settings);
+void player_scramble(struct player *player, const struct eng_step_settings *settings);
+
+#endif
