@@ -141,7 +141,44 @@ static void fill_info(struct pccd_mesh_info *info,
     info->duplicate_count = result->duplicate_count;
     info->degenerate_count = result->degenerate_count;
     info->isolated_count = result->isolated_count;
+    info->generation = result->generation;
     info->build_ns = result->build_ns;
+}
+
+/* The arguments of create and replace, and a ring to send them through. */
+static int check_mesh(struct pccd_client *client, const void *x, enum pccd_format format,
+                      uint32_t vertex_count, const uint32_t (*triangles)[3],
+                      uint32_t triangle_count)
+{
+    int rc;
+
+    if (x == NULL || triangles == NULL || vertex_count == 0 || triangle_count == 0 ||
+        (unsigned)format >= PCCD_FORMAT_COUNT) {
+        return cli_fail(client, PCCD_E_INVAL, "mesh: %s",
+                        x == NULL             ? "x is NULL"
+                        : triangles == NULL   ? "triangles is NULL"
+                        : vertex_count == 0   ? "no vertices"
+                        : triangle_count == 0 ? "no triangles"
+                                              : "unknown format");
+    }
+    rc = cli_alive(client);
+    if (rc == 0 && client->ring.upload.base == NULL) {
+        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+    }
+    return rc;
+}
+
+/* Both arrays of a mesh. */
+static void arrays_of(uint32_t mesh, const void *x, enum pccd_format format,
+                      uint32_t vertex_count, const uint32_t (*triangles)[3],
+                      uint32_t triangle_count, struct upload arrays[2])
+{
+    arrays[0] = (struct upload){
+        mesh,        PART_VERTICES, (uint32_t)format, x, (uint32_t)vertex_bytes(format),
+        vertex_count};
+    arrays[1] = (struct upload){
+        mesh,          PART_TRIANGLES, 0, (const uint8_t *)triangles, sizeof(uint32_t[3]),
+        triangle_count};
 }
 
 int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
@@ -158,20 +195,10 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    if (x == NULL || triangles == NULL || mesh == NULL || vertex_count == 0 ||
-        triangle_count == 0 || (unsigned)format >= PCCD_FORMAT_COUNT) {
-        return cli_fail(client, PCCD_E_INVAL, "mesh: %s",
-                        x == NULL             ? "x is NULL"
-                        : triangles == NULL   ? "triangles is NULL"
-                        : mesh == NULL        ? "mesh is NULL"
-                        : vertex_count == 0   ? "no vertices"
-                        : triangle_count == 0 ? "no triangles"
-                                              : "unknown format");
+    if (mesh == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "mesh: mesh is NULL");
     }
-    rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL) {
-        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-    }
+    rc = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
     if (rc == 0) {
         rc = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
                            cli_deadline(client, -1));
@@ -179,12 +206,7 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
     if (rc != 0) {
         return rc;
     }
-    arrays[0] = (struct upload){
-        created.mesh, PART_VERTICES, (uint32_t)format, x, (uint32_t)vertex_bytes(format),
-        vertex_count};
-    arrays[1] = (struct upload){
-        created.mesh,        PART_TRIANGLES, 0, (const uint8_t *)triangles,
-        sizeof(uint32_t[3]), triangle_count};
+    arrays_of(created.mesh, x, format, vertex_count, triangles, triangle_count, arrays);
     rc = fill_mesh(client, arrays, &result);
     if (rc != 0) {
         char text[CLI_TEXT_BYTES];
@@ -195,6 +217,48 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
         return cli_fail(client, rc, "%s", text);
     }
     *mesh = created.mesh;
+    if (info != NULL) {
+        fill_info(info, &result);
+    }
+    return 0;
+}
+
+int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
+                      enum pccd_format format, uint32_t vertex_count,
+                      const uint32_t (*triangles)[3], uint32_t triangle_count,
+                      struct pccd_mesh_info *info)
+{
+    struct proto_MESH_REPLACE_request request = {
+        .mesh = mesh, .vertex_count = vertex_count, .triangle_count = triangle_count};
+    struct proto_MESH_REPLACE_result announced;
+    struct proto_MESH_COMMIT_result result;
+    struct upload arrays[2];
+    int rc;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    rc = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
+    if (rc == 0) {
+        rc = cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, &announced,
+                           cli_deadline(client, -1));
+    }
+    if (rc != 0) {
+        return rc;
+    }
+    arrays_of(mesh, x, format, vertex_count, triangles, triangle_count, arrays);
+    rc = fill_mesh(client, arrays, &result);
+    if (rc != 0) {
+        char text[CLI_TEXT_BYTES];
+
+        /* What was announced is forgotten; the mesh goes on as it was. */
+        memcpy(text, client->error, sizeof(text));
+        request.vertex_count = 0;
+        request.triangle_count = 0;
+        (void)cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, NULL,
+                            cli_deadline(client, -1));
+        return cli_fail(client, rc, "%s", text);
+    }
     if (info != NULL) {
         fill_info(info, &result);
     }

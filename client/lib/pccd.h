@@ -123,6 +123,7 @@ struct pccd_mesh_info {
     uint32_t duplicate_count;  /* triangles whose vertex set occurred before */
     uint32_t degenerate_count; /* triangles of zero area as registered */
     uint32_t isolated_count;   /* vertices in no triangle; they are not tested */
+    uint32_t generation;       /* 1, and one more with each pccd_mesh_replace */
     uint64_t build_ns;
 };
 
@@ -133,6 +134,17 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
                      uint32_t vertex_count, const uint32_t (*triangles)[3],
                      uint32_t triangle_count, uint32_t *mesh,
                      struct pccd_mesh_info *info);
+/* Give a mesh other vertices and triangles, as when a body breaks: the handle stays, and
+ * every object made of it, in any scene of this client, takes the new ones at the
+ * positions given here. The mesh and its objects go on as they were until all has
+ * arrived, and for good when this fails: E_QUOTA and E_NOMEM too (old and new are held at
+ * once), E_BUSY, and the errors of pccd_mesh_create. Steps submitted before are computed
+ * with the old vertices; edges and feature numbers of the old mesh mean nothing to later
+ * answers. */
+int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
+                      enum pccd_format format, uint32_t vertex_count,
+                      const uint32_t (*triangles)[3], uint32_t triangle_count,
+                      struct pccd_mesh_info *info);
 /* The unique edges in the order of the records' feature numbers, copied to
  * edges[info.edge_count]. */
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,

@@ -1,4 +1,4 @@
-/* handlers_mesh.c - mesh.create, data, commit, edges and destroy.
+/* handlers_mesh.c - mesh.create, replace, data, commit, edges and destroy.
  *
  * Room:     server. See call.h.
  * Does:     admission on [loop]; everything that touches vertices on [compute].
@@ -10,6 +10,7 @@
 #include "call.h"
 #include "invariant.h"
 #include "loop.h"
+#include "meshes.h"
 #include "now.h"
 #include "request.h"
 #include "session.h"
@@ -17,14 +18,21 @@
 
 enum { PART_VERTICES = 0, PART_TRIANGLES = 1, PART_COUNT = 2 };
 
-/* The mesh of a handle; NULL with the error set. */
+/* The mesh of a handle; NULL with the error set: there is none, or it is busy. */
 static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
 {
     struct srv_mesh *mesh = srv_handles_get(&call->session->meshes, handle);
     if (mesh == NULL) {
         proto_error_set(&call->error, PCCD_E_HANDLE, "there is no mesh 0x%x", handle);
+        return NULL;
     }
-    return mesh;
+    return srv_mesh_refuse_busy(mesh, handle, &call->error) == 0 ? mesh : NULL;
+}
+
+/* What data and commit are meant for: the replacement, where one was announced. */
+static struct srv_shape *shape_to_fill(const struct srv_mesh *mesh)
+{
+    return mesh->next != NULL ? mesh->next : mesh->current;
 }
 
 /* ---- create, destroy --------------------------------------------------------------- */
@@ -32,45 +40,24 @@ static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
 int srv_on_MESH_CREATE(struct srv_call *call)
 {
     struct srv_session *session = call->session;
-    struct srv_quota *quota = &session->loop->quota;
     const struct proto_MESH_CREATE_request *request = &call->params.MESH_CREATE;
-    if (request->vertex_count < 1 || request->vertex_count > PROTO_COUNT_MAX ||
-        request->triangle_count < 1 || request->triangle_count > PROTO_COUNT_MAX) {
-        return proto_error_set(&call->error, PCCD_E_INVAL,
-                               "a mesh has 1 to %u vertices and triangles, not %u and %u",
-                               PROTO_COUNT_MAX, request->vertex_count,
-                               request->triangle_count);
-    }
-    uint64_t triangles =
-        srv_triangle_charge(request->vertex_count, request->triangle_count);
-    int status =
-        srv_quota_charge(quota, session->user, SRV_QUOTA_MESHES, 1, &call->error);
+    struct srv_shape *shape = NULL;
+    int status = srv_shape_admit(session, request->vertex_count, request->triangle_count,
+                                 &shape, &call->error);
     if (status != 0) {
         return status;
     }
-    status = srv_quota_charge(quota, session->user, SRV_QUOTA_TRIANGLES, triangles,
-                              &call->error);
-    if (status != 0) {
-        goto refund_mesh;
-    }
-    struct srv_mesh *mesh =
-        srv_mesh_new(session, request->vertex_count, request->triangle_count);
+    struct srv_mesh *mesh = srv_mesh_new(session, shape);
     if (mesh == NULL) {
-        status = proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a mesh");
-        goto refund_triangles;
+        srv_resource_drop(&shape->resource); /* refunds it */
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a mesh");
     }
     status = srv_handles_add(&session->meshes, mesh, &call->result.MESH_CREATE.mesh);
     if (status != 0) {
-        srv_resource_drop(&mesh->resource); /* refunds both */
+        srv_mesh_free(mesh);
         return proto_error_set(&call->error, status, "no handle for a mesh");
     }
     return 0;
-
-refund_triangles:
-    srv_quota_refund(quota, session->user, SRV_QUOTA_TRIANGLES, triangles);
-refund_mesh:
-    srv_quota_refund(quota, session->user, SRV_QUOTA_MESHES, 1);
-    return status;
 }
 
 int srv_on_MESH_DESTROY(struct srv_call *call)
@@ -78,11 +65,42 @@ int srv_on_MESH_DESTROY(struct srv_call *call)
     uint32_t handle = call->params.MESH_DESTROY.mesh;
     struct srv_mesh *mesh = find_mesh(call, handle);
     if (mesh == NULL) {
-        return PCCD_E_HANDLE;
+        return call->error.code;
     }
     srv_handles_remove(&call->session->meshes, handle);
-    srv_resource_drop(&mesh->resource);
+    srv_mesh_free(mesh);
     call->result.MESH_DESTROY.done = true;
+    return 0;
+}
+
+/* ---- replace ----------------------------------------------------------------------- */
+
+/* What was announced before, if anything, is dropped either way. */
+int srv_on_MESH_REPLACE(struct srv_call *call)
+{
+    const struct proto_MESH_REPLACE_request *request = &call->params.MESH_REPLACE;
+    struct srv_mesh *mesh = find_mesh(call, request->mesh);
+    if (mesh == NULL) {
+        return call->error.code;
+    }
+    if (!mesh->is_committed) {
+        return proto_error_set(&call->error, PCCD_E_STATE, "mesh 0x%x is not committed",
+                               request->mesh);
+    }
+    bool forget = request->vertex_count == 0 && request->triangle_count == 0;
+    struct srv_shape *shape = NULL;
+    if (!forget) {
+        int status = srv_shape_admit(call->session, request->vertex_count,
+                                     request->triangle_count, &shape, &call->error);
+        if (status != 0) {
+            return status;
+        }
+    }
+    if (mesh->next != NULL) {
+        srv_resource_drop(&mesh->next->resource);
+    }
+    mesh->next = shape;
+    call->result.MESH_REPLACE.generation = mesh->generation + (forget ? 0 : 1);
     return 0;
 }
 
@@ -105,7 +123,7 @@ static int copy_chunk(struct srv_request *request, struct eng_mesh *engine,
     case ENG_E_INDEX:
         return proto_error_set(&request->error, PCCD_E_INDEX,
                                "triangle %u names a vertex beyond the mesh's %u",
-                               bad_triangle, request->plan.mesh->vertex_count);
+                               bad_triangle, request->plan.shape->vertex_count);
     case ENG_E_NOTFINITE:
         return proto_error_set(&request->error, PCCD_E_NOTFINITE,
                                "a vertex from %u to %u is not finite or beyond 1e18",
@@ -129,11 +147,11 @@ static int work_data(struct srv_request *request)
     struct srv_ring *ring = request->plan.ring;
     struct eng_mesh *engine = NULL;
     const uint8_t *payload = NULL;
-    int status = srv_mesh_engine(request->plan.mesh, &engine);
+    int status = srv_shape_engine(request->plan.shape, &engine);
     if (status != 0) {
         return proto_error_set(
             &request->error, status, "no memory for %u vertices and %u triangles",
-            request->plan.mesh->vertex_count, request->plan.mesh->triangle_count);
+            request->plan.shape->vertex_count, request->plan.shape->triangle_count);
     }
     status = srv_ring_open_slot(ring, data->slot, data->seq, &payload, &request->error);
     if (status != 0) {
@@ -157,7 +175,7 @@ static int work_data(struct srv_request *request)
 }
 
 /* Everything about a chunk that can be told from its message. */
-static int check_chunk(struct srv_call *call, const struct srv_mesh *mesh,
+static int check_chunk(struct srv_call *call, const struct srv_shape *shape,
                        const struct srv_ring *ring)
 {
     const struct proto_MESH_DATA_request *data = &call->params.MESH_DATA;
@@ -166,7 +184,7 @@ static int check_chunk(struct srv_call *call, const struct srv_mesh *mesh,
                                data->part, data->format);
     }
     bool vertices = data->part == PART_VERTICES;
-    uint32_t limit = vertices ? mesh->vertex_count : mesh->triangle_count;
+    uint32_t limit = vertices ? shape->vertex_count : shape->triangle_count;
     if (data->count < 1 || data->first >= limit || data->count > limit - data->first) {
         return proto_error_set(
             &call->error, PCCD_E_INVAL, "%u %s from %u on; mesh 0x%x has %u", data->count,
@@ -187,44 +205,48 @@ int srv_on_MESH_DATA(struct srv_call *call)
     const struct proto_MESH_DATA_request *data = &call->params.MESH_DATA;
     struct srv_mesh *mesh = find_mesh(call, data->mesh);
     if (mesh == NULL) {
-        return PCCD_E_HANDLE;
+        return call->error.code;
     }
+    struct srv_shape *shape = shape_to_fill(mesh);
     struct srv_ring *ring = NULL;
     int status = srv_request_ring(call, &ring);
     if (status == 0) {
         status = srv_request_slot(call, ring, data->slot, data->seq);
     }
     if (status == 0) {
-        status = check_chunk(call, mesh, ring);
+        status = check_chunk(call, shape, ring);
     }
     if (status != 0) {
         return status;
     }
     struct srv_plan plan = {
-        .work = work_data, .ring = ring, .mesh = mesh, .takes_slot = true};
+        .work = work_data, .ring = ring, .shape = shape, .takes_slot = true};
     return srv_request_start(call, &plan);
 }
 
 /* ---- commit ------------------------------------------------------------------------ */
 
-static int work_commit(struct srv_request *request)
+/* Derive what the mesh needs, and describe it. A replacement that was derived already,
+ * and then failed, is tried again. */
+static int derive(struct srv_request *request)
 {
-    struct srv_mesh *mesh = request->plan.mesh;
+    struct srv_shape *shape = request->plan.shape;
     struct eng_mesh *engine = NULL;
-    int status = srv_mesh_engine(mesh, &engine);
+    int status = srv_shape_engine(shape, &engine);
     if (status != 0) {
         return proto_error_set(&request->error, status, "no memory for the mesh");
     }
-    uint64_t start_ns = srv_now_ns();
-    int failed = eng_mesh_commit(engine);
+    int failed = request->plan.replacement != NULL && eng_mesh_is_committed(engine)
+                     ? ENG_OK
+                     : eng_mesh_commit(engine);
     if (failed == ENG_E_STATE && !eng_mesh_is_committed(engine)) {
         uint32_t vertices = 0;
         uint32_t triangles = 0;
         eng_mesh_received(engine, &vertices, &triangles);
         return proto_error_set(&request->error, PCCD_E_STATE,
                                "%u of %u vertices and %u of %u triangles have arrived",
-                               vertices, mesh->vertex_count, triangles,
-                               mesh->triangle_count);
+                               vertices, shape->vertex_count, triangles,
+                               shape->triangle_count);
     }
     if (failed != ENG_OK) {
         status = srv_wire_status(failed);
@@ -241,20 +263,61 @@ static int work_commit(struct srv_request *request)
         .duplicate_count = info.duplicate_count,
         .degenerate_count = info.degenerate_count,
         .isolated_count = info.isolated_count,
-        .build_ns = srv_now_ns() - start_ns,
+        .generation = request->plan.generation,
     };
     return 0;
+}
+
+static int work_commit(struct srv_request *request)
+{
+    uint64_t start_ns = srv_now_ns();
+    struct srv_replacement *replacement = request->plan.replacement;
+    int status = derive(request);
+    if (status == 0 && replacement != NULL) {
+        status = srv_replacement_work(replacement, request->plan.shape, &request->error);
+    }
+    request->result.MESH_COMMIT.build_ns = srv_now_ns() - start_ns;
+    return status;
+}
+
+static void finish_commit(struct srv_request *request)
+{
+    struct srv_session *session = request->session;
+    /* NULL: the client is gone, or has destroyed a mesh of one shape meanwhile. */
+    struct srv_mesh *mesh =
+        srv_handles_get(&session->meshes, request->params.MESH_COMMIT.mesh);
+    if (request->plan.replacement != NULL) {
+        srv_replacement_finish(session, mesh, request->plan.replacement,
+                               request->status == 0);
+    } else if (mesh != NULL && request->status == 0) {
+        mesh->is_committed = true;
+    }
 }
 
 int srv_on_MESH_COMMIT(struct srv_call *call)
 {
     struct srv_mesh *mesh = find_mesh(call, call->params.MESH_COMMIT.mesh);
     if (mesh == NULL) {
-        return PCCD_E_HANDLE;
+        return call->error.code;
     }
-    struct srv_plan plan = {
-        .work = work_commit, .mesh = mesh, .ring = call->session->ring};
-    return srv_request_start(call, &plan);
+    struct srv_plan plan = {.work = work_commit,
+                            .finish = finish_commit,
+                            .shape = shape_to_fill(mesh),
+                            .ring = call->session->ring,
+                            .generation = mesh->generation};
+    if (mesh->next != NULL) {
+        int status =
+            srv_replacement_begin(call->session, mesh, &plan.replacement, &call->error);
+        if (status != 0) {
+            return status;
+        }
+        plan.generation++;
+    }
+    int status = srv_request_start(call, &plan);
+    if (status < 0 && plan.replacement != NULL) {
+        srv_replacement_finish(call->session, mesh, plan.replacement, false);
+    }
+    return status;
 }
 
 /* ---- edges ------------------------------------------------------------------------- */
@@ -262,7 +325,7 @@ int srv_on_MESH_COMMIT(struct srv_call *call)
 static int work_edges(struct srv_request *request)
 {
     const struct proto_MESH_EDGES_request *edges = &request->params.MESH_EDGES;
-    const struct eng_mesh *engine = request->plan.mesh->engine;
+    const struct eng_mesh *engine = request->plan.shape->engine;
     if (engine == NULL || !eng_mesh_is_committed(engine)) {
         return proto_error_set(&request->error, PCCD_E_STATE,
                                "mesh 0x%x is not committed", edges->mesh);
@@ -296,13 +359,13 @@ int srv_on_MESH_EDGES(struct srv_call *call)
 {
     struct srv_mesh *mesh = find_mesh(call, call->params.MESH_EDGES.mesh);
     if (mesh == NULL) {
-        return PCCD_E_HANDLE;
+        return call->error.code;
     }
     struct srv_ring *ring = NULL;
     int status = srv_request_ring(call, &ring);
     if (status != 0) {
         return status;
     }
-    struct srv_plan plan = {.work = work_edges, .ring = ring, .mesh = mesh};
+    struct srv_plan plan = {.work = work_edges, .ring = ring, .shape = mesh->current};
     return srv_request_start(call, &plan);
 }

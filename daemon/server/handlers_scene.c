@@ -8,6 +8,7 @@
 #include "call.h"
 #include "invariant.h"
 #include "loop.h"
+#include "meshes.h"
 #include "now.h"
 #include "request.h"
 #include "session.h"
@@ -85,6 +86,7 @@ int srv_on_SCENE_DESTROY(struct srv_call *call)
         return PCCD_E_HANDLE;
     }
     srv_handles_remove(&call->session->scenes, handle);
+    srv_scene_unlink(scene);
     srv_resource_drop(&scene->resource);
     call->result.SCENE_DESTROY.done = true;
     return 0;
@@ -95,7 +97,7 @@ int srv_on_SCENE_DESTROY(struct srv_call *call)
 static int work_add(struct srv_request *request)
 {
     struct srv_scene *scene = request->plan.scene;
-    struct eng_mesh *mesh = request->plan.mesh->engine;
+    struct eng_mesh *mesh = request->plan.shape->engine;
     struct eng_scene *engine = NULL;
     uint32_t handle = request->plan.object;
     if (mesh == NULL || !eng_mesh_is_committed(mesh)) {
@@ -121,7 +123,9 @@ static int work_add(struct srv_request *request)
     scene->placed[srv_handle_index(handle)] =
         (struct srv_placed){.handle = handle,
                             .engine_idx = idx,
-                            .vertex_count = request->plan.mesh->vertex_count};
+                            .vertex_count = request->plan.shape->vertex_count,
+                            .generation = request->plan.generation,
+                            .mesh_number = request->plan.mesh_number};
     request->result.SCENE_ADD.object = handle;
     request->result.SCENE_ADD.build_ns = srv_now_ns() - start_ns;
     return 0;
@@ -149,14 +153,18 @@ int srv_on_SCENE_ADD(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no mesh 0x%x",
                                mesh_handle);
     }
+    int status = srv_mesh_refuse_busy(mesh, mesh_handle, &call->error);
+    if (status != 0) {
+        return status;
+    }
     struct srv_plan plan = {.work = work_add,
                             .finish = finish_add,
                             .ring = session->ring,
-                            .mesh = mesh,
+                            .shape = mesh->current,
+                            .mesh_number = mesh->number,
+                            .generation = mesh->generation,
                             .scene = scene};
-    int status = srv_scene_admit(
-        scene, srv_triangle_charge(mesh->vertex_count, mesh->triangle_count),
-        &plan.object, &call->error);
+    status = srv_scene_admit(scene, mesh, &plan.object, &call->error);
     if (status != 0) {
         return status;
     }

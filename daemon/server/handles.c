@@ -114,6 +114,17 @@ void *srv_handles_remove(struct srv_handles *handles, uint32_t handle)
     return vacate(handles, srv_handle_index(handle));
 }
 
+void *srv_handles_next(const struct srv_handles *handles, uint32_t *cursor)
+{
+    while (*cursor < handles->used) {
+        uint32_t index = (*cursor)++;
+        if (handles->slots[index].item != NULL) {
+            return handles->slots[index].item;
+        }
+    }
+    return NULL;
+}
+
 void *srv_handles_pop(struct srv_handles *handles, uint32_t *cursor)
 {
     while (*cursor < handles->used) {

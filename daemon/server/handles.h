@@ -54,6 +54,9 @@ void *srv_handles_get(const struct srv_handles *handles, uint32_t handle);
 /* Forget a handle and return its item, or NULL for an unknown or stale one. */
 void *srv_handles_remove(struct srv_handles *handles, uint32_t handle);
 
+/* The items in the order of their indices; NULL after the last. `*cursor` starts at 0. */
+void *srv_handles_next(const struct srv_handles *handles, uint32_t *cursor);
+
 /* Forget and return any item, the one of the lowest index; NULL when empty. `*cursor`
  * starts at 0 and makes a run over all of them linear. */
 void *srv_handles_pop(struct srv_handles *handles, uint32_t *cursor);

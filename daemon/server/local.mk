@@ -16,6 +16,7 @@ libserver_la_SOURCES = \
     daemon/server/lockfile.c daemon/server/lockfile.h \
     daemon/server/log.c daemon/server/log.h \
     daemon/server/loop.c daemon/server/loop.h \
+    daemon/server/meshes.c daemon/server/meshes.h \
     daemon/server/metrics.c daemon/server/metrics.h \
     daemon/server/now.h \
     daemon/server/options.c daemon/server/options.h \

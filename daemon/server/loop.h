@@ -48,6 +48,7 @@ struct srv_loop {
     uint32_t request_count; /* in flight, of all sessions */
     uint32_t reply_count;   /* queued, of all connections */
     uint64_t session_last;  /* number of the newest session */
+    uint64_t mesh_last;     /* number of the newest mesh */
     uint64_t epoch;         /* of this start of the daemon */
     uint64_t start_ns;
     enum srv_phase phase;

@@ -74,8 +74,8 @@ static void acquire(const struct srv_plan *plan)
     if (plan->ring != NULL) {
         srv_resource_acquire(&plan->ring->resource);
     }
-    if (plan->mesh != NULL) {
-        srv_resource_acquire(&plan->mesh->resource);
+    if (plan->shape != NULL) {
+        srv_resource_acquire(&plan->shape->resource);
     }
     if (plan->scene != NULL) {
         srv_resource_acquire(&plan->scene->resource);
@@ -87,8 +87,8 @@ static void release(const struct srv_plan *plan)
     if (plan->ring != NULL) {
         srv_resource_drop(&plan->ring->resource);
     }
-    if (plan->mesh != NULL) {
-        srv_resource_drop(&plan->mesh->resource);
+    if (plan->shape != NULL) {
+        srv_resource_drop(&plan->shape->resource);
     }
     if (plan->scene != NULL) {
         srv_resource_drop(&plan->scene->resource);

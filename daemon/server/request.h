@@ -13,6 +13,7 @@
 #include "resource.h"
 #include "ringio.h"
 
+struct srv_replacement;
 struct srv_request;
 
 /* What a handler asks for. References are taken for as long as the request lives. */
@@ -24,10 +25,13 @@ struct srv_plan {
      * back; request->status says how it went. */
     void (*finish)(struct srv_request *request);
     struct srv_ring *ring;   /* NULL: uses none */
-    struct srv_mesh *mesh;   /* likewise */
+    struct srv_shape *shape; /* likewise */
     struct srv_scene *scene; /* likewise */
     struct srv_ring
         *attached;   /* a ring that is not the session's yet; no reference taken */
+    struct srv_replacement *replacement; /* given back by `finish`; NULL: none */
+    uint64_t mesh_number;                /* of the mesh that `shape` serves */
+    uint32_t generation;                 /* likewise */
     uint32_t object; /* handle in `scene` */
     bool takes_slot; /* a slot of the ring, to be returned exactly once */
 };

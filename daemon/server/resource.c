@@ -14,6 +14,7 @@
 #include "invariant.h"
 #include "limits.h"
 #include "loop.h"
+#include "meshes.h"
 #include "session.h"
 #include "wire.h"
 
@@ -47,48 +48,83 @@ void srv_resource_drop(struct srv_resource *resource)
     }
 }
 
-/* ---- meshes ------------------------------------------------------------------------ */
+/* ---- shapes ------------------------------------------------------------------------ */
 
-static void mesh_free_engine(struct srv_job *job)
+static void shape_free_engine(struct srv_job *job)
 {
-    struct srv_mesh *mesh = (struct srv_mesh *)job;
-    eng_mesh_release(mesh->engine);
-    mesh->engine = NULL;
+    struct srv_shape *shape = (struct srv_shape *)job;
+    eng_mesh_release(shape->engine);
+    shape->engine = NULL;
 }
 
-static void mesh_free_rest(struct srv_job *job)
+static void shape_free_rest(struct srv_job *job)
 {
-    struct srv_mesh *mesh = (struct srv_mesh *)job;
-    struct srv_session *session = mesh->resource.session;
+    struct srv_shape *shape = (struct srv_shape *)job;
+    struct srv_session *session = shape->resource.session;
     struct srv_loop *loop = session->loop;
     srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_MESHES, 1);
     srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES,
-                     srv_triangle_charge(mesh->vertex_count, mesh->triangle_count));
-    free(mesh);
+                     srv_triangle_charge(shape->vertex_count, shape->triangle_count));
+    free(shape);
     srv_session_reaped(session);
 }
 
-struct srv_mesh *srv_mesh_new(struct srv_session *session, uint32_t vertex_count,
-                              uint32_t triangle_count)
+/* Charge for one mesh and its triangles, or for nothing. */
+static int charge_shape(struct srv_session *session, uint64_t triangles,
+                        struct proto_error *error)
 {
-    struct srv_mesh *mesh = calloc(1, sizeof *mesh);
-    if (mesh != NULL) {
-        srv_resource_init(&mesh->resource, session, mesh_free_engine, mesh_free_rest);
-        mesh->vertex_count = vertex_count;
-        mesh->triangle_count = triangle_count;
+    struct srv_quota *quota = &session->loop->quota;
+    int status = srv_quota_charge(quota, session->user, SRV_QUOTA_MESHES, 1, error);
+    if (status != 0) {
+        return status;
     }
-    return mesh;
+    status =
+        srv_quota_charge(quota, session->user, SRV_QUOTA_TRIANGLES, triangles, error);
+    if (status != 0) {
+        srv_quota_refund(quota, session->user, SRV_QUOTA_MESHES, 1);
+    }
+    return status;
 }
 
-int srv_mesh_engine(struct srv_mesh *mesh, struct eng_mesh **engine)
+int srv_shape_admit(struct srv_session *session, uint32_t vertex_count,
+                    uint32_t triangle_count, struct srv_shape **shape,
+                    struct proto_error *error)
+{
+    srv_assert_loop();
+    if (vertex_count < 1 || vertex_count > PROTO_COUNT_MAX || triangle_count < 1 ||
+        triangle_count > PROTO_COUNT_MAX) {
+        return proto_error_set(error, PCCD_E_INVAL,
+                               "a mesh has 1 to %u vertices and triangles, not %u and %u",
+                               PROTO_COUNT_MAX, vertex_count, triangle_count);
+    }
+    uint64_t triangles = srv_triangle_charge(vertex_count, triangle_count);
+    int status = charge_shape(session, triangles, error);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_shape *new = calloc(1, sizeof *new);
+    if (new == NULL) {
+        srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_MESHES, 1);
+        srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_TRIANGLES,
+                         triangles);
+        return proto_error_set(error, PCCD_E_NOMEM, "no memory for a mesh");
+    }
+    srv_resource_init(&new->resource, session, shape_free_engine, shape_free_rest);
+    new->vertex_count = vertex_count;
+    new->triangle_count = triangle_count;
+    *shape = new;
+    return 0;
+}
+
+int srv_shape_engine(struct srv_shape *shape, struct eng_mesh **engine)
 {
     srv_assert_compute();
     int status = 0;
-    if (mesh->engine == NULL) {
+    if (shape->engine == NULL) {
         status = srv_wire_status(
-            eng_mesh_new(mesh->vertex_count, mesh->triangle_count, &mesh->engine));
+            eng_mesh_new(shape->vertex_count, shape->triangle_count, &shape->engine));
     }
-    *engine = mesh->engine;
+    *engine = shape->engine;
     return status;
 }
 
@@ -107,6 +143,7 @@ static void scene_free_engine(struct srv_job *job)
 static void object_free(struct srv_session *session, struct srv_object *object)
 {
     struct srv_loop *loop = session->loop;
+    srv_object_unlink(object);
     srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, object->charge);
     loop->metrics.counters.objects_now--;
     free(object);
@@ -186,12 +223,14 @@ struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle)
     return &scene->placed[index];
 }
 
-int srv_scene_admit(struct srv_scene *scene, uint64_t charge, uint32_t *object,
+int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *object,
                     struct proto_error *error)
 {
     srv_assert_loop();
     struct srv_session *session = scene->resource.session;
     struct srv_loop *loop = session->loop;
+    uint64_t charge =
+        srv_triangle_charge(mesh->current->vertex_count, mesh->current->triangle_count);
     int status =
         srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge, error);
     if (status != 0) {
@@ -208,6 +247,7 @@ int srv_scene_admit(struct srv_scene *scene, uint64_t charge, uint32_t *object,
                    : proto_error_set(error, status, "no memory for an object");
     }
     item->charge = charge;
+    srv_mesh_link(mesh, item);
     loop->metrics.counters.objects_now++;
     return 0;
 }
@@ -217,4 +257,13 @@ void srv_scene_forget(struct srv_scene *scene, uint32_t object)
     struct srv_object *item = srv_handles_remove(&scene->objects, object);
     PCCD_ASSERT(item != NULL);
     object_free(scene->resource.session, item);
+}
+
+void srv_scene_unlink(struct srv_scene *scene)
+{
+    uint32_t cursor = 0;
+    for (struct srv_object *object;
+         (object = srv_handles_next(&scene->objects, &cursor)) != NULL;) {
+        srv_object_unlink(object);
+    }
 }

@@ -2,7 +2,7 @@
  *
  * Room:     server. May include: compute.h, handles.h, the engine's and protocol's
  *           headers.
- * Does:     count the references of meshes, scenes and rings; when the last one goes,
+ * Does:     count the references of shapes, scenes and rings; when the last one goes,
  *           free the engine's part on the compute thread and the rest on the loop.
  * Does not: look anything up for a client (session.h).
  * Threads:  members and functions say.
@@ -18,9 +18,10 @@
 #include "messages.h"
 #include "step.h"
 
+struct srv_mesh;
 struct srv_session;
 
-/* The common start of a mesh, a scene and a ring. */
+/* The common start of a shape, a scene and a ring. */
 struct srv_resource {
     struct srv_job reap; /* first: the job is the resource */
     struct srv_session *session;
@@ -33,22 +34,28 @@ void srv_resource_init(struct srv_resource *resource, struct srv_session *sessio
 void srv_resource_acquire(struct srv_resource *resource); /* [loop] */
 void srv_resource_drop(struct srv_resource *resource);    /* [loop] */
 
-struct srv_mesh {
+/* Vertices and triangles as they were announced: a mesh, or what will replace one. */
+struct srv_shape {
     struct srv_resource resource;
     uint32_t vertex_count;
     uint32_t triangle_count;
     struct eng_mesh *engine; /* [compute]; NULL until the first data arrive */
 };
 
-/* A mesh whose quota has been charged already; NULL: no memory. [loop] */
-struct srv_mesh *srv_mesh_new(struct srv_session *session, uint32_t vertex_count,
-                              uint32_t triangle_count);
+/* A shape of these counts, charged to the session's user as one mesh and its triangles.
+ * Returns 0, or PCCD_E_INVAL, PCCD_E_QUOTA or PCCD_E_NOMEM with *error set. [loop] */
+int srv_shape_admit(struct srv_session *session, uint32_t vertex_count,
+                    uint32_t triangle_count, struct srv_shape **shape,
+                    struct proto_error *error);
 /* The engine's mesh, made when there is none. Returns a wire status. [compute] */
-int srv_mesh_engine(struct srv_mesh *mesh, struct eng_mesh **engine);
+int srv_shape_engine(struct srv_shape *shape, struct eng_mesh **engine);
 
 /* An object of a scene as the loop sees it. */
 struct srv_object {
-    uint64_t charge; /* triangles */
+    uint64_t charge;       /* triangles */
+    struct srv_mesh *mesh; /* it is made of; NULL: mesh or scene was destroyed since */
+    struct srv_object *prev; /* of the same mesh */
+    struct srv_object *next;
 };
 
 /* The same as the compute thread sees it. */
@@ -56,6 +63,8 @@ struct srv_placed {
     uint32_t handle; /* 0: none here */
     uint32_t engine_idx;
     uint32_t vertex_count;
+    uint32_t generation; /* of the mesh when the object got this shape */
+    uint64_t mesh_number;
 };
 
 struct srv_scene {
@@ -82,11 +91,13 @@ int srv_scene_reserve(struct srv_scene *scene, uint32_t handle);
 /* The object, or NULL: never placed, or removed. [compute] */
 struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
 
-/* A handle for a new object, its quota charged. Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT
- * or PCCD_E_NOMEM with *error set. [loop] */
-int srv_scene_admit(struct srv_scene *scene, uint64_t charge, uint32_t *object,
+/* A handle for a new object made of `mesh`, its quota charged. Returns 0, or
+ * PCCD_E_QUOTA, PCCD_E_LIMIT or PCCD_E_NOMEM with *error set. [loop] */
+int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *object,
                     struct proto_error *error);
 /* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */
 void srv_scene_forget(struct srv_scene *scene, uint32_t object);
+/* The scene's handle was given back: its objects are no meshes' any more. [loop] */
+void srv_scene_unlink(struct srv_scene *scene);
 
 #endif

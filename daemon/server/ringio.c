@@ -280,9 +280,10 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
     if (segment->first >= object->vertex_count ||
         segment->count > object->vertex_count - segment->first) {
         return proto_error_set(staging->error, PCCD_E_SEGMENT,
-                               "segment %u: %u vertices from %u on, object 0x%x has %u",
+                               "segment %u: %u vertices from %u on, object 0x%x has %u "
+                               "(generation %u of its mesh)",
                                at, segment->count, segment->first, segment->object,
-                               object->vertex_count);
+                               object->vertex_count, object->generation);
     }
     status = srv_wire_status(copy_segment(staging, object, segment));
     if (status != 0) {

@@ -23,6 +23,7 @@
 #include "invariant.h"
 #include "limits.h"
 #include "loop.h"
+#include "meshes.h"
 #include "request.h"
 
 struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
@@ -86,7 +87,7 @@ static void drop_everything(struct srv_session *session)
     }
     cursor = 0;
     for (struct srv_mesh *mesh; (mesh = srv_handles_pop(&session->meshes, &cursor));) {
-        srv_resource_drop(&mesh->resource);
+        srv_mesh_free(mesh);
     }
     if (session->ring != NULL) {
         srv_resource_drop(&session->ring->resource);

@@ -68,14 +68,15 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_options, slot_bytes, 48);
     AT(pccd_options, result_bytes, 56);
     AT(pccd_options, spin_us, 64);
-    SIZE(pccd_mesh_info, 32);
+    SIZE(pccd_mesh_info, 40);
     AT(pccd_mesh_info, vertex_count, 0);
     AT(pccd_mesh_info, triangle_count, 4);
     AT(pccd_mesh_info, edge_count, 8);
     AT(pccd_mesh_info, duplicate_count, 12);
     AT(pccd_mesh_info, degenerate_count, 16);
     AT(pccd_mesh_info, isolated_count, 20);
-    AT(pccd_mesh_info, build_ns, 24);
+    AT(pccd_mesh_info, generation, 24);
+    AT(pccd_mesh_info, build_ns, 32);
     SIZE(pccd_scene_settings, 16);
     AT(pccd_scene_settings, quality, 0);
     AT(pccd_scene_settings, rebuild_triangles_max, 4);

@@ -48,6 +48,9 @@ static void work_until_killed(const char *url, int started_fd, unsigned seed)
     }
     (void)!write(started_fd, "x", 1);
     for (;;) {
+        if (seed % 4 > 1 && test_grid_replace(&grid) != 0) {
+            _exit(4);
+        }
         for (int i = 0; i < 4; i++) {
             if (test_grid_submit(&grid, NULL, &step) != 0) {
                 _exit(2);

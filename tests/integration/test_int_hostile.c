@@ -18,10 +18,8 @@
 
 #include <cmocka.h>
 
-#include "prng.h"
 #include "witness.h"
 
-#define SOUP         1000 /* triangles */
 #define SCENES_TRIED 1000
 
 static struct test_raw raw;
@@ -391,36 +389,6 @@ static void flood__of_steps_is_answered_busy(void **state)
     test_raw_close(&raw);
 }
 
-/* A scene of SOUP triangles all over each other in one plane, which a step works on for
- * a good while, and the request that begins it. Returns the request's id. */
-static uint32_t begin_long_step(void)
-{
-    static float x[3 * SOUP][3];
-    static uint32_t triangles[SOUP][3];
-    struct prng prng = {SOUP};
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add;
-    struct proto_FRAME_SUBMIT_request submit = {.segments = 0};
-    uint32_t id;
-
-    for (uint32_t i = 0; i < 3 * SOUP; i++) {
-        x[i][0] = (float)prng_between(&prng, 0.0, 1.0);
-        x[i][1] = (float)prng_between(&prng, 0.0, 1.0);
-        triangles[i / 3][i % 3] = i;
-    }
-    assert_int_equal(test_raw_mesh(&raw, x, 3 * SOUP, (const uint32_t(*)[3])triangles,
-                                   SOUP, &add.mesh),
-                     0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
-                     0);
-    add.scene = submit.scene = created.scene;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL), 0);
-    id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
-    assert_int_not_equal(id, 0);
-    return id;
-}
-
 /* Without a bound on the scenes that wait to be freed, a client that creates and destroys
  * them behind a long step of its own would fill the daemon's memory. */
 static void flood__of_scenes_behind_a_step_is_bounded(void **state)
@@ -434,7 +402,7 @@ static void flood__of_scenes_behind_a_step_is_bounded(void **state)
 
     (void)state;
     test_witness_open_raw(&raw, 65536);
-    cancel.id = begin_long_step();
+    cancel.id = test_witness_long_step(&raw);
     while ((rc = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created)) ==
                0 &&
            count < SCENES_TRIED) {

@@ -25,16 +25,12 @@ void test_grid_positions(struct test_grid *grid, float z)
     }
 }
 
-static int add_grid(struct test_grid *grid)
+uint32_t (*test_grid_triangles(const struct test_grid *grid))[3]
 {
     uint32_t cells = grid->side - 1;
     uint32_t(*triangles)[3] = calloc(2 * (size_t)cells * cells, sizeof(*triangles));
-    int rc;
 
-    if (triangles == NULL) {
-        return PCCD_E_NOMEM;
-    }
-    for (uint32_t i = 0; i < cells * cells; i++) {
+    for (uint32_t i = 0; triangles != NULL && i < cells * cells; i++) {
         uint32_t corner = i / cells * grid->side + i % cells;
         const uint32_t first[3] = {corner, corner + 1, corner + grid->side};
         const uint32_t second[3] = {corner + 1, corner + grid->side + 1,
@@ -43,12 +39,42 @@ static int add_grid(struct test_grid *grid)
         memcpy(triangles[2 * (size_t)i], first, sizeof(first));
         memcpy(triangles[2 * (size_t)i + 1], second, sizeof(second));
     }
+    return triangles;
+}
+
+static int add_grid(struct test_grid *grid)
+{
+    uint32_t cells = grid->side - 1;
+    uint32_t(*triangles)[3] = test_grid_triangles(grid);
+    int rc;
+
+    if (triangles == NULL) {
+        return PCCD_E_NOMEM;
+    }
     rc = pccd_mesh_create(grid->client, grid->x, PCCD_FORMAT_F32, grid->vertex_count,
                           (const uint32_t(*)[3])triangles, 2 * cells * cells, &grid->mesh,
                           NULL);
     free(triangles);
     return rc != 0 ? rc
                    : pccd_scene_add(grid->client, grid->scene, grid->mesh, &grid->object);
+}
+
+int test_grid_replace(struct test_grid *grid)
+{
+    uint32_t cells = grid->side - 1;
+    uint32_t(*triangles)[3] = test_grid_triangles(grid);
+    int rc;
+
+    if (triangles == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    test_grid_positions(grid, 1);
+    rc = pccd_mesh_replace(grid->client, grid->mesh, grid->x, PCCD_FORMAT_F32,
+                           grid->vertex_count, (const uint32_t(*)[3])triangles,
+                           2 * cells * cells, NULL);
+    free(triangles);
+    grid->z = rc == 0 ? 1 : grid->z;
+    return rc;
 }
 
 int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *grid)

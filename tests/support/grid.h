@@ -34,6 +34,13 @@ int test_grid_make_with(struct pccd_client *client, uint32_t side,
                         struct test_grid *grid);
 void test_grid_free(struct test_grid *grid);
 
+/* The grid's 2 (side - 1)^2 triangles; the caller frees them. NULL: no memory. */
+uint32_t (*test_grid_triangles(const struct test_grid *grid))[3];
+
+/* Replace the mesh by the same one, at the same place as in the beginning. Returns a
+ * status. */
+int test_grid_replace(struct test_grid *grid);
+
 /* Positions at height z, in grid->x. */
 void test_grid_positions(struct test_grid *grid, float z);
 

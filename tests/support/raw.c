@@ -214,20 +214,14 @@ uint64_t test_raw_publish(const struct test_raw *raw, uint32_t slot)
     return seq;
 }
 
-int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
-                  const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t *mesh)
+int test_raw_fill(struct test_raw *raw, uint32_t mesh, const float (*x)[3],
+                  uint32_t vertex_count, const uint32_t (*triangles)[3],
+                  uint32_t triangle_count)
 {
-    struct proto_MESH_CREATE_request create = {.vertex_count = vertex_count,
-                                               .triangle_count = triangle_count};
-    struct proto_MESH_CREATE_result created;
-    struct proto_MESH_DATA_request data = {.slot = 0, .count = vertex_count};
-    struct proto_MESH_COMMIT_request commit;
-    int rc = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
+    struct proto_MESH_DATA_request data = {
+        .mesh = mesh, .slot = 0, .count = vertex_count};
+    int rc;
 
-    if (rc != 0) {
-        return rc;
-    }
-    data.mesh = commit.mesh = *mesh = created.mesh;
     memcpy(test_raw_payload(raw, 0), x, vertex_count * sizeof(*x));
     data.seq = test_raw_publish(raw, 0);
     rc = test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
@@ -238,6 +232,22 @@ int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_cou
     data.part = 1;
     data.count = triangle_count;
     data.seq = test_raw_publish(raw, 0);
-    rc = test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
+    return test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
+}
+
+int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
+                  const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t *mesh)
+{
+    struct proto_MESH_CREATE_request create = {.vertex_count = vertex_count,
+                                               .triangle_count = triangle_count};
+    struct proto_MESH_CREATE_result created;
+    struct proto_MESH_COMMIT_request commit;
+    int rc = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
+
+    if (rc != 0) {
+        return rc;
+    }
+    commit.mesh = *mesh = created.mesh;
+    rc = test_raw_fill(raw, created.mesh, x, vertex_count, triangles, triangle_count);
     return rc != 0 ? rc : test_raw_call(raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
 }

@@ -59,6 +59,12 @@ uint8_t *test_raw_payload(const struct test_raw *raw, uint32_t slot);
 /* Store the next even sequence number in the slot's descriptor. */
 uint64_t test_raw_publish(const struct test_raw *raw, uint32_t slot);
 
+/* The vertices and triangles of a mesh, or of what replaces one, through slot 0; without
+ * the commit. Returns as test_raw_call. */
+int test_raw_fill(struct test_raw *raw, uint32_t mesh, const float (*x)[3],
+                  uint32_t vertex_count, const uint32_t (*triangles)[3],
+                  uint32_t triangle_count);
+
 /* A mesh of these floats and triangles, through slot 0. Returns as test_raw_call. */
 int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
                   const uint32_t (*triangles)[3], uint32_t triangle_count,

@@ -30,6 +30,11 @@ void test_witness_turn(void);
 /* A raw peer that has said hello; with slot_bytes > 0 also with a ring of 2 slots. */
 void test_witness_open_raw(struct test_raw *raw, uint64_t slot_bytes);
 
+/* Begin a step that works for a good while, in a scene of its own: 1000 triangles all
+ * over each other in one plane. The peer has a ring of slots of 65536 bytes. Returns the
+ * request's id. */
+uint32_t test_witness_long_step(struct test_raw *raw);
+
 /* Descriptors that the daemon has open. */
 int test_witness_fd_count(void);
 

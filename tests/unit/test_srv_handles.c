@@ -144,7 +144,7 @@ static void handles__tables_with_other_salt_share_no_handles(void **state)
 }
 
 /* A session that ends must find everything it has exactly once. */
-static void handles__pop_yields_every_item_once(void **state)
+static void handles__next_and_pop_yield_every_item_once(void **state)
 {
     (void)state;
     struct srv_handles handles;
@@ -158,6 +158,13 @@ static void handles__pop_yields_every_item_once(void **state)
     }
     uint32_t cursor = 0;
     int seen = 0;
+    for (char *item; (item = srv_handles_next(&handles, &cursor)) != NULL; seen++) {
+        assert_int_not_equal((item - items) % 3, 0);
+    }
+    assert_int_equal(seen, 26);
+    assert_int_equal(handles.count, 26);
+    cursor = 0;
+    seen = 0;
     for (char *item; (item = srv_handles_pop(&handles, &cursor)) != NULL; seen++) {
         assert_int_not_equal((item - items) % 3, 0);
     }
@@ -175,7 +182,7 @@ int main(void)
         cmocka_unit_test(handles__free_indices_are_reused_in_turn),
         cmocka_unit_test(handles__exhaustion_is_a_limit_and_passes),
         cmocka_unit_test(handles__tables_with_other_salt_share_no_handles),
-        cmocka_unit_test(handles__pop_yields_every_item_once),
+        cmocka_unit_test(handles__next_and_pop_yield_every_item_once),
     };
     return cmocka_run_group_tests_name("srv_handles", tests, NULL, NULL);
 }

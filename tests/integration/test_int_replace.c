@@ -1,0 +1,505 @@
+/* test_int_replace.c - meshes that change their topology while they are in use.
+ *
+ * Room:     tests/integration. May include: proto, pccd.h, tests/support.
+ * Does:     bodies break between steps, in time and out of it, with and without room for
+ *           it; an honest client gets right answers all the while.
+ * Does not: kill clients in the middle of it (test_int_death.c).
+ * Threads:  one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "grid.h"
+#include "witness.h"
+
+#define SIDE      16u
+#define TRIANGLES (2 * (SIDE - 1) * (SIDE - 1))
+#define CORNERS   (3 * TRIANGLES)
+
+static struct test_raw raw;
+
+/* ---- a body that breaks ------------------------------------------------------------ */
+
+/* The grid in pieces: every triangle has vertices of its own, a little nearer to its
+ * middle than they were, so that no piece touches another. */
+struct pieces {
+    float x[CORNERS][3];
+    uint32_t triangles[TRIANGLES][3];
+};
+
+static void break_grid(struct test_grid *grid, float z, struct pieces *pieces)
+{
+    uint32_t(*whole)[3] = test_grid_triangles(grid);
+
+    assert_non_null(whole);
+    test_grid_positions(grid, z);
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        for (uint32_t corner = 0; corner < 3; corner++) {
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                float middle = (grid->x[whole[i][0]][axis] + grid->x[whole[i][1]][axis] +
+                                grid->x[whole[i][2]][axis]) /
+                               3.0f;
+                float at = grid->x[whole[i][corner]][axis];
+
+                pieces->x[3 * i + corner][axis] = middle + 0.75f * (at - middle);
+            }
+            pieces->triangles[i][corner] = 3 * i + corner;
+        }
+    }
+    free(whole);
+}
+
+/* Move an object of pieces to height z, through the floor: each corner meets it once. */
+static void move_pieces(struct test_grid *grid, uint32_t object, float z,
+                        struct pccd_answer *answer)
+{
+    static struct pieces pieces;
+
+    break_grid(grid, z, &pieces);
+    assert_int_equal(pccd_step_x1(grid->client, grid->scene, object, pieces.x,
+                                  PCCD_FORMAT_F32, CORNERS, NULL, answer),
+                     0);
+    assert_int_equal(answer->incomplete, PCCD_COMPLETE);
+    assert_int_equal(answer->total, CORNERS);
+    assert_int_equal(answer->vf, CORNERS);
+    pccd_answer_release(grid->client, answer);
+}
+
+static int break_mesh(struct test_grid *grid, struct pccd_mesh_info *info)
+{
+    static struct pieces pieces;
+
+    break_grid(grid, 1, &pieces);
+    return pccd_mesh_replace(grid->client, grid->mesh, pieces.x, PCCD_FORMAT_F32, CORNERS,
+                             (const uint32_t(*)[3])pieces.triangles, TRIANGLES, info);
+}
+
+static void turn(struct test_grid *grid)
+{
+    struct pccd_answer answer;
+    uint64_t step = 0;
+
+    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
+    assert_int_equal(pccd_wait(grid->client, step, -1, &answer), 0);
+    assert_true(test_grid_is_right(grid, &answer));
+    pccd_answer_release(grid->client, &answer);
+}
+
+/* A session in which the floor and the pieces are registered as they are from the start:
+ * the same requests give the same handles in every session, so hashes can be compared. */
+static void open_fresh(struct test_grid *grid)
+{
+    static struct pieces pieces;
+    struct pccd_client *client = test_connect(test_witness.daemon.url);
+    uint32_t floor_mesh = 0;
+
+    assert_non_null(client);
+    *grid = (struct test_grid){.client = client,
+                               .side = SIDE,
+                               .vertex_count = SIDE * SIDE,
+                               .x = calloc((size_t)SIDE * SIDE, sizeof(*grid->x))};
+    assert_non_null(grid->x);
+    break_grid(grid, 1, &pieces);
+    assert_int_equal(pccd_scene_create(client, NULL, &grid->scene), 0);
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &floor_mesh, NULL),
+                     0);
+    assert_int_equal(pccd_scene_add(client, grid->scene, floor_mesh, &grid->floor), 0);
+    assert_int_equal(pccd_mesh_create(client, pieces.x, PCCD_FORMAT_F32, CORNERS,
+                                      (const uint32_t(*)[3])pieces.triangles, TRIANGLES,
+                                      &grid->mesh, NULL),
+                     0);
+    assert_int_equal(pccd_scene_add(client, grid->scene, grid->mesh, &grid->object), 0);
+}
+
+static void open_grid(struct test_grid *grid)
+{
+    struct pccd_client *client = test_connect(test_witness.daemon.url);
+
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, SIDE, grid), 0);
+}
+
+static void close_grid(struct test_grid *grid)
+{
+    pccd_close(grid->client);
+    test_grid_free(grid);
+}
+
+/* If it failed, a broken body would answer otherwise than one registered so, or breaking
+ * it disturb somebody else. */
+static void replace__a_broken_body_answers_as_a_fresh_one(void **state)
+{
+    struct test_grid grid;
+    struct test_grid fresh;
+    struct pccd_mesh_info info;
+    struct pccd_answer answer;
+    struct pccd_answer expected;
+
+    (void)state;
+    open_grid(&grid);
+    open_fresh(&fresh);
+    assert_int_equal(fresh.object, grid.object);
+    for (int i = 0; i < 3; i++) {
+        turn(&grid);
+        test_witness_turn();
+    }
+    assert_int_equal(break_mesh(&grid, &info), 0);
+    assert_int_equal(info.generation, 2);
+    assert_int_equal(info.vertex_count, CORNERS);
+    assert_int_equal(info.edge_count, CORNERS);
+    for (int i = 0; i < 4; i++) {
+        float z = i % 2 == 0 ? -1.0f : 1.0f;
+
+        move_pieces(&grid, grid.object, z, &answer);
+        move_pieces(&fresh, fresh.object, z, &expected);
+        assert_memory_equal(answer.hash, expected.hash, sizeof(answer.hash));
+        test_witness_turn();
+    }
+    /* Whole again, and broken again. */
+    assert_int_equal(test_grid_replace(&grid), 0);
+    turn(&grid);
+    assert_int_equal(break_mesh(&grid, &info), 0);
+    assert_int_equal(info.generation, 4);
+    move_pieces(&grid, grid.object, -1, &answer);
+    test_witness_turn();
+    close_grid(&fresh);
+    close_grid(&grid);
+}
+
+/* If it failed, an object made of the mesh would be forgotten, or one that is not
+ * changed. */
+static void replace__reaches_every_object_made_of_the_mesh(void **state)
+{
+    enum { SCENES = 3 };
+    struct test_grid grid;
+    struct test_grid scenes[SCENES];
+    struct test_grid other;
+    struct pccd_answer answer;
+    uint64_t before = test_stat(test_witness.crossing.client, "triangles_now");
+    uint64_t replaced = test_stat(test_witness.crossing.client, "meshes_replaced");
+    uint32_t gone = 0;
+
+    (void)state;
+    open_grid(&grid);
+    assert_int_equal(test_grid_make(grid.client, SIDE, &other), 0);
+    assert_int_equal(pccd_scene_add(grid.client, grid.scene, grid.mesh, &gone), 0);
+    for (int i = 0; i < SCENES; i++) {
+        scenes[i] = grid;
+        assert_int_equal(pccd_scene_create(grid.client, NULL, &scenes[i].scene), 0);
+        assert_int_equal(
+            pccd_scene_add(grid.client, scenes[i].scene, grid.mesh, &scenes[i].object),
+            0);
+    }
+    assert_int_equal(pccd_scene_remove(grid.client, grid.scene, gone), 0);
+    assert_int_equal(pccd_scene_destroy(grid.client, scenes[2].scene), 0);
+    assert_int_equal(break_mesh(&grid, NULL), 0);
+    assert_int_equal(test_stat(grid.client, "meshes_replaced"), replaced + 1);
+    move_pieces(&grid, grid.object, -1, &answer);
+    for (int i = 0; i < 2; i++) { /* no floor here: still, but all there */
+        static struct pieces pieces;
+
+        break_grid(&grid, 3, &pieces);
+        assert_int_equal(pccd_step_x1(grid.client, scenes[i].scene, scenes[i].object,
+                                      pieces.x, PCCD_FORMAT_F32, CORNERS, NULL, &answer),
+                         0);
+        pccd_answer_release(grid.client, &answer);
+    }
+    turn(&other);
+    /* Every object goes, under the charge that it has now. */
+    close_grid(&grid);
+    test_grid_free(&other);
+    assert_int_equal(
+        test_stat_await(test_witness.crossing.client, "triangles_now", before), before);
+    test_witness_turn();
+}
+
+/* If it failed, data that is refused would leave a mesh between two shapes. */
+static void replace__bad_data_leaves_the_old_mesh(void **state)
+{
+    static struct pieces pieces;
+    struct test_grid grid;
+    uint64_t triangles;
+    uint64_t meshes;
+
+    (void)state;
+    open_grid(&grid);
+    turn(&grid);
+    triangles = test_stat(grid.client, "triangles_now");
+    meshes = test_stat(grid.client, "meshes_now");
+#define REFUSED(code, vertex_count, triangle_count)                                      \
+    assert_int_equal(pccd_mesh_replace(grid.client, grid.mesh, pieces.x,                 \
+                                       PCCD_FORMAT_F32, vertex_count,                    \
+                                       (const uint32_t(*)[3])pieces.triangles,           \
+                                       triangle_count, NULL),                            \
+                     code);                                                              \
+    assert_true(pccd_error_text(grid.client)[0] != '\0');                                \
+    turn(&grid)
+    break_grid(&grid, 1, &pieces);
+    pieces.triangles[TRIANGLES - 1][2] = CORNERS;
+    REFUSED(PCCD_E_INDEX, CORNERS, TRIANGLES);
+    pieces.triangles[TRIANGLES - 1][2] = 0;
+    pieces.x[CORNERS - 1][1] = NAN;
+    REFUSED(PCCD_E_NOTFINITE, CORNERS, TRIANGLES);
+    REFUSED(PCCD_E_INVAL, 0, TRIANGLES);
+    REFUSED(PCCD_E_INVAL, CORNERS, 0);
+#undef REFUSED
+    assert_int_equal(test_stat_await(grid.client, "triangles_now", triangles), triangles);
+    assert_int_equal(test_stat_await(grid.client, "meshes_now", meshes), meshes);
+    test_witness_turn();
+    close_grid(&grid);
+}
+
+/* If it failed, a replacement could take more than its user may have, or one that is too
+ * large break what there is. */
+static void replace__without_quota_changes_nothing(void **state)
+{
+    /* The mesh, two objects and the floor: 3 x 450 + 2. The new shape is as large: it
+     * fits beside the old, but the two objects do not fit a second time. */
+    const char *const options[] = {"--triangles-max", "2300", NULL};
+    struct test_daemon daemon;
+    struct test_grid grid;
+    struct pccd_client *client;
+    uint32_t scene = 0;
+    uint32_t second = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    assert_int_equal(pccd_scene_add(client, scene, grid.mesh, &second), 0);
+    assert_int_equal(test_stat(client, "triangles_now"), 3 * TRIANGLES + 2);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(break_mesh(&grid, NULL), PCCD_E_QUOTA);
+        assert_non_null(strstr(pccd_error_text(client), "quota"));
+        turn(&grid);
+        assert_int_equal(test_stat_await(client, "triangles_now", 3 * TRIANGLES + 2),
+                         3 * TRIANGLES + 2);
+        assert_int_equal(test_stat_await(client, "meshes_now", 2), 2);
+    }
+    pccd_close(client);
+    test_grid_free(&grid);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* ---- order and states, by hand ----------------------------------------------------- */
+
+static const float two_x[6][3] = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2},
+                                  {0, 0, 3}, {1, 0, 3}, {0, 1, 3}};
+static const uint32_t two[2][3] = {{0, 1, 2}, {3, 4, 5}};
+
+/* A raw session with the triangle of test_triangle_x in a scene. */
+struct bare {
+    uint32_t mesh;
+    uint32_t scene;
+    uint32_t object;
+};
+
+static void open_bare(struct bare *bare)
+{
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_request add;
+    struct proto_SCENE_ADD_result added;
+
+    test_witness_open_raw(&raw, 65536);
+    assert_int_equal(
+        test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &bare->mesh), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
+                     0);
+    add.scene = bare->scene = created.scene;
+    add.mesh = bare->mesh;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    bare->object = added.object;
+}
+
+static int announce(uint32_t mesh, uint32_t vertex_count, uint32_t triangle_count,
+                    uint32_t *generation)
+{
+    struct proto_MESH_REPLACE_request replace = {
+        .mesh = mesh, .vertex_count = vertex_count, .triangle_count = triangle_count};
+    struct proto_MESH_REPLACE_result result = {.generation = 0};
+    int rc = test_raw_call(&raw, PROTO_METHOD_MESH_REPLACE, &replace, &result);
+
+    *generation = result.generation;
+    return rc;
+}
+
+static int commit(uint32_t mesh, struct proto_MESH_COMMIT_result *result)
+{
+    struct proto_MESH_COMMIT_request request = {.mesh = mesh};
+
+    return test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &request, result);
+}
+
+/* Submit the end positions of `count` vertices without waiting; returns the id. */
+static uint32_t submit(const struct bare *bare, uint32_t slot, const float (*x)[3],
+                       uint32_t count)
+{
+    struct proto_segment segment = {.object = bare->object,
+                                    .kind = PROTO_SEGMENT_X1,
+                                    .format = PCCD_FORMAT_F32,
+                                    .count = count,
+                                    .offset1 = sizeof(segment)};
+    struct proto_FRAME_SUBMIT_request request = {
+        .scene = bare->scene, .slot = slot, .segments = 1, .threads = 1};
+    uint8_t *payload = test_raw_payload(&raw, slot);
+
+    memcpy(payload, &segment, sizeof(segment));
+    memcpy(payload + sizeof(segment), x, count * sizeof(*x));
+    request.seq = test_raw_publish(&raw, slot);
+    return test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &request);
+}
+
+/* If it failed, a step would run on another topology than the one it was sent for. */
+static void replace__steps_run_on_the_topology_of_their_turn(void **state)
+{
+    struct proto_MESH_COMMIT_request request;
+    struct proto_MESH_COMMIT_result committed;
+    struct proto_FRAME_SUBMIT_result answer;
+    struct bare bare;
+    uint32_t generation = 0;
+    uint32_t ids[4];
+
+    (void)state;
+    open_bare(&bare);
+    assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
+    assert_int_equal(generation, 2);
+    assert_int_equal(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2), 0);
+    /* The old triangle serves until the commit. */
+    ids[0] = submit(&bare, 0, two_x, 6);
+    assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &answer),
+                     PCCD_E_SEGMENT);
+    assert_non_null(strstr(raw.error.text, "has 3 (generation 1"));
+    /* Three in a row, none waited for. */
+    request.mesh = bare.mesh;
+    ids[1] = submit(&bare, 0, test_triangle_x, 3);
+    ids[2] = test_raw_request(&raw, PROTO_METHOD_MESH_COMMIT, &request);
+    ids[3] = submit(&bare, 1, two_x, 6);
+    assert_int_equal(test_raw_answer(&raw, ids[1], PROTO_METHOD_FRAME_SUBMIT, &answer),
+                     0);
+    assert_int_equal(test_raw_answer(&raw, ids[2], PROTO_METHOD_MESH_COMMIT, &committed),
+                     0);
+    assert_int_equal(committed.generation, 2);
+    assert_int_equal(committed.triangle_count, 2);
+    assert_int_equal(test_raw_answer(&raw, ids[3], PROTO_METHOD_FRAME_SUBMIT, &answer),
+                     0);
+    ids[0] = submit(&bare, 0, two_x, 7);
+    assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &answer),
+                     PCCD_E_SEGMENT);
+    assert_non_null(strstr(raw.error.text, "has 6 (generation 2"));
+    test_raw_close(&raw);
+    test_witness_turn();
+}
+
+/* If it failed, a wrong order of requests would replace by something half-made, or cost
+ * the client its mesh. */
+static void replace__wrong_order_is_refused(void **state)
+{
+    struct proto_MESH_COMMIT_result committed;
+    struct bare bare;
+    struct proto_MESH_CREATE_request create = {.vertex_count = 3, .triangle_count = 1};
+    struct proto_MESH_CREATE_result created;
+    uint32_t generation = 0;
+
+    (void)state;
+    open_bare(&bare);
+    assert_int_equal(announce(bare.mesh + 77, 6, 2, &generation), PCCD_E_HANDLE);
+    assert_int_equal(announce(0, 6, 2, &generation), PCCD_E_HANDLE);
+    assert_int_equal(announce(bare.mesh, 0, 2, &generation), PCCD_E_INVAL);
+    assert_int_equal(announce(bare.mesh, 6, 0, &generation), PCCD_E_INVAL);
+    assert_int_equal(announce(bare.mesh, 6, 0x80000000u, &generation), PCCD_E_INVAL);
+    assert_int_equal(announce(bare.mesh, 6, 65000000, &generation), PCCD_E_QUOTA);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created), 0);
+    assert_int_equal(announce(created.mesh, 6, 2, &generation), PCCD_E_STATE);
+    /* Nothing was announced: it is committed already. */
+    assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
+    /* Announced, but not all there. */
+    assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
+    assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
+    assert_non_null(strstr(raw.error.text, "0 of 6 vertices"));
+    /* Announced anew: what came before counts no more. */
+    assert_int_equal(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2), 0);
+    assert_int_equal(announce(bare.mesh, 5, 1, &generation), 0);
+    assert_int_equal(generation, 2);
+    assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
+    assert_non_null(strstr(raw.error.text, "0 of 5 vertices"));
+    /* Forgotten, twice: the triangle is what it was. */
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(announce(bare.mesh, 0, 0, &generation), 0);
+        assert_int_equal(generation, 1);
+    }
+    assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
+    assert_int_equal(test_raw_answer(&raw, submit(&bare, 0, test_triangle_x, 3),
+                                     PROTO_METHOD_FRAME_SUBMIT, NULL),
+                     0);
+    test_raw_close(&raw);
+    test_witness_turn();
+}
+
+/* If it failed, a request could meet a mesh of which nobody knows yet what it is. */
+static void replace__mesh_is_busy_while_it_is_committed(void **state)
+{
+    struct proto_MESH_COMMIT_request request;
+    struct proto_MESH_COMMIT_result committed;
+    struct proto_MESH_DESTROY_request destroy;
+    struct proto_SCENE_ADD_request add;
+    struct proto_CANCEL_request cancel;
+    struct bare bare;
+    uint32_t generation = 0;
+    uint32_t id;
+
+    (void)state;
+    open_bare(&bare);
+    assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
+    assert_int_equal(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2), 0);
+    cancel.id = test_witness_long_step(&raw);
+    request.mesh = destroy.mesh = add.mesh = bare.mesh;
+    add.scene = bare.scene;
+    id = test_raw_request(&raw, PROTO_METHOD_MESH_COMMIT, &request);
+    assert_int_not_equal(id, 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL),
+                     PCCD_E_BUSY);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL),
+                     PCCD_E_BUSY);
+    assert_int_equal(announce(bare.mesh, 3, 1, &generation), PCCD_E_BUSY);
+    assert_int_equal(commit(bare.mesh, &committed), PCCD_E_BUSY);
+    /* Taken back before it ran: nothing has happened, and it can be asked for again. */
+    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL,
+                                          &(struct proto_CANCEL_request){.id = id}),
+                         0);
+    assert_int_equal(test_raw_answer(&raw, id, PROTO_METHOD_MESH_COMMIT, &committed),
+                     PCCD_E_CANCELLED);
+    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel), 0);
+    assert_int_equal(commit(bare.mesh, &committed), 0);
+    assert_int_equal(committed.generation, 2);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL), 0);
+    test_raw_close(&raw);
+    test_witness_turn();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(replace__a_broken_body_answers_as_a_fresh_one),
+        cmocka_unit_test(replace__reaches_every_object_made_of_the_mesh),
+        cmocka_unit_test(replace__bad_data_leaves_the_old_mesh),
+        cmocka_unit_test(replace__without_quota_changes_nothing),
+        cmocka_unit_test(replace__steps_run_on_the_topology_of_their_turn),
+        cmocka_unit_test(replace__wrong_order_is_refused),
+        cmocka_unit_test(replace__mesh_is_busy_while_it_is_committed),
+    };
+
+    return cmocka_run_group_tests_name("replace", tests, test_witness_start,
+                                       test_witness_stop);
+}
