@@ -56,17 +56,16 @@ static void copy_found(struct bench_work *work, const struct eng_step_result *pa
     const struct eng_pair *sorted = pairs->records;
     eng_pool_init(&work->pool);
     eng_found_begin(&work->found, &work->pool, sizeof *sorted, pairs->count);
-    /* A stride that has no common factor with the count visits every record once. */
-    uint64_t stride = pairs->count / 2 + 1;
+    /* A stride that has no common factor with the count visits every record once; in the
+     * golden ratio no two that are close in order are close in the list. */
+    uint64_t stride = (uint64_t)((double)pairs->count * 0.6180339887) + 1;
     while (stride > 1 && gcd(stride, pairs->count) != 1) {
         stride++;
     }
     for (uint64_t i = 0, at = 0; i < pairs->count; i++) {
-        struct eng_pair *copy = eng_found_add(&work->found);
-        if (!copy) {
+        if (!eng_found_add(&work->found, &sorted[at])) {
             break;
         }
-        *copy = sorted[at];
         at = (at + stride) % pairs->count;
     }
 }

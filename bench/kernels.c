@@ -2,7 +2,7 @@
  *
  * Room:     bench; engine headers.
  * Does:     filter with solver against the solver alone, exact queries, the box test
- *           against scalar code, the sort against qsort, ingest against memcpy. Results
+ *           against scalar code, the merge against qsort, ingest against memcpy. Results
  *           are compared before a time is printed.
  * Threads:  one.
  */
@@ -14,6 +14,7 @@
 #include "ingest.h"
 #include "report.h"
 #include "solve.h"
+#include "sorting.h"
 #include "test.h"
 
 #define QUERY_MAX    60000u
@@ -320,68 +321,6 @@ static void measure_boxes(const struct bench_work *work)
     }
 }
 
-/* ---- sort ------------------------------------------------------------------------- */
-
-static int compare_pairs(const void *a, const void *b)
-{
-    const uint32_t *x = a; /* five words, the most significant first */
-    const uint32_t *y = b;
-    for (int i = 0; i < 5; i++) {
-        if (x[i] != y[i]) {
-            return x[i] < y[i] ? -1 : 1;
-        }
-    }
-    return 0;
-}
-
-/* The records of all blocks in one piece. */
-static void copy_blocks(const struct eng_found *found, struct eng_pair *copy)
-{
-    for (const struct eng_block *block = found->first; block; block = block->next) {
-        memcpy(copy, block->data, block->count * sizeof *copy);
-        copy += block->count;
-    }
-}
-
-static void measure_sort(const struct bench_work *work)
-{
-    const char *name = work->world.source->name;
-    struct eng_found found = work->found;
-    struct eng_found *const lists[1] = {&found};
-    bool overflowed;
-    size_t bytes = found.count * sizeof(struct eng_pair);
-    struct eng_sorter sorter = {0};
-    struct eng_records sorted = {0};
-    struct eng_pair *copy = bench_alloc(found.count, sizeof *copy);
-    struct bench_samples radix = {0};
-    struct bench_samples quick = {0};
-    bool good = found.count > 0;
-    for (unsigned r = 0; r < repeats && good; r++) {
-        uint64_t t0 = bench_now_ns();
-        int status = eng_records_sort(&sorter, lists, 1, &sorted, &overflowed);
-        uint64_t t1 = bench_now_ns();
-        copy_blocks(&found, copy);
-        qsort(copy, found.count, sizeof *copy, compare_pairs);
-        uint64_t t2 = bench_now_ns();
-        good = bench_check(status == ENG_OK && memcmp(sorted.data, copy, bytes) == 0,
-                           name, "eng_records_sort and qsort differ");
-        if (r > 0) {
-            bench_add(&radix, (double)(t1 - t0) / (double)found.count);
-            bench_add(&quick, (double)(t2 - t1) / (double)found.count);
-        }
-    }
-    if (good && found.count > 0) {
-        bench_number(name, "records", "", (double)found.count);
-        print(name, "sort a record", "ns", &radix, "qsort", &quick);
-        print(name, "qsort a record", "ns", &quick, NULL, NULL);
-    }
-    free(copy);
-    eng_sorter_deinit(&sorter);
-    eng_records_deinit(&sorted);
-    bench_free(&radix);
-    bench_free(&quick);
-}
-
 /* ---- ingest ----------------------------------------------------------------------- */
 
 static bool same_positions(const double (*out)[3], enum eng_format format, uint32_t count,
@@ -452,7 +391,7 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     measure_exact(&work, &work.vf, &exact);
     measure_exact(&work, &work.ee, &exact);
     measure_boxes(&work);
-    measure_sort(&work);
+    bench_sorting_measure(&work, repeats);
     eng_exact_deinit(&exact);
     bench_work_deinit(&work);
 }

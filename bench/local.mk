@@ -31,7 +31,14 @@ bench_step_SOURCES = bench/step.c $(bench_engine_sources)
 bench_step_CPPFLAGS = $(bench_engine_cppflags)
 bench_step_LDADD = $(bench_engine_libs)
 
-bench_kernels_SOURCES = bench/kernels.c bench/gather.c bench/gather.h $(bench_engine_sources)
+bench_kernels_SOURCES = \
+    bench/gather.c \
+    bench/gather.h \
+    bench/kernels.c \
+    bench/sorting.c \
+    bench/sorting.h \
+    $(bench_engine_sources)
+bench_kernels_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_kernels_CPPFLAGS = $(bench_engine_cppflags)
 bench_kernels_LDADD = $(bench_engine_libs)
 

@@ -38,12 +38,22 @@ libengine_la_SOURCES = \
     daemon/engine/memory.h \
     daemon/engine/result/answer.c \
     daemon/engine/result/answer.h \
+    daemon/engine/result/bucket.c \
+    daemon/engine/result/bucket.h \
+    daemon/engine/result/hash.c \
+    daemon/engine/result/hash.h \
+    daemon/engine/result/merge.c \
+    daemon/engine/result/merge.h \
+    daemon/engine/result/order.c \
+    daemon/engine/result/order.h \
     daemon/engine/result/pool.c \
     daemon/engine/result/pool.h \
     daemon/engine/result/radix.c \
     daemon/engine/result/radix.h \
     daemon/engine/result/result.c \
     daemon/engine/result/result.h \
+    daemon/engine/result/split.c \
+    daemon/engine/result/split.h \
     daemon/engine/scene/feature.c \
     daemon/engine/scene/feature.h \
     daemon/engine/scene/ingest.c \

@@ -73,11 +73,14 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
             eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
         memory->workers[i]->thread = i;
     }
+    if (status == ENG_OK) {
+        status = eng_answer_begin(memory, team);
+    }
     return status;
 }
 
-/* Refit and detection by one thread. */
-static void run_alone(struct eng_team *team, struct eng_step_times *times)
+/* Refit and detection by one thread; returns when they ended. */
+static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
 {
     struct eng_worker *worker = team->workers[0];
     uint64_t begin_ns = eng_now_ns();
@@ -87,18 +90,19 @@ static void run_alone(struct eng_team *team, struct eng_step_times *times)
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
     eng_schedule_serial(team, worker);
-    times->low = eng_now_ns() - refit_ns;
+    uint64_t end_ns = eng_now_ns();
+    times->low = end_ns - refit_ns;
     worker->record.low_ns = times->low;
+    return end_ns;
 }
 
-/* The same by a team. Its size may turn out smaller than asked for: a share of work
- * belongs to each thread that is there, so the team's count is set before anything is
- * divided. */
-static void run_together(struct eng_team *team, struct eng_step_times *times)
+/* The same by a team, which goes on to merge what it found. Its size may turn out smaller
+ * than asked for: a share of work belongs to each thread that is there, so the team's
+ * count is set before anything is divided. */
+static uint64_t run_together(struct eng_team *team, struct eng_step_times *times)
 {
     uint64_t begin_ns = eng_now_ns();
     uint64_t refit_ns = 0;
-    uint64_t end_ns = 0;
     bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
 #pragma omp parallel num_threads((int)team->count)
     {
@@ -123,14 +127,14 @@ static void run_together(struct eng_team *team, struct eng_step_times *times)
         } else {
             eng_schedule_steal(team, worker);
         }
-        eng_worker_barrier(worker);
-        if (worker->thread == 0) {
-            end_ns = eng_now_ns();
-        }
+        eng_answer_by_team(team->scene->memory, team, worker);
     }
+    uint64_t merge_ns = team->scene->memory->merge.begin_ns;
+    uint64_t end_ns = merge_ns > 0 ? merge_ns : eng_now_ns();
     times->refit = refit_ns - begin_ns;
     times->low = (team->low_end_ns > 0 ? team->low_end_ns : end_ns) - refit_ns;
     times->high = end_ns - refit_ns - times->low;
+    return end_ns;
 }
 
 /* Wall time of detection, divided into traversal and tests as the threads' time is. */
@@ -166,16 +170,17 @@ static void add_counters(const struct eng_team *team, struct eng_step_counters *
     }
 }
 
-/* Bring the answer together, and what the workers did. */
+/* Bring the answer together, and what the workers did; detection ended at `detect_ns`. */
 static void merge(struct eng_team *team, struct eng_step_memory *memory,
-                  struct eng_step_result *result)
+                  uint64_t detect_ns, struct eng_step_result *result)
 {
     struct eng_worker *worker = team->workers[0];
     uint64_t begin_ns = eng_now_ns();
-    eng_answer(memory, team, result);
+    eng_answer_end(memory, team, result);
     eng_pool_reset(&memory->pool, team->count); /* ready for the next step */
-    result->times.merge = eng_now_ns() - begin_ns;
-    worker->record.merge_ns += result->times.merge;
+    uint64_t end_ns = eng_now_ns();
+    result->times.merge = end_ns - detect_ns;
+    worker->record.merge_ns += end_ns - begin_ns;
     eng_worker_trace(worker, ENG_TRACE_MERGE, begin_ns, 0, 0);
     divide_time(team, &result->times);
     add_counters(team, &result->counters);
@@ -213,17 +218,14 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                                 .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
-    if (team.count == 1) {
-        run_alone(&team, &r.times);
-    } else {
-        run_together(&team, &r.times);
-    }
+    uint64_t detect_ns =
+        team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
 #ifdef PCCD_VALIDATE
     assert(eng_tree_validate(scene));
 #endif
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
-    merge(&team, scene->memory, &r);
+    merge(&team, scene->memory, detect_ns, &r);
     eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns,
                      scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count,
                      team.count);

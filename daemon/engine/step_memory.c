@@ -16,6 +16,7 @@ struct eng_step_memory *eng_step_memory_new(void)
     if (memory) {
         memset(memory, 0, sizeof *memory);
         eng_pool_init(&memory->pool);
+        eng_merge_init(&memory->merge);
         eng_assignment_init(&memory->assignment);
     }
     return memory;
@@ -34,7 +35,7 @@ void eng_step_memory_free(struct eng_step_memory *memory)
     eng_refit_plan_deinit(&memory->plan);
     eng_assignment_deinit(&memory->assignment);
     eng_pool_deinit(&memory->pool);
-    eng_sorter_deinit(&memory->sorter);
+    eng_merge_deinit(&memory->merge);
     eng_records_deinit(&memory->sorted);
     eng_free(memory);
 }
@@ -68,8 +69,7 @@ void eng_step_memory_forget(struct eng_step_memory *memory)
 uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
 {
     uint64_t bytes = sizeof *memory + memory->sorted.capacity_bytes +
-                     eng_pool_bytes(&memory->pool) +
-                     2 * memory->sorter.capacity * sizeof *memory->sorter.items +
+                     eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
                      memory->plan.capacity * sizeof *memory->plan.nodes;
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         const struct eng_worker *worker = memory->workers[i];

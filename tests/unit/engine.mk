@@ -28,7 +28,9 @@ ENG_TESTS = \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_solve \
+    tests/unit/test_eng_hash \
     tests/unit/test_eng_result \
+    tests/unit/test_eng_merge \
     tests/unit/test_eng_step \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_fault \
@@ -84,9 +86,17 @@ tests_unit_test_eng_solve_SOURCES = tests/unit/test_eng_solve.c
 tests_unit_test_eng_solve_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_solve_LDADD = $(ENG_TEST_LDADD)
 
+tests_unit_test_eng_hash_SOURCES = tests/unit/test_eng_hash.c
+tests_unit_test_eng_hash_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_hash_LDADD = $(ENG_TEST_LDADD)
+
 tests_unit_test_eng_result_SOURCES = tests/unit/test_eng_result.c
 tests_unit_test_eng_result_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_result_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_merge_SOURCES = tests/unit/test_eng_merge.c
+tests_unit_test_eng_merge_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_merge_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_step_SOURCES = tests/unit/test_eng_step.c
 tests_unit_test_eng_step_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

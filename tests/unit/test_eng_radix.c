@@ -1,4 +1,4 @@
-/* tests/unit/test_eng_radix.c - stable radix sort of wide keys.
+/* tests/unit/test_eng_radix.c - stable radix sorts.
  *
  * Room:     engine (radix.h).
  * Does:     compare with qsort for keys that differ in all, few or no digits.
@@ -95,6 +95,53 @@ static void radix__one_item_and_none_come_back(void **state)
     check(&random, 0, UINT64_MAX, UINT64_MAX);
 }
 
+static int compare_keys(const void *a, const void *b)
+{
+    const struct eng_radix_key *x = a;
+    const struct eng_radix_key *y = b;
+    if (x->key != y->key) {
+        return x->key < y->key ? -1 : 1;
+    }
+    return x->index < y->index ? -1 : x->index > y->index;
+}
+
+static void check_keys(struct kit_random *random, size_t count, uint64_t mask)
+{
+    static struct eng_radix_key keys[ITEMS_MAX];
+    static struct eng_radix_key room[ITEMS_MAX];
+    static struct eng_radix_key sorted_keys[ITEMS_MAX];
+    uint64_t common = kit_u64(random) & ~mask;
+    for (size_t i = 0; i < count; i++) {
+        keys[i] = (struct eng_radix_key){common | (kit_u64(random) & mask), i};
+    }
+    memcpy(sorted_keys, keys, count * sizeof *keys);
+    qsort(sorted_keys, count, sizeof *sorted_keys, compare_keys);
+    const struct eng_radix_key *sorted = eng_radix_sort_keys(keys, room, count);
+    assert_true(sorted == keys || sorted == room);
+    if (count > 0) {
+        assert_memory_equal(sorted, sorted_keys, count * sizeof *sorted);
+    }
+}
+
+/* If it failed: an answer would come out of order where its names differ in bits that
+ * fill no whole number of digits. */
+static void radix__short_keys_sort_for_any_bits_that_differ(void **state)
+{
+    (void)state;
+    struct kit_random random = {7};
+    const size_t counts[] = {0, 1, 2, 23, 24, 25, 26, 300, ITEMS_MAX};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        check_keys(&random, counts[i], 0);
+        check_keys(&random, counts[i], UINT64_MAX);
+        check_keys(&random, counts[i], 0x8000000000000001u);
+        for (unsigned low = 0; low < 64; low += 3) {
+            for (unsigned bits = 1; bits <= 64 - low; bits += 4) {
+                check_keys(&random, counts[i] % 1000, (UINT64_MAX >> (64 - bits)) << low);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -102,6 +149,7 @@ int main(void)
         cmocka_unit_test(radix__each_single_digit_counts),
         cmocka_unit_test(radix__equal_keys_keep_their_order),
         cmocka_unit_test(radix__one_item_and_none_come_back),
+        cmocka_unit_test(radix__short_keys_sort_for_any_bits_that_differ),
     };
     return cmocka_run_group_tests_name("eng_radix", tests, NULL, NULL);
 }

@@ -1,10 +1,10 @@
-/* tests/unit/test_eng_result.c - the records of a step: kept, sorted, hashed.
+/* tests/unit/test_eng_result.c - the records of a step: kept, merged by one thread.
  *
- * Room:     engine (result.h).
- * Does:     canonical order for both record kinds, limits, hashes, memory reuse.
- * Does not: find contacts.
+ * Room:     engine (result.h, merge.h).
+ * Does:     canonical order for both record kinds, limits, memory reuse.
+ * Does not: find contacts; merge by a team (test_eng_merge.c).
  * Threads:  one.
- * Source:   daemon/engine/result.h, step.h.
+ * Source:   daemon/engine/result/result.h, merge.h; step.h.
  */
 #include "eng_kit.h"
 
@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "memory.h"
-#include "result.h"
+#include "merge.h"
 
 #define LIMIT 100000u
 
@@ -21,8 +21,9 @@ struct lists {
     struct eng_pool pool;
     struct eng_found found[2];
     struct eng_records sorted;
-    struct eng_sorter sorter;
-    bool overflowed;
+    struct eng_merge merge;
+    struct eng_counts counts;
+    uint64_t hash[2];
 };
 
 static int setup(void **state)
@@ -32,6 +33,7 @@ static int setup(void **state)
         return -1;
     }
     eng_pool_init(&lists->pool);
+    eng_merge_init(&lists->merge);
     *state = lists;
     return 0;
 }
@@ -41,7 +43,7 @@ static int teardown(void **state)
     struct lists *lists = *state;
     eng_pool_deinit(&lists->pool);
     eng_records_deinit(&lists->sorted);
-    eng_sorter_deinit(&lists->sorter);
+    eng_merge_deinit(&lists->merge);
     free(lists);
     return 0;
 }
@@ -106,7 +108,9 @@ static void begin(struct lists *lists, uint32_t record_bytes, uint64_t limit)
 static int sort(struct lists *lists)
 {
     struct eng_found *const both[2] = {&lists->found[0], &lists->found[1]};
-    return eng_records_sort(&lists->sorter, both, 2, &lists->sorted, &lists->overflowed);
+    int status = eng_merge_begin(&lists->merge, both, 2, &lists->sorted);
+    return status == ENG_OK ? eng_merge_end(&lists->merge, &lists->counts, lists->hash)
+                            : status;
 }
 
 /* All records of both workers, in the order of their lists. */
@@ -132,11 +136,11 @@ static void add_contacts(struct lists *lists, struct kit_random *random, uint32_
     begin(lists, sizeof(struct eng_contact), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
         struct eng_pair name = random_name(random);
-        struct eng_contact *contact = eng_found_add(&lists->found[i >= count / 2]);
+        struct eng_contact *contact = eng_found_add(&lists->found[i >= count / 2], &name);
         assert_non_null(contact);
-        memset(contact, (int)i, sizeof *contact);
-        contact->kind = name.kind;
-        memcpy(&contact->object_a, &name.object_a, 4 * sizeof name.object_a);
+        memset(&contact->toi, (int)i,
+               sizeof *contact - offsetof(struct eng_contact, toi));
+        contact->flags = i & 3;
         contact->reserved = i;
     }
     assert_int_equal(lists->found[0].count + lists->found[1].count, count);
@@ -147,9 +151,8 @@ static void add_pairs(struct lists *lists, struct kit_random *random, uint32_t c
 {
     begin(lists, sizeof(struct eng_pair), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
-        struct eng_pair *pair = eng_found_add(&lists->found[kit_below(random, 2)]);
-        assert_non_null(pair);
-        *pair = random_name(random);
+        struct eng_pair name = random_name(random);
+        assert_non_null(eng_found_add(&lists->found[kit_below(random, 2)], &name));
     }
 }
 
@@ -196,7 +199,17 @@ static void result__nothing_sorts_to_nothing(void **state)
     assert_int_equal(sort(lists), ENG_OK);
     assert_int_equal(lists->sorted.count, 0);
     assert_int_equal(lists->sorted.record_bytes, sizeof(struct eng_pair));
-    assert_false(lists->overflowed);
+    assert_int_equal(lists->merge.total, 0);
+    assert_true(lists->counts.toi_first == 2);
+}
+
+static const struct eng_pair no_name = {0, 0, 0, 0, 0};
+
+static void add_empty(struct eng_found *found)
+{
+    unsigned char *record = eng_found_add(found, &no_name);
+    assert_non_null(record);
+    memset(record, 0, sizeof(struct eng_contact));
 }
 
 /* If it failed: a cut answer would look complete, or a full one cut. */
@@ -208,17 +221,14 @@ static void result__limit_is_kept_and_told(void **state)
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         begin(lists, sizeof(struct eng_contact), limits[i]);
         for (uint64_t k = 0; k < limits[i]; k++) {
-            void *record = eng_found_add(found);
-            assert_non_null(record);
-            memset(record, 0, sizeof(struct eng_contact));
+            add_empty(found);
         }
         assert_false(found->overflowed);
-        assert_null(eng_found_add(found));
+        assert_null(eng_found_add(found, &no_name));
         assert_true(found->overflowed);
-        assert_null(eng_found_add(found));
+        assert_null(eng_found_add(found, &no_name));
         assert_int_equal(found->count, limits[i]);
         assert_int_equal(sort(lists), ENG_OK);
-        assert_true(lists->overflowed);
         assert_int_equal(lists->sorted.count, limits[i]);
         begin(lists, sizeof(struct eng_pair), limits[i]);
         assert_false(found->overflowed); /* a new step begins afresh */
@@ -232,12 +242,10 @@ static void result__limit_counts_all_workers_together(void **state)
     struct lists *lists = *state;
     begin(lists, sizeof(struct eng_contact), 100);
     for (int k = 0; k < 120; k++) {
-        void *record = eng_found_add(&lists->found[k % 2]);
-        assert_non_null(record);
-        memset(record, 0, sizeof(struct eng_contact));
+        add_empty(&lists->found[k % 2]);
     }
     assert_int_equal(sort(lists), ENG_OK);
-    assert_true(lists->overflowed);
+    assert_int_equal(lists->merge.total, 120);
     assert_int_equal(lists->sorted.count, 100);
 }
 
@@ -259,42 +267,17 @@ static void result__memory_is_used_again(void **state)
     assert_int_equal(eng_alloc_count(), allocations);
 }
 
-/* If it failed: two answers could not be compared by their hashes. */
-static void result__hash_follows_the_content(void **state)
-{
-    (void)state;
-    uint8_t a[300];
-    uint8_t b[301];
-    for (size_t i = 0; i < sizeof a; i++) {
-        a[i] = (uint8_t)(i * 31);
-    }
-    memcpy(b + 1, a, sizeof a); /* elsewhere in memory, not aligned */
-    uint64_t first[2];
-    uint64_t second[2];
-    eng_hash(a, sizeof a, first);
-    eng_hash(b + 1, sizeof a, second);
-    assert_memory_equal(first, second, sizeof first);
-    for (size_t bit = 0; bit < 8 * sizeof a; bit++) {
-        b[1 + bit / 8] ^= (uint8_t)(1u << bit % 8);
-        eng_hash(b + 1, sizeof a, second);
-        assert_memory_not_equal(first, second, sizeof first);
-        b[1 + bit / 8] ^= (uint8_t)(1u << bit % 8);
-    }
-    eng_hash(a, 0, first);
-    eng_hash(NULL, 0, second);
-    assert_memory_equal(first, second, sizeof first);
-    assert_true(first[0] == 0x99aa06d3014798d8u && first[1] == 0x6001c324468d497fu);
-}
-
 #define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(result__contacts_sort_canonically), TEST(result__pairs_sort_canonically),
-        TEST(result__nothing_sorts_to_nothing),  TEST(result__limit_is_kept_and_told),
+        TEST(result__contacts_sort_canonically),
+        TEST(result__pairs_sort_canonically),
+        TEST(result__nothing_sorts_to_nothing),
+        TEST(result__limit_is_kept_and_told),
         TEST(result__limit_counts_all_workers_together),
-        TEST(result__memory_is_used_again),      TEST(result__hash_follows_the_content),
+        TEST(result__memory_is_used_again),
     };
     return cmocka_run_group_tests_name("eng_result", tests, NULL, NULL);
 }

@@ -182,7 +182,7 @@ static void trace__leaves_short_tasks_out(void **state)
                              totals.count[ENG_TRACE_PAIRS],
                          0);
         assert_true(totals.count[ENG_TRACE_REFIT] > 0);
-        assert_int_equal(totals.count[ENG_TRACE_MERGE], 1);
+        assert_in_range(totals.count[ENG_TRACE_MERGE], 1, 4);
     }
     eng_trace_deinit(&trace);
 }

@@ -69,17 +69,12 @@ static void keep(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint
     if (worker->settings->mode == ENG_MODE_FIRST && (hit->flags & ENG_PROVED)) {
         eng_worker_tighten(worker, hit->toi_hi);
     }
-    struct eng_contact *contact = eng_found_add(&worker->found);
+    struct eng_pair name = name_of(worker->scene, kind, a, b);
+    struct eng_contact *contact = eng_found_add(&worker->found, &name);
     if (!contact) {
         return;
     }
-    struct eng_pair name = name_of(worker->scene, kind, a, b);
-    contact->kind = kind;
     contact->flags = hit->flags;
-    contact->object_a = name.object_a;
-    contact->feature_a = name.feature_a;
-    contact->object_b = name.object_b;
-    contact->feature_b = name.feature_b;
     contact->toi = hit->toi;
     contact->toi_hi = hit->toi_hi;
     memcpy(contact->param, hit->param, sizeof contact->param);
@@ -91,11 +86,10 @@ static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
                             const struct eng_chunk *chunk)
 {
     for (uint32_t i = 0; i < chunk->count; i++) {
-        struct eng_pair *pair = eng_found_add(&worker->found);
-        if (!pair) {
+        struct eng_pair name = name_of(worker->scene, kind, chunk->a[i], chunk->b[i]);
+        if (!eng_found_add(&worker->found, &name)) {
             return;
         }
-        *pair = name_of(worker->scene, kind, chunk->a[i], chunk->b[i]);
     }
 }
 

@@ -1,12 +1,12 @@
 /* daemon/engine/result/answer.c - from what the workers found to the answer of a step.
  *
  * Room:     engine.
- * Does:     keep what the mode wants, sort, hash, count.
- * Threads:  [compute].
+ * Does:     keep what the mode wants, merge it, decide.
+ * Threads:  answer.h.
  */
 #include "answer.h"
 
-#include <math.h>
+#include "clock.h"
 
 /* Mode first: of what was found before the bound had shrunk to its last value, keep what
  * may attain the earliest time. */
@@ -24,26 +24,6 @@ static void keep_earliest(struct eng_found *found, double bound)
         block->count = kept;
         found->count += kept;
     }
-}
-
-/* Counts over the sorted records. */
-static void summarise(struct eng_step_result *result)
-{
-    if (result->mode == ENG_MODE_PAIRS) {
-        const struct eng_pair *pairs = result->records;
-        for (uint64_t i = 0; i < result->count; i++) {
-            result->vf += pairs[i].kind == ENG_VF;
-        }
-    } else {
-        const struct eng_contact *contacts = result->records;
-        for (uint64_t i = 0; i < result->count; i++) {
-            result->vf += contacts[i].kind == ENG_VF;
-            result->possible += !(contacts[i].flags & ENG_PROVED);
-            result->initial += (contacts[i].flags & ENG_INITIAL) != 0;
-            result->toi_first = fmin(result->toi_first, contacts[i].toi);
-        }
-    }
-    result->ee = result->count - result->vf;
 }
 
 static enum eng_verdict verdict_of(const struct eng_team *team, bool complete)
@@ -74,35 +54,81 @@ static void decide(const struct eng_team *team, struct eng_step_result *result,
     eng_hash(&verdict, sizeof verdict, hash);
 }
 
+int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team)
+{
+    struct eng_found *lists[ENG_THREADS_MAX];
+    for (uint32_t i = 0; i < team->count; i++) {
+        lists[i] = &team->workers[i]->found;
+    }
+    return eng_merge_begin(&memory->merge, lists, team->count, &memory->sorted);
+}
+
+/* A part of the merge that began at `begin_ns` is done. */
+static void end_part(struct eng_worker *worker, uint64_t begin_ns)
+{
+    worker->record.merge_ns += eng_now_ns() - begin_ns;
+    eng_worker_trace(worker, ENG_TRACE_MERGE, begin_ns, 0, 0);
+}
+
+void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *team,
+                        struct eng_worker *worker)
+{
+    struct eng_merge *merge = &memory->merge;
+    if (worker->settings->mode == ENG_MODE_ANY) {
+        return;
+    }
+    if (worker->settings->mode == ENG_MODE_FIRST) {
+        eng_worker_barrier(worker); /* the bound is final when all have searched */
+        keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
+    }
+    uint64_t begin_ns = eng_now_ns();
+    eng_merge_survey(merge, team->count, worker->thread);
+    end_part(worker, begin_ns);
+    eng_worker_barrier(worker);
+    if (eng_merge_is_shared(merge)) {
+        begin_ns = eng_now_ns();
+        eng_merge_divide(merge, worker->thread);
+        end_part(worker, begin_ns);
+        eng_worker_barrier(worker);
+        begin_ns = eng_now_ns();
+        eng_merge_finish(merge, worker->thread);
+        end_part(worker, begin_ns);
+    }
+}
+
 static int collect(struct eng_step_memory *memory, const struct eng_team *team,
                    struct eng_step_result *result, uint64_t hash[2])
 {
-    struct eng_found *lists[ENG_THREADS_MAX];
-    bool overflowed;
-    double bound = eng_stop_time_bound(team->workers[0]->stop);
-    for (uint32_t i = 0; i < team->count; i++) {
-        lists[i] = &team->workers[i]->found;
-        if (result->mode == ENG_MODE_FIRST) {
-            keep_earliest(lists[i], bound);
-        }
+    struct eng_merge *merge = &memory->merge;
+    struct eng_counts counts;
+    bool overflowed = false;
+    if (result->mode == ENG_MODE_FIRST && team->count == 1) {
+        struct eng_worker *worker = team->workers[0];
+        keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
     }
-    int status = eng_records_sort(&memory->sorter, lists, team->count, &memory->sorted,
-                                  &overflowed);
+    int status = eng_merge_end(merge, &counts, hash);
     if (status != ENG_OK) {
         return status;
     }
+    for (uint32_t i = 0; i < team->count; i++) {
+        overflowed |= team->workers[i]->found.overflowed;
+    }
+    overflowed |= merge->kept < merge->total;
     if (overflowed && result->incomplete == ENG_COMPLETE) {
         result->incomplete = ENG_INCOMPLETE_CONTACT_LIMIT;
     }
     result->records = memory->sorted.data;
     result->count = memory->sorted.count;
-    eng_hash(memory->sorted.data, result->count * result->record_bytes, hash);
-    summarise(result);
+    result->vf = counts.vf;
+    result->ee = result->count - counts.vf;
+    result->possible = counts.possible;
+    result->initial = counts.initial;
+    result->toi_first = counts.toi_first;
     return ENG_OK;
 }
 
-void eng_answer(struct eng_step_memory *memory, const struct eng_team *team,
-                struct eng_step_result *result)
+void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
+                    struct eng_step_result *result)
 {
     uint64_t hash[2] = {0, 0};
     memory->sorted.count = 0;
@@ -110,7 +136,6 @@ void eng_answer(struct eng_step_memory *memory, const struct eng_team *team,
         decide(team, result, hash);
     } else if (collect(memory, team, result, hash) != ENG_OK) {
         /* No memory to sort: an empty page that says it is not the whole answer. */
-        memory->sorted.count = 0;
         result->incomplete = ENG_INCOMPLETE_CONTACT_LIMIT;
     }
     result->hash_hi = hash[0];

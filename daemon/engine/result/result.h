@@ -1,15 +1,14 @@
-/* daemon/engine/result/result.h - the records of a step: kept, sorted, hashed.
+/* daemon/engine/result/result.h - the records of a step, as they are found.
  *
- * Room:     engine. May include: pool.h, radix.h, step.h.
- * Does:     append records in any order; put them into the canonical order; hash them.
+ * Room:     engine. May include: order.h, pool.h.
+ * Does:     append records in any order; hold them in one piece (merge.h).
  * Threads:  one thread for one list.
  */
 #ifndef ENG_RESULT_H
 #define ENG_RESULT_H
 
+#include "order.h"
 #include "pool.h"
-#include "radix.h"
-#include "step.h"
 
 /* What one worker found, eng_contact or eng_pair records, in blocks of the
  * step's pool. */
@@ -20,16 +19,17 @@ struct eng_found {
     uint32_t record_bytes;
     uint32_t per_block;
     uint64_t count;
-    uint64_t limit;  /* records kept at most */
-    bool overflowed; /* more came than could be kept */
+    struct eng_name_range range; /* of their names, or wider */
+    uint64_t limit;              /* records kept at most */
+    bool overflowed;             /* more came than could be kept */
 };
 
 void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
                      uint32_t record_bytes, uint64_t limit);
 
-/* Room for one more record, or NULL: the limit is reached or memory ran
- * out (overflowed). */
-void *eng_found_add(struct eng_found *found);
+/* One more record, named, for the caller to fill in, or NULL: the limit is reached or
+ * memory ran out (overflowed). */
+void *eng_found_add(struct eng_found *found, const struct eng_pair *name);
 
 /* The answer: records in one piece. Memory stays for the next step. */
 struct eng_records {
@@ -41,23 +41,7 @@ struct eng_records {
 
 void eng_records_deinit(struct eng_records *records);
 
-/* Scratch of the sort; memory stays for the next step. */
-struct eng_sorter {
-    struct eng_radix_item *items;
-    struct eng_radix_item *spare;
-    uint64_t capacity;
-};
-
-void eng_sorter_deinit(struct eng_sorter *sorter);
-
-/* Sort the records of all lists together by (kind, object a, feature a, object b, feature
- * b) into `out`. All have the same record_bytes; list_count >= 1. At most the lists'
- * `limit` records are kept; *overflowed if there were more, or a list lost some.
- * ENG_E_NOMEM: `out` is empty. */
-int eng_records_sort(struct eng_sorter *sorter, struct eng_found *const *lists,
-                     uint32_t list_count, struct eng_records *out, bool *overflowed);
-
-/* XXH3-128 of `bytes`: hash[0] high, hash[1] low. */
-void eng_hash(const void *data, size_t bytes, uint64_t hash[2]);
+/* Room for `count` records of record_bytes each; ENG_E_NOMEM: as before. */
+int eng_records_reserve(struct eng_records *records, uint64_t count);
 
 #endif

@@ -1,0 +1,17 @@
+/* bench/sorting.h - the merge of records against plainer ways to sort them.
+ *
+ * Room:     bench; engine headers.
+ * Does:     time the canonical sort of a step's records by one thread and by two, a radix
+ *           sort of the whole names, and qsort.
+ * Threads:  one; it opens regions of two.
+ */
+#ifndef BENCH_SORTING_H
+#define BENCH_SORTING_H
+
+#include "gather.h"
+
+/* `repeats` of each, the first not counted; the records as pairs and, of the first of
+ * them, as contacts. */
+void bench_sorting_measure(const struct bench_work *work, unsigned repeats);
+
+#endif

@@ -1,0 +1,139 @@
+/* daemon/engine/result/bucket.c - one bucket of an answer.
+ *
+ * Room:     engine.
+ * Does:     radix sort of (key, address) within the cache, then one copy of each record;
+ *           counts and hashes the records while they are there.
+ * Threads:  bucket.h.
+ */
+#include "bucket.h"
+
+#include <assert.h>
+
+static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20,
+              "records");
+
+/* Records copied while the next ones are on their way to the cache. */
+#define AHEAD 12u
+
+/* Sort items whose keys agree in all words before `word`, in place. A key has three words
+ * at most, so that is the depth. */
+static void sort_items(const struct eng_merge *merge, struct eng_radix_key *items,
+                       struct eng_radix_key *spare, size_t count, uint32_t word)
+{
+    struct eng_radix_key *sorted = eng_radix_sort_keys(items, spare, count);
+    if (sorted != items) {
+        memcpy(items, sorted, count * sizeof *items);
+    }
+    if (word + 1 == merge->order.words) {
+        return;
+    }
+    for (size_t begin = 0, end; begin < count; begin = end) {
+        uint64_t key = items[begin].key;
+        for (end = begin + 1; end < count && items[end].key == key; end++) {
+        }
+        if (end - begin == 1) {
+            continue;
+        }
+        for (size_t i = begin; i < end; i++) {
+            const unsigned char *record = (const void *)(uintptr_t)items[i].index;
+            struct eng_name name = eng_name_of(record, merge->out->record_bytes);
+            items[i].key = eng_order_wide_key(&merge->order, &name, word + 1);
+        }
+        sort_items(merge, items + begin, spare, end - begin, word + 1);
+    }
+}
+
+static void gather_contacts(struct eng_contact *to, const struct eng_radix_key *items,
+                            size_t count, struct eng_counts *counts)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (i + AHEAD < count) {
+            __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
+        }
+        memcpy(&to[i], (const void *)(uintptr_t)items[i].index, sizeof to[i]);
+        counts->vf += to[i].kind == ENG_VF;
+        counts->possible += !(to[i].flags & ENG_PROVED);
+        counts->initial += (to[i].flags & ENG_INITIAL) != 0;
+        counts->toi_first = to[i].toi < counts->toi_first ? to[i].toi : counts->toi_first;
+    }
+}
+
+static void gather_pairs(struct eng_pair *to, const struct eng_radix_key *items,
+                         size_t count, struct eng_counts *counts)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (i + AHEAD < count) {
+            __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
+        }
+        memcpy(&to[i], (const void *)(uintptr_t)items[i].index, sizeof to[i]);
+        counts->vf += to[i].kind == ENG_VF;
+    }
+}
+
+/* Bring the parts of bucket `b` together, list by list; one list's are together. */
+static struct eng_radix_key *collect(struct eng_merge *merge, uint32_t b, uint32_t *count)
+{
+    const struct eng_merge_share *first = &merge->shares[0];
+    uint32_t position = 0;
+    uint32_t n = 0;
+    for (uint32_t t = 0; t < merge->threads; t++) {
+        const struct eng_merge_share *share = &merge->shares[t];
+        position += share->begin[b] - share->first;
+        n += share->begin[b + 1] - share->begin[b];
+    }
+    merge->position[b] = position;
+    *count = n;
+    if (merge->threads == 1) {
+        return merge->items + first->begin[b];
+    }
+    struct eng_radix_key *items = merge->other + position;
+    for (uint32_t t = 0; t < merge->threads; t++) {
+        const struct eng_merge_share *share = &merge->shares[t];
+        uint32_t part = share->begin[b + 1] - share->begin[b];
+        memcpy(items, merge->items + share->begin[b], part * sizeof *items);
+        items += part;
+    }
+    return merge->other + position;
+}
+
+void eng_bucket_blocks(const struct eng_merge *merge, uint32_t b, uint64_t blocks[2])
+{
+    uint64_t bytes = merge->out->record_bytes;
+    uint64_t begin = merge->position[b] * bytes;
+    uint64_t end = merge->position[b] + (uint64_t)merge->size[b];
+    end = (end < merge->kept ? end : merge->kept) * bytes;
+    uint64_t all = eng_hash_blocks(merge->kept * bytes);
+    blocks[0] = (begin + ENG_HASH_BLOCK_BYTES - 1) / ENG_HASH_BLOCK_BYTES;
+    blocks[1] = end / ENG_HASH_BLOCK_BYTES < all ? end / ENG_HASH_BLOCK_BYTES : all;
+}
+
+void eng_bucket_finish(struct eng_merge *merge, uint32_t b, struct eng_counts *counts)
+{
+    uint32_t count;
+    struct eng_radix_key *items = collect(merge, b, &count);
+    merge->size[b] = count;
+    uint64_t begin = merge->position[b];
+    if (count == 0 || begin >= merge->kept) {
+        return;
+    }
+    uint64_t kept = merge->kept - begin < count ? merge->kept - begin : count;
+    /* The places of the records are the sort's scratch before they are filled: 20 bytes
+     * or more for 16, behind at most 4 to the next place that is aligned. */
+    unsigned char *to = merge->out->data + begin * merge->out->record_bytes;
+    uintptr_t place = ((uintptr_t)to + 7) & ~(uintptr_t)7;
+    sort_items(merge, items, (struct eng_radix_key *)place, count, 0);
+    if (merge->out->record_bytes == sizeof(struct eng_pair)) {
+        gather_pairs((struct eng_pair *)(void *)to, items, kept, counts);
+    } else {
+        gather_contacts((struct eng_contact *)(void *)to, items, kept, counts);
+    }
+}
+
+void eng_bucket_hash(struct eng_merge *merge, uint32_t b)
+{
+    uint64_t blocks[2];
+    eng_bucket_blocks(merge, b, blocks);
+    for (uint64_t i = blocks[0]; i < blocks[1]; i++) {
+        eng_hash_block(merge->out->data + i * ENG_HASH_BLOCK_BYTES, &merge->sums[i]);
+    }
+}

@@ -1,0 +1,368 @@
+/* daemon/engine/result/merge.c - from the lists of all threads to one canonical answer.
+ *
+ * Room:     engine.
+ * Does:     sample sort of (key, address of the record), then one copy of each record.
+ * Threads:  merge.h; a share is its thread's up to the first barrier, between the
+ *           barriers others read it, but not `begin`; after the second they read that.
+ */
+#include "merge.h"
+
+#include <assert.h>
+
+#include "bucket.h"
+#include "clock.h"
+#include "memory.h"
+
+static_assert(sizeof(struct eng_name) == sizeof(struct eng_pair), "its words");
+
+/* Records below which a second thread costs more than it saves. */
+#define SMALL_MAX 3000u
+
+/* Buckets: enough for the threads to end together, small enough for the cache, and not so
+ * small that their number costs. Samples: a few for each bucket. */
+#define BUCKETS_MIN            256u
+#define BUCKETS_PER_THREAD     8u
+#define RECORDS_PER_BUCKET_MIN 128u
+#define SAMPLES_MAX            2048u /* of all threads, if each has few */
+#define SAMPLES_PER_THREAD_MIN 32u
+
+/* Bytes of scratch for each record, and records more for what is rounded up. */
+#define SCRATCH_BYTES 40u
+#define SCRATCH_EXTRA 64u
+
+static_assert(SCRATCH_EXTRA * (SCRATCH_BYTES - 2 * sizeof(struct eng_radix_key) -
+                               sizeof(uint16_t) - sizeof(struct eng_hash_sum) / 16) >=
+                  sizeof(struct eng_hash_sum),
+              "a sum for each 16 records and one");
+
+static const struct eng_counts no_counts = {0, 0, 0, 2};
+
+void eng_merge_init(struct eng_merge *merge)
+{
+    memset(merge, 0, sizeof *merge);
+    atomic_init(&merge->arrived, 0);
+    atomic_init(&merge->next, 0);
+}
+
+void eng_merge_deinit(struct eng_merge *merge)
+{
+    eng_free(merge->shares);
+    eng_free(merge->samples);
+    eng_free(merge->items);
+    eng_merge_init(merge);
+}
+
+static uint32_t samples_of(uint32_t threads)
+{
+    uint32_t samples = SAMPLES_MAX / threads;
+    return samples > SAMPLES_PER_THREAD_MIN ? samples : SAMPLES_PER_THREAD_MIN;
+}
+
+uint64_t eng_merge_bytes(const struct eng_merge *merge)
+{
+    return merge->capacity * SCRATCH_BYTES +
+           merge->share_capacity * sizeof *merge->shares +
+           (merge->share_capacity == 0
+                ? 0
+                : (uint64_t)merge->share_capacity * samples_of(merge->share_capacity) *
+                      sizeof *merge->samples);
+}
+
+static int reserve_shares(struct eng_merge *merge, uint32_t count)
+{
+    if (count <= merge->share_capacity) {
+        return ENG_OK;
+    }
+    struct eng_merge_share *shares = eng_alloc(count, sizeof *shares);
+    /* Fewer threads take more samples each, but no more together. */
+    size_t samples_max = (size_t)count * SAMPLES_PER_THREAD_MIN;
+    samples_max = samples_max > SAMPLES_MAX ? samples_max : SAMPLES_MAX;
+    struct eng_name *samples = eng_alloc(samples_max, sizeof *samples);
+    if (!shares || !samples) {
+        eng_free(shares);
+        eng_free(samples);
+        return ENG_E_NOMEM;
+    }
+    eng_free(merge->shares);
+    eng_free(merge->samples);
+    merge->shares = shares;
+    merge->samples = samples;
+    merge->share_capacity = count;
+    return ENG_OK;
+}
+
+static int reserve_scratch(struct eng_merge *merge)
+{
+    if (merge->total > UINT32_MAX) {
+        return ENG_E_NOMEM;
+    }
+    if (merge->total > merge->capacity) {
+        uint64_t capacity = merge->total + merge->total / 2 + SCRATCH_EXTRA;
+        struct eng_radix_key *items = eng_alloc(capacity, SCRATCH_BYTES);
+        if (!items) {
+            return ENG_E_NOMEM;
+        }
+        eng_free(merge->items);
+        merge->items = items;
+        merge->other = items + capacity;
+        merge->sums = (struct eng_hash_sum *)(merge->other + capacity);
+        merge->buckets = (uint16_t *)(merge->sums + capacity / 16 + 1);
+        merge->capacity = capacity;
+    }
+    return eng_records_reserve(merge->out, merge->total);
+}
+
+int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
+                    uint32_t count, struct eng_records *out)
+{
+    int status = reserve_shares(merge, count);
+    if (status != ENG_OK) {
+        return status;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        merge->shares[i].found = lists[i];
+    }
+    merge->threads = count;
+    merge->out = out;
+    merge->state = ENG_MERGE_OPEN;
+    merge->begin_ns = 0;
+    atomic_store_explicit(&merge->arrived, 0, memory_order_relaxed);
+    atomic_store_explicit(&merge->next, 0, memory_order_relaxed);
+    return ENG_OK;
+}
+
+/* A sample of a list, at even distances. */
+static void look_at(struct eng_merge *merge, uint32_t threads, uint32_t thread)
+{
+    struct eng_merge_share *share = &merge->shares[thread];
+    const struct eng_found *found = share->found;
+    uint32_t samples_max = samples_of(threads);
+    struct eng_name *samples = merge->samples + (size_t)thread * samples_max;
+    uint64_t stride = found->count / samples_max + 1;
+    uint64_t to_next = 0; /* records until the next sample */
+    share->sample_count = 0;
+    share->counts = no_counts;
+    for (const struct eng_block *block = found->first; block; block = block->next) {
+        for (; to_next < block->count; to_next += stride) {
+            samples[share->sample_count++] = eng_name_of(
+                block->data + to_next * found->record_bytes, found->record_bytes);
+        }
+        to_next -= block->count;
+    }
+}
+
+static uint32_t bucket_count(uint64_t total, uint32_t threads)
+{
+    uint32_t buckets = BUCKETS_MIN;
+    while (buckets < BUCKETS_PER_THREAD * threads && buckets < ENG_SPLIT_BUCKETS_MAX) {
+        buckets *= 2;
+    }
+    while (buckets > 1 && total / buckets < RECORDS_PER_BUCKET_MIN) {
+        buckets /= 2;
+    }
+    return buckets;
+}
+
+static void choose_buckets(struct eng_merge *merge)
+{
+    uint32_t samples_max = samples_of(merge->threads);
+    size_t count = 0; /* at most one a record: the items have room */
+    for (uint32_t t = 0; t < merge->threads; t++) {
+        const struct eng_merge_share *share = &merge->shares[t];
+        const struct eng_name *samples = merge->samples + (size_t)t * samples_max;
+        for (uint32_t i = 0; i < share->sample_count; i++) {
+            merge->items[count].key = eng_order_key(&merge->order, &samples[i]);
+            merge->items[count++].index = share->count / share->sample_count;
+        }
+    }
+    eng_splitters_set(&merge->splitters,
+                      eng_radix_sort_keys(merge->items, merge->other, count), count,
+                      bucket_count(merge->total, merge->threads));
+}
+
+/* All lists are looked at: choose memory, keys and buckets. One thread. */
+static int plan(struct eng_merge *merge)
+{
+    struct eng_name_range range;
+    const struct eng_found *found = merge->shares[0].found;
+    eng_name_range_init(&range);
+    merge->total = 0;
+    for (uint32_t t = 0; t < merge->threads; t++) {
+        struct eng_merge_share *share = &merge->shares[t];
+        share->first = (uint32_t)merge->total;
+        share->count = (uint32_t)share->found->count;
+        merge->total += share->found->count;
+        eng_name_range_add(&range, &share->found->range.low);
+        eng_name_range_add(&range, &share->found->range.high);
+    }
+    merge->kept = merge->total < found->limit ? merge->total : found->limit;
+    merge->out->record_bytes = found->record_bytes;
+    merge->out->count = 0;
+    merge->splitters.buckets = 0;
+    if (merge->total == 0) {
+        return ENG_OK; /* the answer's memory may be NULL, which has no places */
+    }
+    int status = reserve_scratch(merge);
+    if (status == ENG_OK) {
+        eng_order_set(&merge->order, &range);
+        choose_buckets(merge);
+    }
+    return status;
+}
+
+/* Keys of a list, in the order of arrival, and the bucket of each; `count`: of a bucket's
+ * records, 0 before. */
+static void find_buckets(struct eng_merge *merge, const struct eng_merge_share *share,
+                         uint32_t *count)
+{
+    struct eng_radix_key *item = merge->other + share->first;
+    uint16_t *bucket = merge->buckets + share->first;
+    uint32_t bytes = share->found->record_bytes;
+    for (const struct eng_block *block = share->found->first; block;
+         block = block->next) {
+        for (uint32_t i = 0; i < block->count; i += ENG_SPLIT_GROUP) {
+            uint64_t key[ENG_SPLIT_GROUP] = {0};
+            uint16_t found[ENG_SPLIT_GROUP];
+            uint32_t left = block->count - i;
+            uint32_t n = left < ENG_SPLIT_GROUP ? left : ENG_SPLIT_GROUP;
+            for (uint32_t k = 0; k < n; k++) {
+                const unsigned char *record = block->data + (size_t)(i + k) * bytes;
+                struct eng_name name = eng_name_of(record, bytes);
+                key[k] = eng_order_key(&merge->order, &name);
+                *item++ = (struct eng_radix_key){key[k], (uintptr_t)record};
+            }
+            eng_splitters_find(&merge->splitters, key, found);
+            for (uint32_t k = 0; k < n; k++) {
+                count[found[k]]++;
+                *bucket++ = found[k];
+            }
+        }
+    }
+}
+
+/* Divide a list into the buckets. */
+void eng_merge_divide(struct eng_merge *merge, uint32_t thread)
+{
+    struct eng_merge_share *share = &merge->shares[thread];
+    uint32_t buckets = merge->splitters.buckets;
+    uint32_t *begin = share->begin;
+    uint32_t at = share->first;
+    memset(begin, 0, (buckets + 1) * sizeof *begin);
+    find_buckets(merge, share, begin + 1);
+    /* begin[b + 1] becomes the next free place of bucket b, and at the end, when the
+     * bucket is full, where the next one begins. */
+    for (uint32_t b = 0; b < buckets; b++) {
+        uint32_t n = begin[b + 1];
+        begin[b + 1] = at;
+        at += n;
+    }
+    begin[0] = share->first;
+    const struct eng_radix_key *item = merge->other + share->first;
+    const uint16_t *bucket = merge->buckets + share->first;
+    for (uint32_t i = 0; i < share->count; i++) {
+        merge->items[begin[bucket[i] + 1]++] = item[i];
+    }
+}
+
+void eng_merge_finish(struct eng_merge *merge, uint32_t thread)
+{
+    struct eng_counts counts = no_counts; /* apart from the other threads' */
+    for (;;) {
+        /* Relaxed: each bucket is handed out once; the barriers order the rest. */
+        uint32_t b = atomic_fetch_add_explicit(&merge->next, 1, memory_order_relaxed);
+        if (b >= merge->splitters.buckets) {
+            break;
+        }
+        eng_bucket_finish(merge, b, &counts);
+        if (merge->state == ENG_MERGE_SHARED) {
+            eng_bucket_hash(merge, b);
+        }
+    }
+    merge->shares[thread].counts = counts;
+}
+
+void eng_merge_survey(struct eng_merge *merge, uint32_t threads, uint32_t thread)
+{
+    look_at(merge, threads, thread);
+    /* Acquire and release: whoever comes last reads what all have written. */
+    if (atomic_fetch_add_explicit(&merge->arrived, 1, memory_order_acq_rel) + 1 ==
+        threads) {
+        merge->begin_ns = eng_now_ns();
+        merge->threads = threads;
+        int status = plan(merge);
+        merge->state = status != ENG_OK           ? ENG_MERGE_NOMEM
+                       : merge->total < SMALL_MAX ? ENG_MERGE_SMALL
+                                                  : ENG_MERGE_SHARED;
+    }
+}
+
+static void merge_alone(struct eng_merge *merge)
+{
+    if (merge->state == ENG_MERGE_OPEN) {
+        merge->begin_ns = eng_now_ns();
+        for (uint32_t t = 0; t < merge->threads; t++) {
+            look_at(merge, merge->threads, t);
+        }
+        merge->state = plan(merge) == ENG_OK ? ENG_MERGE_SMALL : ENG_MERGE_NOMEM;
+    }
+    if (merge->state == ENG_MERGE_SMALL && merge->total > 0) {
+        for (uint32_t t = 0; t < merge->threads; t++) {
+            eng_merge_divide(merge, t);
+        }
+        eng_merge_finish(merge, 0);
+    }
+}
+
+/* From the sums of the buckets' blocks, and the blocks that lie in two of them. */
+static void chain(const struct eng_merge *merge, size_t bytes, uint64_t hash[2])
+{
+    const unsigned char *data = merge->out->data;
+    struct eng_hash_sum sum;
+    struct eng_hash_sum own;
+    uint64_t at = 0;
+    uint64_t all = eng_hash_blocks(bytes);
+    eng_hash_begin(&sum);
+    for (uint32_t b = 0; b <= merge->splitters.buckets && at < all; b++) {
+        uint64_t blocks[2] = {all, all};
+        if (b < merge->splitters.buckets) {
+            eng_bucket_blocks(merge, b, blocks);
+        }
+        if (blocks[0] >= blocks[1] && b < merge->splitters.buckets) {
+            continue;
+        }
+        for (; at < blocks[0]; at++) {
+            eng_hash_block(data + at * ENG_HASH_BLOCK_BYTES, &own);
+            eng_hash_add(&sum, &own);
+        }
+        for (; at < blocks[1]; at++) {
+            eng_hash_add(&sum, &merge->sums[at]);
+        }
+    }
+    eng_hash_end(&sum, data, bytes, hash);
+}
+
+int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts, uint64_t hash[2])
+{
+    merge_alone(merge);
+    if (merge->state == ENG_MERGE_NOMEM) {
+        merge->out->count = 0;
+        return ENG_E_NOMEM;
+    }
+    merge->out->count = merge->kept;
+    *counts = no_counts;
+    for (uint32_t t = 0; t < merge->threads; t++) {
+        const struct eng_counts *part = &merge->shares[t].counts;
+        counts->vf += part->vf;
+        counts->possible += part->possible;
+        counts->initial += part->initial;
+        counts->toi_first =
+            part->toi_first < counts->toi_first ? part->toi_first : counts->toi_first;
+    }
+    size_t bytes = merge->kept * merge->out->record_bytes;
+    if (merge->state == ENG_MERGE_SHARED && eng_hash_blocks(bytes) > 0) {
+        chain(merge, bytes, hash);
+    } else {
+        eng_hash(merge->out->data, bytes, hash);
+    }
+    return ENG_OK;
+}

@@ -1,0 +1,98 @@
+/* daemon/engine/result/order.h - the canonical order of records, in few bits.
+ *
+ * Room:     engine. May include: step.h.
+ * Does:     read the five words that order a record; pack them into as many bits as their
+ *           ranges leave, most significant first, so that one 64-bit word compares them
+ *           as a rule (two kinds, a few objects and 2^20 features a side: 46 bits).
+ * Threads:  [any].
+ */
+#ifndef ENG_ORDER_H
+#define ENG_ORDER_H
+
+#include <stddef.h>
+#include <string.h>
+
+#include "step.h"
+
+#define ENG_NAME_WORDS 5u
+
+/* Kind, object a, feature a, object b, feature b. */
+struct eng_name {
+    uint32_t word[ENG_NAME_WORDS];
+};
+
+/* Of each word the smallest and the largest value. */
+struct eng_name_range {
+    struct eng_name low;
+    struct eng_name high;
+};
+
+/* Where the words lie in a key. */
+struct eng_order {
+    struct eng_name low;
+    uint8_t width[ENG_NAME_WORDS]; /* bits of word - low */
+    uint8_t shift[ENG_NAME_WORDS]; /* words == 1: places to the left */
+    uint32_t words;                /* of a key: 1 to 3 */
+};
+
+/* The words of an eng_pair or eng_contact record, wherever it keeps them. */
+static inline struct eng_name eng_name_of(const unsigned char *record,
+                                          uint32_t record_bytes)
+{
+    struct eng_name name;
+    if (record_bytes == sizeof(struct eng_pair)) {
+        memcpy(&name, record, sizeof name);
+    } else {
+        memcpy(&name.word[0], record + offsetof(struct eng_contact, kind), 4);
+        memcpy(&name.word[1], record + offsetof(struct eng_contact, object_a), 16);
+    }
+    return name;
+}
+
+static inline void eng_name_write(const struct eng_name *name, unsigned char *record,
+                                  uint32_t record_bytes)
+{
+    if (record_bytes == sizeof(struct eng_pair)) {
+        memcpy(record, name, sizeof *name);
+    } else {
+        memcpy(record + offsetof(struct eng_contact, kind), &name->word[0], 4);
+        memcpy(record + offsetof(struct eng_contact, object_a), &name->word[1], 16);
+    }
+}
+
+/* The range of nothing. */
+void eng_name_range_init(struct eng_name_range *range);
+
+static inline void eng_name_range_add(struct eng_name_range *range,
+                                      const struct eng_name *name)
+{
+#pragma GCC unroll 5
+    for (unsigned i = 0; i < ENG_NAME_WORDS; i++) {
+        uint32_t word = name->word[i];
+        range->low.word[i] = word < range->low.word[i] ? word : range->low.word[i];
+        range->high.word[i] = word > range->high.word[i] ? word : range->high.word[i];
+    }
+}
+
+void eng_order_set(struct eng_order *order, const struct eng_name_range *range);
+
+/* A word of the key of a name, which is within the order's range: names compare as their
+ * keys, word 0 first. */
+uint64_t eng_order_wide_key(const struct eng_order *order, const struct eng_name *name,
+                            uint32_t word);
+
+static inline uint64_t eng_order_key(const struct eng_order *order,
+                                     const struct eng_name *name)
+{
+    if (order->words > 1) {
+        return eng_order_wide_key(order, name, 0);
+    }
+    uint64_t key = 0;
+#pragma GCC unroll 5
+    for (unsigned i = 0; i < ENG_NAME_WORDS; i++) {
+        key |= (uint64_t)(name->word[i] - order->low.word[i]) << order->shift[i];
+    }
+    return key;
+}
+
+#endif

@@ -1,0 +1,441 @@
+/* tests/unit/test_eng_merge.c - many lists become one answer, by any number of threads.
+ *
+ * Room:     engine (merge.h).
+ * Does:     compare with qsort for names of every distribution, counts, hash, the limit,
+ *           lists of uneven length, memory that is there already.
+ * Does not: search; let allocations fail (test_eng_fault.c).
+ * Threads:  1 to 16, whatever the machine has.
+ * Source:   daemon/engine/result/merge.h.
+ */
+#include "eng_kit.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "memory.h"
+#include "merge.h"
+
+#define THREADS_MAX 16u
+#define NO_LIMIT    UINT32_MAX
+
+struct fixture {
+    struct eng_pool pool;
+    struct eng_found found[THREADS_MAX];
+    struct eng_records out;
+    struct eng_merge merge;
+    uint32_t threads;
+    uint64_t limit;
+    uint32_t record_bytes;
+};
+
+static int setup(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    if (!f) {
+        return -1;
+    }
+    eng_pool_init(&f->pool);
+    eng_merge_init(&f->merge);
+    f->limit = NO_LIMIT;
+    *state = f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    eng_pool_deinit(&f->pool);
+    eng_records_deinit(&f->out);
+    eng_merge_deinit(&f->merge);
+    free(f);
+    return 0;
+}
+
+/* ---- names ------------------------------------------------------------------------ */
+
+enum pattern {
+    RANDOM,  /* 46 bits, as those of a large scene */
+    WIDE,    /* 129 bits, many alike in all but one word */
+    EQUAL,   /* one name */
+    SKEWED,  /* nearly all have one first feature */
+    CROWDED, /* nearly all lie in a thousandth of the range */
+    SORTED,
+    REVERSE,
+    PATTERNS
+};
+
+static uint32_t wide_word(struct kit_random *random)
+{
+    switch (kit_below(random, 4)) {
+    case 0:
+        return kit_below(random, 3);
+    case 1:
+        return UINT32_MAX - kit_below(random, 3);
+    case 2:
+        return 0x80000000u;
+    default:
+        return (uint32_t)kit_u64(random);
+    }
+}
+
+static struct eng_name name_of(enum pattern pattern, struct kit_random *random,
+                               uint32_t i, uint32_t count)
+{
+    struct eng_name name = {{kit_below(random, 2), 3 + kit_below(random, 5),
+                             kit_below(random, 1u << 20), 3 + kit_below(random, 5),
+                             kit_below(random, 1u << 20)}};
+    switch (pattern) {
+    case WIDE:
+        for (unsigned k = 1; k < ENG_NAME_WORDS; k++) {
+            name.word[k] = wide_word(random);
+        }
+        return name;
+    case EQUAL:
+        return (struct eng_name){{1, 7, 7, 7, 7}};
+    case SKEWED:
+        if (kit_below(random, 100) > 0) {
+            memcpy(name.word, (uint32_t[3]){0, 4, 777777}, 3 * sizeof *name.word);
+        }
+        return name;
+    case CROWDED:
+        if (kit_below(random, 100) > 0) {
+            name = (struct eng_name){
+                {1, 5, kit_below(random, 1000), 5, kit_below(random, 1000)}};
+        }
+        return name;
+    case SORTED:
+        return (struct eng_name){{i >= count / 3, 5, i / 7, 5, i}};
+    case REVERSE:
+        i = count - 1 - i;
+        return (struct eng_name){{i >= count / 3, 5, i / 7, 5, i}};
+    default:
+        return name;
+    }
+}
+
+/* ---- records ---------------------------------------------------------------------- */
+
+/* `count` records over the lists; `uneven`: nearly all in one. Contacts carry their order
+ * of arrival over the lists one after the other, and counts to be taken. */
+static void fill(struct fixture *f, struct kit_random *random, enum pattern pattern,
+                 uint32_t count, bool uneven)
+{
+    eng_pool_reset(&f->pool, f->threads);
+    for (uint32_t t = 0; t < f->threads; t++) {
+        eng_found_begin(&f->found[t], &f->pool, f->record_bytes, f->limit);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t t = uneven && kit_below(random, 50) > 0 ? f->threads / 2
+                                                         : kit_below(random, f->threads);
+        struct eng_name name = name_of(pattern, random, i, count);
+        struct eng_pair pair;
+        memcpy(&pair, &name, sizeof pair);
+        struct eng_contact *contact = eng_found_add(&f->found[t], &pair);
+        assert_non_null(contact);
+        if (f->record_bytes == sizeof *contact) {
+            contact->flags = kit_below(random, 4);
+            contact->toi = kit_between(random, 0, 1);
+            contact->toi_hi = (double)i;
+            memset(contact->param, (int)i, sizeof contact->param);
+            memset(contact->normal, (int)i, sizeof contact->normal);
+        }
+    }
+    uint32_t arrival = 0;
+    for (uint32_t t = 0; t < f->threads && f->record_bytes == sizeof(struct eng_contact);
+         t++) {
+        for (struct eng_block *block = f->found[t].first; block; block = block->next) {
+            struct eng_contact *contacts = (void *)block->data;
+            for (uint32_t i = 0; i < block->count; i++) {
+                contacts[i].reserved = arrival++;
+            }
+        }
+    }
+}
+
+static int compare_words(const uint32_t *a, const uint32_t *b, int count)
+{
+    for (int i = 0; i < count; i++) {
+        if (a[i] != b[i]) {
+            return a[i] < b[i] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+static int compare_pairs(const void *a, const void *b)
+{
+    return compare_words(a, b, 5);
+}
+
+static int compare_contacts(const void *a, const void *b)
+{
+    const struct eng_contact *x = a;
+    const struct eng_contact *y = b;
+    int order = compare_words(&x->kind, &y->kind, 1);
+    order = order != 0 ? order : compare_words(&x->object_a, &y->object_a, 4);
+    return order != 0 ? order : compare_words(&x->reserved, &y->reserved, 1);
+}
+
+/* All records, sorted by the C library. */
+static void *expect(const struct fixture *f, uint32_t count)
+{
+    unsigned char *copy = malloc((size_t)count * f->record_bytes + 1);
+    assert_non_null(copy);
+    unsigned char *to = copy;
+    for (uint32_t t = 0; t < f->threads; t++) {
+        for (const struct eng_block *block = f->found[t].first; block;
+             block = block->next) {
+            memcpy(to, block->data, (size_t)block->count * f->record_bytes);
+            to += (size_t)block->count * f->record_bytes;
+        }
+    }
+    qsort(copy, count, f->record_bytes,
+          f->record_bytes == sizeof(struct eng_pair) ? compare_pairs : compare_contacts);
+    return copy;
+}
+
+/* ---- teams ------------------------------------------------------------------------ */
+
+struct place {
+    struct fixture *fixture;
+    pthread_barrier_t *barrier;
+    uint32_t thread;
+};
+
+static void *run_share(void *argument)
+{
+    struct place *place = argument;
+    struct eng_merge *merge = &place->fixture->merge;
+    eng_merge_survey(merge, place->fixture->threads, place->thread);
+    pthread_barrier_wait(place->barrier);
+    if (eng_merge_is_shared(merge)) {
+        eng_merge_divide(merge, place->thread);
+        pthread_barrier_wait(place->barrier);
+        eng_merge_finish(merge, place->thread);
+    }
+    return NULL;
+}
+
+/* As a step does it; `lists` may be more than the threads that turn up. */
+static int merge(struct fixture *f, uint32_t lists, struct eng_counts *counts,
+                 uint64_t hash[2])
+{
+    struct eng_found *found[THREADS_MAX];
+    struct place places[THREADS_MAX];
+    pthread_t threads[THREADS_MAX];
+    pthread_barrier_t barrier;
+    for (uint32_t t = 0; t < lists; t++) {
+        found[t] = &f->found[t];
+    }
+    int status = eng_merge_begin(&f->merge, found, lists, &f->out);
+    if (status != ENG_OK) {
+        return status;
+    }
+    if (f->threads > 1) {
+        assert_int_equal(pthread_barrier_init(&barrier, NULL, f->threads), 0);
+        for (uint32_t t = 0; t < f->threads; t++) {
+            places[t] = (struct place){f, &barrier, t};
+            assert_int_equal(pthread_create(&threads[t], NULL, run_share, &places[t]), 0);
+        }
+        for (uint32_t t = 0; t < f->threads; t++) {
+            assert_int_equal(pthread_join(threads[t], NULL), 0);
+        }
+        pthread_barrier_destroy(&barrier);
+    }
+    return eng_merge_end(&f->merge, counts, hash);
+}
+
+static void check_counts(const struct fixture *f, const struct eng_counts *counts)
+{
+    struct eng_counts expected = {0, 0, 0, 2};
+    for (uint64_t i = 0; i < f->out.count; i++) {
+        const unsigned char *record = f->out.data + i * f->record_bytes;
+        struct eng_contact contact;
+        expected.vf += eng_name_of(record, f->record_bytes).word[0] == ENG_VF;
+        if (f->record_bytes == sizeof contact) {
+            memcpy(&contact, record, sizeof contact);
+            expected.possible += !(contact.flags & ENG_PROVED);
+            expected.initial += (contact.flags & ENG_INITIAL) != 0;
+            expected.toi_first =
+                contact.toi < expected.toi_first ? contact.toi : expected.toi_first;
+        }
+    }
+    assert_int_equal(counts->vf, expected.vf);
+    assert_int_equal(counts->possible, expected.possible);
+    assert_int_equal(counts->initial, expected.initial);
+    assert_true(counts->toi_first == expected.toi_first);
+}
+
+static void check(struct fixture *f, struct kit_random *random, enum pattern pattern,
+                  uint32_t count, bool uneven)
+{
+    struct eng_counts counts;
+    uint64_t hash[2];
+    uint64_t whole[2];
+    fill(f, random, pattern, count, uneven);
+    unsigned char *expected = expect(f, count);
+    assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+    uint64_t kept = count < f->limit ? count : f->limit;
+    assert_int_equal(f->merge.total, count);
+    assert_int_equal(f->out.count, kept);
+    assert_int_equal(f->out.record_bytes, f->record_bytes);
+    if (kept > 0) {
+        assert_memory_equal(f->out.data, expected, kept * f->record_bytes);
+    }
+    eng_hash(expected, kept * f->record_bytes, whole);
+    assert_memory_equal(hash, whole, sizeof whole);
+    check_counts(f, &counts);
+    free(expected);
+}
+
+static const uint32_t records[2] = {sizeof(struct eng_pair), sizeof(struct eng_contact)};
+
+/* If it failed: answers would depend on the number of threads, or names of some
+ * distribution would come out of order. */
+static void merge__equals_qsort_for_any_names_and_threads(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {85};
+    const uint32_t counts[] = {0, 1, 2, 40, 2999, 3001, 20011};
+    const uint32_t threads[] = {1, 2, 3, 4, 7, 16};
+    for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
+        f->threads = threads[t];
+        for (size_t i = 0; i < 2 * sizeof counts / sizeof *counts; i++) {
+            f->record_bytes = records[i % 2];
+            for (enum pattern pattern = RANDOM; pattern < PATTERNS; pattern++) {
+                check(f, &random, pattern, counts[i / 2], false);
+            }
+        }
+    }
+}
+
+/* If it failed: a thread that found nearly all, or nothing, would be left out. */
+static void merge__takes_lists_of_uneven_length(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {86};
+    for (uint32_t threads = 2; threads <= 16; threads += 7) {
+        f->threads = threads;
+        for (uint32_t i = 0; i < 2 * PATTERNS; i++) {
+            f->record_bytes = records[i % 2];
+            check(f, &random, (enum pattern)(i / 2), 9000, true);
+            check(f, &random, (enum pattern)(i / 2), 5, true);
+        }
+    }
+}
+
+/* If it failed: many records would be divided by sizes that do not hold them. */
+static void merge__sorts_many_records(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {87};
+    for (uint32_t i = 0; i < 4; i++) {
+        f->threads = i < 2 ? 1 : 4;
+        f->record_bytes = records[i % 2];
+        check(f, &random, i < 2 ? RANDOM : CROWDED, 300000, false);
+    }
+}
+
+/* If it failed: a cut answer would hold other records than the first, or be hashed and
+ * counted beyond its end. */
+static void merge__limit_keeps_the_first_in_order(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {88};
+    const uint64_t limits[] = {1, 2, 17, 4000, 7999, 8000};
+    for (size_t i = 0; i < 2 * sizeof limits / sizeof *limits; i++) {
+        f->record_bytes = records[i % 2];
+        for (f->threads = 1; f->threads <= 5; f->threads += 2) {
+            /* The lists may hold more together than the answer, as in a step. */
+            f->limit = NO_LIMIT;
+            fill(f, &random, RANDOM, 8000, false);
+            unsigned char *expected = expect(f, 8000);
+            struct eng_counts counts;
+            uint64_t hash[2];
+            uint64_t whole[2];
+            f->found[0].limit = limits[i / 2];
+            assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+            assert_int_equal(f->out.count, limits[i / 2]);
+            assert_int_equal(f->merge.total, 8000);
+            assert_memory_equal(f->out.data, expected, f->out.count * f->record_bytes);
+            eng_hash(expected, f->out.count * f->record_bytes, whole);
+            assert_memory_equal(hash, whole, sizeof whole);
+            check_counts(f, &counts);
+            free(expected);
+        }
+    }
+}
+
+/* If it failed: a team smaller than asked for would wait for lists that nobody brings. */
+static void merge__leaves_out_lists_without_a_thread(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {89};
+    struct eng_counts counts;
+    uint64_t hash[2];
+    f->threads = 3;
+    f->record_bytes = sizeof(struct eng_pair);
+    fill(f, &random, RANDOM, 7000, false);
+    unsigned char *expected = expect(f, 7000);
+    assert_int_equal(merge(f, 8, &counts, hash), ENG_OK);
+    assert_int_equal(f->out.count, 7000);
+    assert_memory_equal(f->out.data, expected, 7000 * sizeof(struct eng_pair));
+    free(expected);
+}
+
+/* If it failed: a step would allocate again after the same step. */
+static void merge__warm_allocates_nothing(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {90};
+    for (uint32_t i = 0; i < 12; i++) {
+        uint64_t before = 0;
+        f->record_bytes = records[i % 2];
+        f->threads = 1 + 5 * (i % 3);
+        for (int round = 0; round < 3; round++) {
+            fill(f, &random, WIDE, 5000, false);
+            before = round == 0 ? before : eng_alloc_count();
+            struct eng_counts counts;
+            uint64_t hash[2];
+            assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+            assert_true(round == 0 || eng_alloc_count() == before);
+        }
+    }
+    assert_true(eng_merge_bytes(&f->merge) > 5000 * sizeof(struct eng_radix_key));
+}
+
+/* If it failed: where names crowd, one thread would have nearly all to sort. */
+static void merge__buckets_are_even_for_any_names(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {91};
+    const enum pattern patterns[] = {RANDOM, CROWDED, SKEWED, SORTED, REVERSE};
+    f->threads = 4;
+    f->record_bytes = sizeof(struct eng_pair);
+    for (size_t i = 0; i < sizeof patterns / sizeof *patterns; i++) {
+        check(f, &random, patterns[i], 100000, i % 2 == 1);
+        uint32_t largest = 0;
+        for (uint32_t b = 0; b < f->merge.splitters.buckets; b++) {
+            largest = f->merge.size[b] > largest ? f->merge.size[b] : largest;
+        }
+        assert_true(f->merge.splitters.buckets >= 64);
+        assert_in_range(largest, 1, 4 * 100000 / f->merge.splitters.buckets);
+    }
+}
+
+#define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(merge__equals_qsort_for_any_names_and_threads),
+        TEST(merge__takes_lists_of_uneven_length),
+        TEST(merge__sorts_many_records),
+        TEST(merge__limit_keeps_the_first_in_order),
+        TEST(merge__leaves_out_lists_without_a_thread),
+        TEST(merge__warm_allocates_nothing),
+        TEST(merge__buckets_are_even_for_any_names),
+    };
+    return cmocka_run_group_tests_name("eng_merge", tests, NULL, NULL);
+}
