@@ -73,12 +73,16 @@ static void copy_found(struct bench_work *work, const struct eng_step_result *pa
 void bench_work_init(struct bench_work *work, const struct bench_scene *source,
                      uint32_t query_max, uint32_t trace_max)
 {
+    struct eng_step_settings settings = bench_step_settings(ENG_MODE_PAIRS);
     struct eng_step_result pairs;
+    struct bench_frames frames;
     memset(work, 0, sizeof *work);
     work->vf.kind = ENG_VF;
     work->ee.kind = ENG_EE;
-    bench_world_init(&work->world, source, 0);
-    bench_world_step(&work->world, 0, ENG_MODE_PAIRS, &pairs);
+    bench_frames_init(&frames, source, 0);
+    bench_world_init(&work->world, &frames, NULL);
+    bench_world_step(&work->world, &frames, &settings, &pairs);
+    bench_frames_deinit(&frames);
     take(&work->vf, &work->world, &pairs, query_max);
     take(&work->ee, &work->world, &pairs, query_max);
     copy_found(work, &pairs);

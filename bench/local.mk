@@ -4,14 +4,36 @@
 # make bench BENCH_ARGS=--json      one JSON line a row
 # make bench BENCH_ARGS=cloth-20k   one scene
 
-bench_names = bench/step bench/kernels bench/ipc
+bench_names = bench/census bench/step bench/kernels bench/ipc
 check_PROGRAMS += $(bench_names)
 
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
-    -I$(top_srcdir)/bench
+    -I$(top_srcdir)/bench -I$(top_srcdir)/bench/scenes
 bench_engine_cppflags = $(bench_cppflags) $(ENGINE_CPPFLAGS) \
     -I$(top_srcdir)/tests/support
+bench_scenes_sources = \
+    bench/scenes/bench_scene.c \
+    bench/scenes/bench_scene.h \
+    bench/scenes/breaking.c \
+    bench/scenes/cloth.c \
+    bench/scenes/exploding.c \
+    bench/scenes/families.h \
+    bench/scenes/overlap.c \
+    bench/scenes/recorded.c \
+    bench/scenes/shards.c \
+    bench/scenes/shards.h \
+    bench/scenes/sheets.c \
+    bench/scenes/surface.c \
+    bench/scenes/surface.h \
+    bench/scenes/tumble.c \
+    bench/scenes/tumble.h \
+    tests/support/data.c \
+    tests/support/data.h \
+    tests/support/ply.c \
+    tests/support/ply.h \
+    tests/support/prng.h
 bench_engine_sources = \
+    $(bench_scenes_sources) \
     bench/report.c \
     bench/report.h \
     bench/resident.c \
@@ -19,13 +41,12 @@ bench_engine_sources = \
     bench/traverse.c \
     bench/traverse.h \
     bench/workload.c \
-    bench/workload.h \
-    tests/support/data.c \
-    tests/support/data.h \
-    tests/support/ply.c \
-    tests/support/ply.h \
-    tests/support/prng.h
+    bench/workload.h
 bench_engine_libs = libengine.la $(GMP_LIBS) $(LIBM)
+
+bench_census_SOURCES = bench/census.c $(bench_engine_sources)
+bench_census_CPPFLAGS = $(bench_engine_cppflags)
+bench_census_LDADD = $(bench_engine_libs)
 
 bench_step_SOURCES = bench/step.c $(bench_engine_sources)
 bench_step_CPPFLAGS = $(bench_engine_cppflags)

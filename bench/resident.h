@@ -2,6 +2,7 @@
  *
  * Room:     bench; engine headers.
  * Does:     register the meshes, add the objects, stage the positions of a step.
+ * Does not: make frames: the caller does, once for all the worlds that it compares.
  * Threads:  one.
  */
 #ifndef BENCH_RESIDENT_H
@@ -13,19 +14,24 @@
 struct bench_world {
     const struct bench_scene *source;
     struct eng_scene *scene;
-    uint32_t object_idx[BENCH_OBJECTS_MAX];
-    uint32_t frame; /* where it stands */
+    uint32_t *object_idx; /* [source->object_count] */
+    uint32_t frame;       /* where it stands */
 };
 
-/* Register and add everything at the positions of `frame`; objects get ids 1, 2, ...
- * Exits with 2 when the engine refuses: there is nothing to measure then. */
-void bench_world_init(struct bench_world *world, const struct bench_scene *source,
-                      uint32_t frame);
+/* Register and add everything at the start positions of `frames`; objects get ids 1, 2,
+ * ... `settings` NULL: the defaults. Exits with 2 when the engine refuses: there is
+ * nothing to measure then. */
+void bench_world_init(struct bench_world *world, const struct bench_frames *frames,
+                      const struct eng_scene_settings *settings);
 void bench_world_deinit(struct bench_world *world);
 
-/* Step from frame `from` to the next: by end positions alone where the scene stands
- * there, by both ends otherwise. */
-void bench_world_step(struct bench_world *world, uint32_t from, enum eng_mode mode,
+/* All contacts or what the mode says, of one thread, none left out. */
+struct eng_step_settings bench_step_settings(enum eng_mode mode);
+
+/* Step from the start to the end of `frames`: by end positions alone where the scene
+ * stands there, by both ends otherwise. */
+void bench_world_step(struct bench_world *world, const struct bench_frames *frames,
+                      const struct eng_step_settings *settings,
                       struct eng_step_result *result);
 
 #endif

@@ -15,7 +15,6 @@
 
 #define MODES      4
 #define WORLDS     5 /* the modes, and mode all once more */
-#define WORLDS     5 /* the modes, and mode all once more */
 #define WARM_STEPS 2u
 #define STEPS_MAX  300u
 #define STEPS_MIN  5u
@@ -77,6 +76,7 @@ static const struct {
 
 struct run {
     const struct bench_scene *source;
+    struct bench_frames frames;
     struct bench_world
         worlds[WORLDS]; /* resident, one a mode, so that none disturbs another */
     struct bench_swept_tree swept;
@@ -115,13 +115,14 @@ static void keep_phases(struct run *run, const struct eng_step_result *result)
 
 /* What a function that keeps nothing between calls would do: register, build, step, free.
  * The start positions are the registered ones, which saves it their second copy. */
-static bool rebuild(struct run *run, uint32_t from, const struct eng_step_result *all)
+static bool rebuild(struct run *run, const struct eng_step_result *all)
 {
+    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
     struct bench_world world;
     struct eng_step_result result;
     uint64_t begin_ns = bench_now_ns();
-    bench_world_init(&world, run->source, from);
-    bench_world_step(&world, from, ENG_MODE_ALL, &result);
+    bench_world_init(&world, &run->frames, NULL);
+    bench_world_step(&world, &run->frames, &settings, &result);
     bench_world_deinit(&world);
     keep(run, REBUILD, (double)(bench_now_ns() - begin_ns));
     return bench_check(result.count == all->count && result.hash_hi == all->hash_hi &&
@@ -129,28 +130,35 @@ static bool rebuild(struct run *run, uint32_t from, const struct eng_step_result
                        run->source->name, "a resident and a fresh scene differ");
 }
 
+static void step(struct run *run, int world, enum eng_mode mode,
+                 struct eng_step_result *result)
+{
+    struct eng_step_settings settings = bench_step_settings(mode);
+    bench_world_step(&run->worlds[world], &run->frames, &settings, result);
+}
+
 /* The other modes against the answer of mode all. */
-static bool other_modes(struct run *run, uint32_t from, const struct eng_step_result *all)
+static bool other_modes(struct run *run, const struct eng_step_result *all)
 {
     const char *name = run->source->name;
     struct eng_step_result result;
     bool good = true;
     /* The same work as mode all: its ratio to it shows the noise of all the others. */
-    bench_world_step(&run->worlds[MODES], from, ENG_MODE_ALL, &result);
+    step(run, MODES, ENG_MODE_ALL, &result);
     keep(run, AGAIN, (double)result.times.step);
     good &= bench_check(result.hash_hi == all->hash_hi && result.hash_lo == all->hash_lo,
                         name, "two resident scenes differ");
-    bench_world_step(&run->worlds[ENG_MODE_FIRST], from, ENG_MODE_FIRST, &result);
+    step(run, ENG_MODE_FIRST, ENG_MODE_FIRST, &result);
     keep(run, FIRST, (double)result.times.step);
     good &= bench_check(!(result.toi_first < all->toi_first) &&
                             !(result.toi_first > all->toi_first),
                         name, "mode first finds another earliest time");
-    bench_world_step(&run->worlds[ENG_MODE_ANY], from, ENG_MODE_ANY, &result);
+    step(run, ENG_MODE_ANY, ENG_MODE_ANY, &result);
     keep(run, ANY, (double)result.times.step);
     good &=
         bench_check((result.verdict == ENG_VERDICT_YES) == (all->count > all->possible),
                     name, "mode any has another verdict");
-    bench_world_step(&run->worlds[ENG_MODE_PAIRS], from, ENG_MODE_PAIRS, &result);
+    step(run, ENG_MODE_PAIRS, ENG_MODE_PAIRS, &result);
     keep(run, PAIRS, (double)result.times.step);
     good &= bench_check(result.count ==
                             all->counters.candidates_vf + all->counters.candidates_ee,
@@ -179,16 +187,16 @@ static bool walks(struct run *run, const struct eng_step_result *all)
                        "swept boxes overlap less than moving ones");
 }
 
-static bool one_frame(struct run *run, uint32_t from)
+static bool one_frame(struct run *run)
 {
     struct eng_step_result all;
-    bench_world_step(&run->worlds[ENG_MODE_ALL], from, ENG_MODE_ALL, &all);
+    step(run, ENG_MODE_ALL, ENG_MODE_ALL, &all);
     keep_phases(run, &all);
     run->threads = all.threads;
     run->hash[0] = all.hash_hi;
     run->hash[1] = all.hash_lo;
     return bench_check(all.incomplete == ENG_COMPLETE, run->source->name, "incomplete") &&
-           rebuild(run, from, &all) && other_modes(run, from, &all) && walks(run, &all);
+           rebuild(run, &all) && other_modes(run, &all) && walks(run, &all);
 }
 
 static void print(const struct run *run)
@@ -215,8 +223,9 @@ static void measure(const struct bench_scene *source, bool smoke)
     bool good = true;
     memset(&run, 0, sizeof run);
     run.source = source;
+    bench_frames_init(&run.frames, source, 0);
     for (int i = 0; i < WORLDS; i++) {
-        bench_world_init(&run.worlds[i], source, 0);
+        bench_world_init(&run.worlds[i], &run.frames, NULL);
     }
     for (uint32_t i = 0; i < STEPS_MAX && good; i++) {
         bool is_time_up = smoke || bench_now_ns() - begin_ns > SCENE_NS;
@@ -224,7 +233,8 @@ static void measure(const struct bench_scene *source, bool smoke)
             break;
         }
         run.keep = i >= WARM_STEPS;
-        good = one_frame(&run, i % (source->frame_count - 1));
+        bench_frames_seek(&run.frames, i % (source->frame_count - 1));
+        good = one_frame(&run);
     }
     if (good) {
         print(&run);
@@ -232,6 +242,7 @@ static void measure(const struct bench_scene *source, bool smoke)
     for (int q = 0; q < QUANTITIES; q++) {
         bench_free(&run.samples[q]);
     }
+    bench_frames_deinit(&run.frames);
     bench_swept_deinit(&run.swept);
     for (int i = 0; i < WORLDS; i++) {
         bench_world_deinit(&run.worlds[i]);

@@ -25,7 +25,8 @@ client/lib          proto
 client/ctl          client/lib+
 client/load         client/lib+
 client/examples     client/lib+
-bench               proto daemon/engine client/lib+ tests/support
+bench/scenes        tests/support
+bench               proto daemon/engine client/lib+ tests/support bench/scenes
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/oracle

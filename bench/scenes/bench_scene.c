@@ -1,0 +1,131 @@
+/* bench_scene.c - a scene that is measured: meshes, and positions on demand.
+ *
+ * Room:     bench/scenes.
+ * Does:     see bench_scene.h.
+ * Threads:  one.
+ */
+#include "bench_scene.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NO_FRAME UINT32_MAX
+
+void *bench_scene_alloc(size_t count, size_t bytes)
+{
+    void *block = count > SIZE_MAX / bytes ? NULL : malloc(count * bytes + 1);
+    if (!block) {
+        fprintf(stderr, "scene: no memory for %zu x %zu bytes\n", count, bytes);
+        exit(2);
+    }
+    return block;
+}
+
+static void grow(struct bench_scene *scene)
+{
+    uint32_t capacity = scene->object_capacity ? scene->object_capacity * 2 : 4;
+    struct bench_object *objects = bench_scene_alloc(capacity, sizeof *objects);
+    if (scene->object_count > 0) {
+        memcpy(objects, scene->objects, scene->object_count * sizeof *objects);
+    }
+    free(scene->objects);
+    scene->objects = objects;
+    scene->object_capacity = capacity;
+}
+
+struct bench_object *bench_scene_add(struct bench_scene *scene, uint32_t vertex_count,
+                                     uint32_t triangle_count)
+{
+    if (scene->object_count == scene->object_capacity) {
+        grow(scene);
+    }
+    struct bench_object *object = &scene->objects[scene->object_count++];
+    object->vertex_count = vertex_count;
+    object->triangle_count = triangle_count;
+    object->triangles = bench_scene_alloc(triangle_count, sizeof *object->triangles);
+    object->first_vertex = scene->vertex_count;
+    scene->vertex_count += vertex_count;
+    return object;
+}
+
+struct bench_object *bench_scene_add_mesh(struct bench_scene *scene,
+                                          uint32_t vertex_count, uint32_t triangle_count,
+                                          const uint32_t (*triangles)[3])
+{
+    struct bench_object *object = bench_scene_add(scene, vertex_count, triangle_count);
+    memcpy(object->triangles, triangles, triangle_count * sizeof *triangles);
+    return object;
+}
+
+static void place_stored(const struct bench_scene *scene, uint32_t frame, double (*x)[3])
+{
+    double(*all)[3] = scene->state;
+    memcpy(x, all + (size_t)frame * scene->vertex_count, scene->vertex_count * sizeof *x);
+}
+
+double (*bench_scene_store(struct bench_scene *scene, uint32_t frame_count))[3]
+{
+    scene->frame_count = frame_count;
+    scene->place = place_stored;
+    scene->state =
+        bench_scene_alloc((size_t)frame_count * scene->vertex_count, sizeof(double[3]));
+    scene->free_state = free;
+    return scene->state;
+}
+
+uint64_t bench_scene_triangles(const struct bench_scene *scene)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        count += scene->objects[i].triangle_count;
+    }
+    return count;
+}
+
+void bench_scene_free(struct bench_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        free(scene->objects[i].triangles);
+    }
+    free(scene->objects);
+    if (scene->free_state) {
+        scene->free_state(scene->state);
+    }
+    memset(scene, 0, sizeof *scene);
+}
+
+void bench_frames_init(struct bench_frames *frames, const struct bench_scene *scene,
+                       uint32_t from)
+{
+    frames->scene = scene;
+    frames->from = NO_FRAME;
+    for (int end = 0; end < 2; end++) {
+        frames->x[end] = bench_scene_alloc(scene->vertex_count, sizeof *frames->x[end]);
+    }
+    bench_frames_seek(frames, from);
+}
+
+void bench_frames_deinit(struct bench_frames *frames)
+{
+    free(frames->x[0]);
+    free(frames->x[1]);
+    memset(frames, 0, sizeof *frames);
+}
+
+void bench_frames_seek(struct bench_frames *frames, uint32_t from)
+{
+    const struct bench_scene *scene = frames->scene;
+    if (from == frames->from) {
+        return;
+    }
+    if (frames->from != NO_FRAME && from == frames->from + 1) {
+        double(*start)[3] = frames->x[1];
+        frames->x[1] = frames->x[0];
+        frames->x[0] = start;
+    } else {
+        scene->place(scene, from, frames->x[0]);
+    }
+    scene->place(scene, from + 1, frames->x[1]);
+    frames->from = from;
+}

@@ -1,0 +1,75 @@
+/* bench_scene.h - a scene that is measured: meshes, and positions on demand.
+ *
+ * Room:     bench/scenes. May include: the C library.
+ * Does:     say what a scene is; add objects to one; hold two consecutive frames.
+ * Does not: keep all frames: a quarter of a million triangles times a hundred frames do
+ *           not fit. A frame is made when it is wanted, the same bytes each time.
+ * Threads:  one for one scene.
+ */
+#ifndef BENCH_SCENE_H
+#define BENCH_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct bench_object {
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t (*triangles)[3];
+    uint32_t first_vertex; /* in a frame */
+};
+
+struct bench_scene {
+    const char *name;
+    uint32_t object_count;
+    uint32_t object_capacity;
+    struct bench_object *objects;
+    uint32_t vertex_count; /* of all objects */
+    uint32_t frame_count;  /* at least 2; step i goes from frame i to i + 1 */
+    uint32_t break_frame;  /* whole until then, in pieces after it; 0: never */
+    /* Write frame 0 .. frame_count - 1 to x[vertex_count]; in any order. */
+    void (*place)(const struct bench_scene *scene, uint32_t frame, double (*x)[3]);
+    void *state; /* what `place` needs */
+    void (*free_state)(void *state);
+};
+
+/* Two consecutive frames of a scene; memory is reused from one seek to the next. */
+struct bench_frames {
+    const struct bench_scene *scene;
+    uint32_t from;
+    double (*x[2])[3]; /* frames `from` and `from` + 1 */
+};
+
+void bench_frames_init(struct bench_frames *frames, const struct bench_scene *scene,
+                       uint32_t from);
+void bench_frames_deinit(struct bench_frames *frames);
+/* `from` 0 .. frame_count - 2. One frame is made where the last seek was to the one
+ * before, both otherwise. */
+void bench_frames_seek(struct bench_frames *frames, uint32_t from);
+/* Start (`end` 0) or end (1) positions of an object. */
+static inline double (*bench_frames_x(const struct bench_frames *frames, int end,
+                                      uint32_t object))[3]
+{
+    return frames->x[end] + frames->scene->objects[object].first_vertex;
+}
+
+uint64_t bench_scene_triangles(const struct bench_scene *scene);
+void bench_scene_free(struct bench_scene *scene);
+
+/* For those who make scenes. */
+
+/* malloc that ends the process with 2 when there is no memory. */
+void *bench_scene_alloc(size_t count, size_t bytes);
+/* The next object; its triangles are to be filled in. Pointers to others are stale. */
+struct bench_object *bench_scene_add(struct bench_scene *scene, uint32_t vertex_count,
+                                     uint32_t triangle_count);
+/* The next object with these triangles, copied. */
+struct bench_object *bench_scene_add_mesh(struct bench_scene *scene,
+                                          uint32_t vertex_count, uint32_t triangle_count,
+                                          const uint32_t (*triangles)[3]);
+/* All objects are known: room for `frame_count` frames, to be filled in, which `place`
+ * will copy. For small scenes. */
+double (*bench_scene_store(struct bench_scene *scene, uint32_t frame_count))[3];
+
+#endif

@@ -1,0 +1,42 @@
+/* families.h - the makers of scenes, a file each.
+ *
+ * Room:     bench/scenes. May include: bench_scene.h.
+ * Does:     name them. Each fills in an empty scene; `small` asks for a few thousand
+ *           triangles at most, to see whether everything works.
+ * Threads:  one.
+ */
+#ifndef BENCH_FAMILIES_H
+#define BENCH_FAMILIES_H
+
+#include "bench_scene.h"
+
+/* cloth.c: a sheet on a turning ball; the same, standing still. */
+void bench_make_cloth_20k(struct bench_scene *scene, bool small);
+void bench_make_cloth_100k(struct bench_scene *scene, bool small);
+void bench_make_still(struct bench_scene *scene, bool small);
+
+/* sheets.c: a crushed sheet, two that pass through each other, one that jumps. */
+void bench_make_crumpled(struct bench_scene *scene, bool small);
+void bench_make_fast(struct bench_scene *scene, bool small);
+void bench_make_teleport(struct bench_scene *scene, bool small);
+
+/* overlap.c: triangles that all fill the same cube. */
+void bench_make_all_overlap(struct bench_scene *scene, bool small);
+
+/* breaking.c: a body (object 0) hits another (object 1), which breaks into pieces that
+ * fly, tumble and fall on the ground (object 2). The pieces are separate from the first
+ * frame on; with `whole`, object 1 is one closed surface instead, which has the place of
+ * their outer sides up to break_frame; its later frames are not meant to be used. */
+void bench_make_breaking(struct bench_scene *scene, bool small);
+void bench_make_breaking_whole(struct bench_scene *scene, bool small);
+
+/* exploding.c: a closed surface of many clusters of triangles that fly apart. */
+void bench_make_exploding(struct bench_scene *scene, bool small);
+
+/* bodies.c: hundreds of rigid and deforming bodies fall together. */
+void bench_make_bodies(struct bench_scene *scene, bool small);
+
+/* recorded.c: two frames of $PCCD_DATA with the same faces. False: they are not there. */
+bool bench_read_recorded(struct bench_scene *scene, const char *const names[2]);
+
+#endif

@@ -1,0 +1,28 @@
+/* overlap.c - triangles that all fill the same cube.
+ *
+ * Room:     bench/scenes. May include: tests/support/prng.h.
+ * Does:     make a soup in which no box test rejects anything.
+ * Threads:  one.
+ */
+#include "families.h"
+#include "prng.h"
+
+#define FRAMES 16u
+
+void bench_make_all_overlap(struct bench_scene *scene, bool small)
+{
+    uint32_t count = small ? 20 : 120;
+    struct bench_object *soup = bench_scene_add(scene, 3 * count, count);
+    struct prng prng = {11};
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        soup->triangles[i / 3][i % 3] = i;
+    }
+    double(*x)[3] = bench_scene_store(scene, FRAMES);
+    for (uint32_t i = 0; i < FRAMES * 3 * count; i++) {
+        /* Corners of a triangle in different octants, so that its box is large. */
+        for (unsigned k = 0; k < 3; k++) {
+            double low = (i % 3 + k) % 3 == 0 ? 0.8 : (i % 3 + k) % 3 == 1 ? 0 : 0.4;
+            x[i][k] = low + prng_between(&prng, 0, 0.2);
+        }
+    }
+}

@@ -1,0 +1,41 @@
+/* surface.h - sheets, balls and rings as grids of triangles.
+ *
+ * Room:     bench/scenes. May include: the C library.
+ * Does:     list the triangles; number the vertices so that a place in the grid tells
+ *           which one is there. Positions are the caller's.
+ * Threads:  one for one surface.
+ */
+#ifndef BENCH_SURFACE_H
+#define BENCH_SURFACE_H
+
+#include <stdint.h>
+
+#include "bench_scene.h"
+
+#define BENCH_PI 3.14159265358979323846
+
+struct surface {
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t (*triangles)[3];
+    double (*x)[3]; /* to be filled in */
+};
+
+/* side x side vertices in rows, two triangles a square. */
+void surface_sheet(struct surface *surface, uint32_t side);
+
+/* 2 `rings` meridians, `rings` - 1 >= 2 parallels and two poles. */
+void surface_ball(struct surface *surface, uint32_t rings);
+/* Polar angle 0 .. pi and azimuth of vertex v of a ball. */
+void surface_ball_angles(uint32_t rings, uint32_t v, double *polar, double *azimuth);
+
+/* Closed both ways: vertex i * around + j is at i / along of the long way and at
+ * j / around of the short way. */
+void surface_ring(struct surface *surface, uint32_t along, uint32_t around);
+
+void surface_deinit(struct surface *surface);
+
+/* Hand it over as the next object; its positions are forgotten. */
+void surface_add(struct surface *surface, struct bench_scene *scene);
+
+#endif
