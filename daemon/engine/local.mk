@@ -75,6 +75,7 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/deque.h \
     daemon/engine/schedule/place.c \
     daemon/engine/schedule/place.h \
+    daemon/engine/schedule/relax.h \
     daemon/engine/schedule/schedule.h \
     daemon/engine/schedule/schedule_paper.c \
     daemon/engine/schedule/schedule_serial.c \
@@ -97,7 +98,9 @@ libengine_la_SOURCES = \
     daemon/engine/tree/median.c \
     daemon/engine/tree/median.h \
     daemon/engine/tree/refit.c \
-    daemon/engine/tree/refit.h
+    daemon/engine/tree/refit.h \
+    daemon/engine/tree/refit_plan.c \
+    daemon/engine/tree/refit_plan.h
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.

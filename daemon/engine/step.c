@@ -22,18 +22,17 @@
  * to 70 us, what this many triangles take is about as long. */
 #define SERIAL_TRIANGLES_MAX 1000u
 
-/* Subtrees to refit for each thread: the paper takes two and measures a factor of four on
- * eight threads; more and smaller ones end closer together. */
-#define SUBTREES_PER_THREAD 8u
-
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
     return settings->mode >= ENG_MODE_ALL && settings->mode <= ENG_MODE_PAIRS &&
            settings->method >= ENG_METHOD_DEFAULT &&
            settings->method <= ENG_METHOD_PAPER && settings->threads >= 1 &&
            settings->scheduler >= ENG_SCHEDULER_STEAL &&
-           settings->scheduler <= ENG_SCHEDULER_PAPER && settings->tolerance >= 1e-12 &&
-           settings->tolerance <= 1;
+           settings->scheduler <= ENG_SCHEDULER_PAPER &&
+           settings->high_level >= ENG_HIGH_ROUND_ROBIN &&
+           settings->high_level <= ENG_HIGH_DISJOINT &&
+           settings->refit >= ENG_REFIT_EVEN && settings->refit <= ENG_REFIT_PAPER &&
+           settings->tolerance >= 1e-12 && settings->tolerance <= 1;
 }
 
 static uint32_t threads_for(const struct eng_scene *scene,
@@ -51,18 +50,25 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
                    struct eng_stop *stop, struct eng_team *team)
 {
     struct eng_step_memory *memory = scene->memory;
-    int status = scene->top_is_stale ? eng_build_top(scene) : ENG_OK;
+    int status = ENG_OK;
+    if (scene->top_is_stale) {
+        status = eng_refit_plan_features(&memory->plan, scene);
+        if (status == ENG_OK) {
+            status = eng_build_top(scene);
+        }
+    }
     team->scene = scene;
     team->workers = memory->workers;
     team->count = threads_for(scene, settings);
     team->plan = &memory->plan;
     team->assignment = &memory->assignment;
-    atomic_init(&team->next_subtree, 0);
+    team->low_end_ns = 0;
+    eng_refit_begin(team);
     if (status == ENG_OK) {
         status = eng_step_memory_reserve(memory, team->count);
     }
     if (status == ENG_OK) {
-        status = eng_refit_plan(&memory->plan, scene, SUBTREES_PER_THREAD * team->count);
+        status = eng_refit_plan_tree(&memory->plan, scene, settings->refit, team->count);
     }
     if (status == ENG_OK && settings->scheduler == ENG_SCHEDULER_PAPER) {
         status = eng_assignment_reserve(&memory->assignment, team->count);
@@ -97,31 +103,25 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
 }
 
 /* The same by a team, which goes on to merge what it found. Its size may turn out smaller
- * than asked for: a share of work belongs to each thread that is there, so the team's
- * count is set before anything is divided. */
+ * than asked for: the refit asks the runtime; everything after it, the team. */
 static uint64_t run_together(struct eng_team *team, struct eng_step_times *times)
 {
     uint64_t begin_ns = eng_now_ns();
-    uint64_t refit_ns = 0;
     bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
 #pragma omp parallel num_threads((int)team->count)
     {
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
-#pragma omp single
-        {
+        if (eng_refit_by_team(team, worker)) {
             team->count = (uint32_t)omp_get_num_threads();
-        }
-        eng_refit_by_team(team, worker);
-        if (worker->thread == 0) {
             if (by_paper) {
                 eng_schedule_paper_begin(team);
             } else {
                 eng_schedule_steal_begin(team);
             }
-            refit_ns = eng_now_ns();
-            team->low_end_ns = 0;
+            team->refit_end_ns = eng_now_ns();
+            eng_refit_release(team);
         }
-        eng_worker_barrier(worker);
+        eng_refit_await(team, worker);
         if (by_paper) {
             eng_schedule_paper(team, worker);
         } else {
@@ -131,9 +131,10 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
     }
     uint64_t merge_ns = team->scene->memory->merge.begin_ns;
     uint64_t end_ns = merge_ns > 0 ? merge_ns : eng_now_ns();
-    times->refit = refit_ns - begin_ns;
-    times->low = (team->low_end_ns > 0 ? team->low_end_ns : end_ns) - refit_ns;
-    times->high = end_ns - refit_ns - times->low;
+    uint64_t low_end_ns = team->low_end_ns > 0 ? team->low_end_ns : end_ns;
+    times->refit = team->refit_end_ns - begin_ns;
+    times->low = low_end_ns - team->refit_end_ns;
+    times->high = end_ns - low_end_ns;
     return end_ns;
 }
 

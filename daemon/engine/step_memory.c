@@ -70,7 +70,7 @@ uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
 {
     uint64_t bytes = sizeof *memory + memory->sorted.capacity_bytes +
                      eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
-                     memory->plan.capacity * sizeof *memory->plan.nodes;
+                     eng_refit_plan_bytes(&memory->plan);
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         const struct eng_worker *worker = memory->workers[i];
         bytes += sizeof *worker + sizeof *memory->records +

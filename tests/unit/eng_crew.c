@@ -23,7 +23,9 @@ static const struct {
     enum eng_refit_scheme refit;
 } ways[] = {
     {ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN},
+    {ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER},
     {ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN},
+    {ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER},
 };
 #define WAY_COUNT (sizeof ways / sizeof *ways)
 

@@ -38,7 +38,8 @@ ENG_TESTS = \
     tests/unit/test_eng_deque \
     tests/unit/test_eng_team \
     tests/unit/test_eng_record \
-    tests/unit/test_eng_trace
+    tests/unit/test_eng_trace \
+    tests/unit/test_eng_refit_plan
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
 
@@ -130,3 +131,7 @@ tests_unit_test_eng_record_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_trace_SOURCES = tests/unit/test_eng_trace.c
 tests_unit_test_eng_trace_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_trace_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_refit_plan_SOURCES = tests/unit/test_eng_refit_plan.c
+tests_unit_test_eng_refit_plan_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_refit_plan_LDADD = $(ENG_TEST_LDADD)

@@ -1,8 +1,8 @@
 /* daemon/engine/schedule/team.h - the threads of one step.
  *
  * Room:     engine. May include: assignment.h, worker.h.
- * Does:     name what the threads of a parallel region share: the workers, the roots of
- *           the subtrees to refit, the count of unfinished tasks.
+ * Does:     name what the threads of a parallel region share: the workers, how far the
+ *           refit is, the count of unfinished tasks.
  * Threads:  filled in by [compute] before the region; each field says who writes it
  *           inside.
  */
@@ -12,14 +12,26 @@
 #include "assignment.h"
 #include "worker.h"
 
+/* Each counter is taken from by all threads: a pair of cache lines of its own. */
+struct eng_refit_progress {
+    _Alignas(128) atomic_uint next_vertices; /* chunk that nobody has taken */
+    _Alignas(128) atomic_uint vertices_done; /* chunks */
+    _Alignas(128) atomic_uint next_root;
+    _Alignas(128) atomic_uint next_edges;
+    _Alignas(128) atomic_uint rest_done; /* chunks of edges, and one for the root */
+    _Alignas(128) atomic_uint released;  /* 1: everybody may look at the boxes */
+};
+
 struct eng_team {
     struct eng_scene *scene;
     struct eng_worker **workers; /* [count] */
     uint32_t count;              /* threads, >= 1 */
     struct eng_refit_plan *plan;
     struct eng_assignment *assignment; /* the paper's scheduler */
-    uint64_t low_end_ns; /* when the low-level nodes were done; written by thread 0 */
-    _Alignas(128) atomic_uint next_subtree;       /* refit: the next one to be taken */
+    uint64_t refit_end_ns;             /* written by the thread that ended the refit */
+    uint64_t
+        low_end_ns; /* low-level nodes done: written by thread 0; 0: there are none */
+    struct eng_refit_progress refit;
     _Alignas(128) atomic_int_fast64_t open_tasks; /* stealing: pushed and not finished */
 };
 

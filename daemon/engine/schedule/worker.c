@@ -7,9 +7,16 @@
  */
 #include "worker.h"
 
+#include <sched.h>
 #include <string.h>
 
 #include "memory.h"
+#include "relax.h"
+
+/* Looks at a counter before the processor is offered to others, some 10 us: the thread
+ * that is waited for runs on another processor unless there are more threads than those.
+ */
+#define SPINS_BEFORE_YIELD 256u
 
 void eng_worker_init(struct eng_worker *worker)
 {
@@ -150,6 +157,24 @@ void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
     worker->record.wait_ns += end_ns - begin_ns;
     eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_WAIT, begin_ns,
                   end_ns, 0, 0);
+}
+
+void eng_worker_wait_for(struct eng_worker *worker, const atomic_uint *counter,
+                         uint32_t value)
+{
+    if (atomic_load_explicit(counter, memory_order_acquire) == value) {
+        return;
+    }
+    uint64_t begin_ns = eng_now_ns();
+    uint32_t spins = 0;
+    while (atomic_load_explicit(counter, memory_order_acquire) != value) {
+        if (++spins < SPINS_BEFORE_YIELD) {
+            eng_relax();
+        } else {
+            sched_yield();
+        }
+    }
+    eng_worker_waited(worker, begin_ns);
 }
 
 void eng_worker_barrier(struct eng_worker *worker)

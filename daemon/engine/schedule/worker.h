@@ -137,6 +137,10 @@ static inline void eng_worker_trace(const struct eng_worker *worker,
 /* The worker was without work since `begin_ns`. */
 void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns);
 
+/* Wait until the counter has that value: what was released with it is visible then. */
+void eng_worker_wait_for(struct eng_worker *worker, const atomic_uint *counter,
+                         uint32_t value);
+
 /* Wait for the other threads of the region; every one of them calls it. */
 void eng_worker_barrier(struct eng_worker *worker);
 

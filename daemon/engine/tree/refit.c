@@ -4,16 +4,21 @@
  * Does:     vertices from positions with directed rounding, edges and leaves from
  *           vertices, inner nodes from children: pre-order means that walking a node
  *           range backwards meets children before parents.
- * Threads:  [compute].
+ * Threads:  refit.h.
  * Source:   paper section 6.1.
+ *
+ * By a team: chunks of vertices on demand; when all are done, which need not mean that
+ * all threads are there, subtrees, then chunks of edges, which fill the gaps. Leaves
+ * could take their boxes from positions, and those of the features that their triangle
+ * owns on the way: one pass per subtree, nothing to wait for in between. It takes twice
+ * the time (a corner is rounded six times, edges are written in the order of the leaves),
+ * 1.65 times with SSE2, so it loses on any number of threads.
  */
 #include "refit.h"
 
-#include <string.h>
+#include <omp.h>
 
-#include "memory.h"
-
-static void refit_vertices(struct eng_scene *scene, struct eng_range range)
+void eng_refit_vertices(struct eng_scene *scene, struct eng_range range)
 {
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
@@ -22,7 +27,7 @@ static void refit_vertices(struct eng_scene *scene, struct eng_range range)
     }
 }
 
-static void refit_edges(struct eng_scene *scene, struct eng_range range)
+void eng_refit_edges(struct eng_scene *scene, struct eng_range range)
 {
     for (uint32_t e = range.first; e < range.first + range.count; e++) {
         struct eng_edge *edge = &scene->edges[e];
@@ -46,18 +51,63 @@ static void refit_node(struct eng_scene *scene, uint32_t idx)
     }
 }
 
-static void refit_nodes(struct eng_scene *scene, struct eng_range range)
+void eng_refit_nodes(struct eng_scene *scene, struct eng_range range)
 {
     for (uint32_t i = range.count; i-- > 0;) {
         refit_node(scene, range.first + i);
     }
 }
 
+static bool is_above_objects(const struct eng_scene *scene, uint32_t idx)
+{
+    return scene->nodes[idx].object == UINT32_MAX;
+}
+
+/* A subtree of an object: 2 n - 1 nodes that follow each other. */
+static void refit_in_object(struct eng_scene *scene, uint32_t root)
+{
+    eng_refit_nodes(scene, (struct eng_range){root, 2 * scene->nodes[root].count - 1});
+}
+
+/* The last node above objects of the subtree `root`, which is one: in pre-order it lies
+ * behind all others. */
+static uint32_t last_above_objects(const struct eng_scene *scene, uint32_t root)
+{
+    for (;;) {
+        const struct eng_node *node = &scene->nodes[root];
+        if (is_above_objects(scene, node->right)) {
+            root = node->right;
+        } else if (is_above_objects(scene, node->left)) {
+            root = node->left;
+        } else {
+            return root;
+        }
+    }
+}
+
+void eng_refit_subtree(struct eng_scene *scene, uint32_t root)
+{
+    if (!is_above_objects(scene, root)) {
+        refit_in_object(scene, root);
+        return;
+    }
+    for (uint32_t i = last_above_objects(scene, root) + 1; i-- > root;) {
+        const struct eng_node *node = &scene->nodes[i];
+        if (!is_above_objects(scene, node->left)) {
+            refit_in_object(scene, node->left);
+        }
+        if (!is_above_objects(scene, node->right)) {
+            refit_in_object(scene, node->right);
+        }
+        refit_node(scene, i);
+    }
+}
+
 void eng_refit_object(struct eng_scene *scene, const struct eng_object *object)
 {
-    refit_vertices(scene, object->vertices);
-    refit_edges(scene, object->edges);
-    refit_nodes(scene, object->nodes);
+    eng_refit_vertices(scene, object->vertices);
+    eng_refit_edges(scene, object->edges);
+    eng_refit_nodes(scene, object->nodes);
 }
 
 void eng_refit(struct eng_scene *scene)
@@ -67,106 +117,116 @@ void eng_refit(struct eng_scene *scene)
             eng_refit_object(scene, &scene->objects[i]);
         }
     }
-    refit_nodes(scene, scene->top);
+    eng_refit_nodes(scene, scene->top);
 }
 
-void eng_refit_plan_deinit(struct eng_refit_plan *plan)
+void eng_refit_begin(struct eng_team *team)
 {
-    eng_free(plan->nodes);
-    memset(plan, 0, sizeof *plan);
+    atomic_init(&team->refit.next_vertices, 0);
+    atomic_init(&team->refit.vertices_done, 0);
+    atomic_init(&team->refit.next_root, 0);
+    atomic_init(&team->refit.next_edges, 0);
+    atomic_init(&team->refit.rest_done, 0);
+    atomic_init(&team->refit.released, 0);
 }
 
-int eng_refit_plan(struct eng_refit_plan *plan, const struct eng_scene *scene,
-                   uint32_t wanted)
+/* Relaxed: what is taken was made before the region. */
+static uint32_t next(atomic_uint *counter)
 {
-    uint32_t capacity = scene->object_count + 2 * wanted; /* opening one adds two */
-    if (capacity > plan->capacity) {
-        uint32_t *nodes = eng_alloc(capacity, sizeof *nodes);
-        if (!nodes) {
-            return ENG_E_NOMEM;
-        }
-        eng_refit_plan_deinit(plan);
-        plan->nodes = nodes;
-        plan->capacity = capacity;
-    }
-    plan->opened = 0;
-    plan->count = 0;
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh) {
-            plan->nodes[plan->count++] = scene->objects[i].nodes.first;
-        }
-    }
-    while (plan->opened < plan->count && plan->count - plan->opened < wanted) {
-        const struct eng_node *node = &scene->nodes[plan->nodes[plan->opened++]];
-        if (node->left != ENG_LEAF) {
-            plan->nodes[plan->count++] = node->left;
-            plan->nodes[plan->count++] = node->right;
-        }
-    }
-    return ENG_OK;
+    return atomic_fetch_add_explicit(counter, 1, memory_order_relaxed);
 }
 
-/* Every thread's even share of a range. */
-static struct eng_range share_of(struct eng_range range, uint32_t thread,
-                                 uint32_t threads)
+/* Vertices until none are left to take. */
+static void vertices_by_team(struct eng_team *team)
 {
-    uint64_t begin = (uint64_t)range.count * thread / threads;
-    uint64_t end = (uint64_t)range.count * (thread + 1) / threads;
-    return (struct eng_range){range.first + (uint32_t)begin, (uint32_t)(end - begin)};
-}
-
-static void refit_subtrees(struct eng_team *team)
-{
-    struct eng_scene *scene = team->scene;
-    const struct eng_refit_plan *plan = team->plan;
-    for (;;) {
-        uint32_t i = plan->opened + atomic_fetch_add_explicit(&team->next_subtree, 1,
-                                                              memory_order_relaxed);
-        if (i >= plan->count) {
-            break;
-        }
-        uint32_t root = plan->nodes[i];
-        refit_nodes(scene, (struct eng_range){root, 2 * scene->nodes[root].count - 1});
+    const struct eng_refit_chunks *chunks = &team->plan->vertices;
+    struct eng_refit_progress *progress = &team->refit;
+    for (uint32_t i = next(&progress->next_vertices); i < chunks->count;
+         i = next(&progress->next_vertices)) {
+        eng_refit_vertices(team->scene, chunks->ranges[i]);
+        /* Release: pairs with the acquire of the wait. */
+        atomic_fetch_add_explicit(&progress->vertices_done, 1, memory_order_acq_rel);
     }
 }
 
-/* A part of the refit is done, its work begun at `begin_ns`. */
-static void end_part(struct eng_worker *worker, uint64_t begin_ns)
+/* Roots that are dealt out in turn, then the next one that nobody has taken; beyond the
+ * last: none. `turn` counts what this thread was dealt. */
+static uint32_t next_root(struct eng_team *team, uint32_t *turn)
+{
+    uint32_t dealt =
+        (uint32_t)omp_get_thread_num() + *turn * (uint32_t)omp_get_num_threads();
+    if (dealt < team->plan->dealt) {
+        ++*turn;
+        return dealt;
+    }
+    return team->plan->dealt + next(&team->refit.next_root);
+}
+
+/* Root `i` is up to date: go on with the nodes above it for as long as the other child
+ * was ready before. True: the root of all was reached. */
+static bool climb(struct eng_scene *scene, struct eng_refit_plan *plan, uint32_t i)
+{
+    uint32_t up = plan->root_parent[i];
+    /* Release our child, acquire the other. */
+    while (up != ENG_NO_NODE && atomic_fetch_sub_explicit(&plan->unfinished[up], 1,
+                                                          memory_order_acq_rel) == 1) {
+        refit_node(scene, plan->opened[up]);
+        up = plan->opened_parent[up];
+    }
+    return up == ENG_NO_NODE;
+}
+
+/* Parts of the second half that this thread has done: chunks of edges, the root. */
+static uint32_t rest_by_team(struct eng_team *team)
+{
+    struct eng_refit_plan *plan = team->plan;
+    uint32_t turn = 0;
+    uint32_t done = 0;
+    for (uint32_t i = next_root(team, &turn); i < plan->root_count;
+         i = next_root(team, &turn)) {
+        eng_refit_subtree(team->scene, plan->roots[i]);
+        done += climb(team->scene, plan, i);
+    }
+    for (uint32_t i = next(&team->refit.next_edges); i < plan->edges.count;
+         i = next(&team->refit.next_edges)) {
+        eng_refit_edges(team->scene, plan->edges.ranges[i]);
+        done++;
+    }
+    return done;
+}
+
+/* A part of the refit that began at `begin_ns`. */
+static void record(struct eng_worker *worker, uint64_t begin_ns)
 {
     worker->record.refit_ns += eng_now_ns() - begin_ns;
     eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
 }
 
-void eng_refit_by_team(struct eng_team *team, struct eng_worker *worker)
+bool eng_refit_by_team(struct eng_team *team, struct eng_worker *worker)
 {
-    struct eng_scene *scene = team->scene;
-    const struct eng_refit_plan *plan = team->plan;
-    uint32_t thread = worker->thread;
+    struct eng_refit_plan *plan = team->plan;
     uint64_t begin_ns = eng_now_ns();
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh) {
-            refit_vertices(scene,
-                           share_of(scene->objects[i].vertices, thread, team->count));
-        }
-    }
-    end_part(worker, begin_ns);
-    eng_worker_barrier(worker);
+    vertices_by_team(team);
+    record(worker, begin_ns);
+    eng_worker_wait_for(worker, &team->refit.vertices_done, plan->vertices.count);
     begin_ns = eng_now_ns();
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh) {
-            refit_edges(scene, share_of(scene->objects[i].edges, thread, team->count));
-        }
+    uint32_t done = rest_by_team(team);
+    record(worker, begin_ns);
+    if (done == 0) {
+        return false;
     }
-    /* Boxes of nodes need those of vertices only, so no barrier before them. */
-    refit_subtrees(team);
-    end_part(worker, begin_ns);
-    eng_worker_barrier(worker);
-    if (thread == 0) {
-        begin_ns = eng_now_ns();
-        for (uint32_t i = plan->opened; i-- > 0;) {
-            refit_node(scene, plan->nodes[i]);
-        }
-        refit_nodes(scene, scene->top);
-        end_part(worker, begin_ns);
-    }
+    /* Release what we did; the last one acquires what all did. */
+    uint32_t before =
+        atomic_fetch_add_explicit(&team->refit.rest_done, done, memory_order_acq_rel);
+    return before + done == plan->edges.count + 1;
+}
+
+void eng_refit_release(struct eng_team *team)
+{
+    atomic_store_explicit(&team->refit.released, 1, memory_order_release);
+}
+
+void eng_refit_await(struct eng_team *team, struct eng_worker *worker)
+{
+    eng_worker_wait_for(worker, &team->refit.released, 1);
 }
