@@ -13,6 +13,7 @@
 #include "build.h"
 #include "clock.h"
 #include "memory.h"
+#include "place.h"
 #include "refit.h"
 #include "schedule.h"
 #include "stage.h"
@@ -111,6 +112,8 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
 #pragma omp parallel num_threads((int)team->count)
     {
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
+        eng_place_thread(worker->settings->places, worker->thread,
+                         (uint32_t)omp_get_num_threads());
         if (eng_refit_by_team(team, worker)) {
             team->count = (uint32_t)omp_get_num_threads();
             if (by_paper) {

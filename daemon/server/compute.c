@@ -95,6 +95,9 @@ static void *compute_main(void *context)
 {
     struct srv_compute *compute = context;
     srv_thread_enter(SRV_THREAD_COMPUTE);
+    if (compute->enter != NULL) {
+        compute->enter(compute->context);
+    }
     lock(compute);
     for (;;) { /* ends when stopped and idle */
         while (compute->round_first == NULL && !compute->stop) {
@@ -109,7 +112,7 @@ static void *compute_main(void *context)
         lock(compute);
         if (finish(compute, job)) {
             unlock(compute);
-            compute->notify(compute->notify_context);
+            compute->notify(compute->context);
             lock(compute);
         }
     }
@@ -118,10 +121,11 @@ static void *compute_main(void *context)
 }
 
 int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
-                      void (*notify)(void *context), void *context)
+                      void (*enter)(void *context), void (*notify)(void *context),
+                      void *context)
 {
     *compute = (struct srv_compute){
-        .capacity = capacity, .notify = notify, .notify_context = context};
+        .capacity = capacity, .enter = enter, .notify = notify, .context = context};
     if (pthread_mutex_init(&compute->mutex, NULL) != 0) {
         return PCCD_E_NOMEM;
     }

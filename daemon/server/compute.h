@@ -62,13 +62,15 @@ struct srv_compute {
     struct srv_job *done_last;
     /* [compute]: the list of done jobs is no longer empty */
     void (*notify)(void *context);
-    void *notify_context;
+    void (*enter)(void *context);
+    void *context; /* of both */
 };
 
-/* Start the thread, all signals blocked in it. Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM.
- * [loop] */
+/* Start the thread, all signals blocked in it. `enter` (NULL: nothing) is the first that
+ * runs there, before any job. Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. [loop] */
 int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
-                      void (*notify)(void *context), void *context);
+                      void (*enter)(void *context), void (*notify)(void *context),
+                      void *context);
 
 /* Let the running job end, join the thread. No job may be queued or undrained. [loop] */
 void srv_compute_stop(struct srv_compute *compute);

@@ -142,6 +142,8 @@ static struct eng_step_settings settings_of(struct srv_request *request)
     settings.deadline_ns = deadline_of(request);
     settings.cancel = &request->job.cancel;
     settings.contact_max = options->contacts_max;
+    settings.places =
+        request->session->loop->is_pinned ? &request->session->loop->places : NULL;
     if (submit->scheduler != PCCD_SCHEDULER_DEFAULT) {
         settings.scheduler = (enum eng_scheduler)(submit->scheduler - 1);
     }

@@ -11,7 +11,7 @@
  *           the process just ends.
  *
  * Does not: poll: an idle daemon is not woken by anything of its own.
- * Threads:  [loop]; on_notify is called on [compute].
+ * Threads:  [loop]; on_enter and on_notify are called on [compute].
  */
 #include "loop.h"
 
@@ -185,9 +185,30 @@ static void on_completions(uv_async_t *async)
     srv_compute_drain(&loop->compute);
 }
 
+/* [compute] */
 static void on_notify(void *context)
 {
-    uv_async_send(context); /* the one libuv call that any thread may make */
+    struct srv_loop *loop = context;
+    uv_async_send(&loop->completions); /* the one libuv call that any thread may make */
+}
+
+/* Make the team before the first step wants it. [compute] */
+static void on_enter(void *context)
+{
+    const struct srv_loop *loop = context;
+    eng_places_warm_up(loop->is_pinned ? &loop->places : NULL,
+                       loop->options->threads_max);
+}
+
+/* Before any thread is bound or made: they inherit where this one may run. */
+static void choose_places(struct srv_loop *loop)
+{
+    const struct srv_options *options = loop->options;
+    eng_places_init(&loop->places);
+    loop->is_pinned =
+        options->pin == SRV_PIN_ON ||
+        (options->pin == SRV_PIN_AUTO && options->threads_max == loop->places.count);
+    loop->metrics.counters.threads_bound = loop->is_pinned;
 }
 
 static int init_buffers(struct srv_loop *loop)
@@ -266,8 +287,8 @@ static int serve(struct srv_loop *loop)
         uv_run(&loop->uv, UV_RUN_DEFAULT); /* close what there is */
         return status;
     }
-    status = srv_compute_start(&loop->compute, loop->options->queue_max, on_notify,
-                               &loop->completions);
+    status = srv_compute_start(&loop->compute, loop->options->queue_max, on_enter,
+                               on_notify, loop);
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "the compute thread cannot be started");
     } else {
@@ -277,8 +298,9 @@ static int serve(struct srv_loop *loop)
         srv_compute_stop(&loop->compute);
         close_handles(loop);
     } else {
-        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %u threads", (long)getpid(),
-                loop->options->socket_path, loop->options->threads_max);
+        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %u threads%s",
+                (long)getpid(), loop->options->socket_path, loop->options->threads_max,
+                loop->is_pinned ? ", each bound to a processor" : "");
         tell_ready(loop->options->ready_fd);
         watch_idle(loop, true);
     }
@@ -298,6 +320,7 @@ int srv_loop_run(const struct srv_options *options)
     loop->options = options;
     loop->start_ns = srv_now_ns();
     loop->epoch = make_epoch();
+    choose_places(loop);
     srv_quota_init(&loop->quota, options->quota);
     int status = init_buffers(loop);
     if (status == 0) {

@@ -19,6 +19,7 @@
 #include "log.h"
 #include "metrics.h"
 #include "options.h"
+#include "place.h"
 #include "quota.h"
 #include "shm.h"
 
@@ -34,6 +35,8 @@ struct srv_loop {
     const struct srv_options *options;
     struct srv_listener listener;
     struct srv_compute compute;
+    struct eng_places places; /* processors that may be used; constant */
+    bool is_pinned;           /* threads of steps are bound to them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
     struct proto_decoder *decoder;  /* one message is decoded at a time */

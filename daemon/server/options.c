@@ -34,7 +34,8 @@ enum {
     OPT_TRIANGLES,
     OPT_CONTACTS,
     OPT_INFLIGHT,
-    OPT_QUEUE
+    OPT_QUEUE,
+    OPT_PIN
 };
 
 static const struct argp_option option_table[] = {
@@ -54,6 +55,10 @@ static const struct argp_option option_table[] = {
     {"log-level", OPT_LOG_LEVEL, "LEVEL", 0, "error, warn, info (default) or debug", 1},
     {NULL, 0, NULL, 0, "Computing:", 2},
     {"threads", OPT_THREADS, "N", 0, "threads of a step (default: the CPUs at hand)", 2},
+    {"pin", OPT_PIN, "WHEN", 0,
+     "bind each thread of a step to a processor of its own: on, off, or auto (default: "
+     "when --threads is the number of processors that may be used)",
+     2},
     {"contacts-max", OPT_CONTACTS, "N", 0,
      "records kept for one answer (default 16777216)", 2},
     {"inflight-max", OPT_INFLIGHT, "N", 0,
@@ -133,6 +138,19 @@ static error_t parse_limit(int key, const char *text, const struct argp_state *s
     }
 }
 
+static enum srv_pin pin_by_name(const struct argp_state *state, const char *text)
+{
+    static const char *const names[] = {
+        [SRV_PIN_AUTO] = "auto", [SRV_PIN_ON] = "on", [SRV_PIN_OFF] = "off"};
+    for (int pin = SRV_PIN_AUTO; pin <= SRV_PIN_OFF; pin++) {
+        if (strcmp(text, names[pin]) == 0) {
+            return (enum srv_pin)pin;
+        }
+    }
+    argp_error(state, "--pin: \"%s\" is none of auto, on, off", text);
+    return SRV_PIN_AUTO;
+}
+
 static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     struct srv_options *options = state->input;
@@ -154,6 +172,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case OPT_THREADS:
         options->threads_max = (uint32_t)number(state, "threads", text, 1, 1024);
+        return 0;
+    case OPT_PIN:
+        options->pin = pin_by_name(state, text);
         return 0;
     case OPT_LOG_LEVEL:
         if (srv_log_level_by_name(text) < 0) {

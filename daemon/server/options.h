@@ -14,11 +14,20 @@
 #include "log.h"
 #include "quota.h"
 
+/* Whether each thread of a step is bound to a processor of its own. */
+enum srv_pin {
+    SRV_PIN_AUTO = 0, /* when there are as many threads as processors: several daemons, or
+                         one with few threads, would crowd the first processors */
+    SRV_PIN_ON = 1,
+    SRV_PIN_OFF = 2
+};
+
 #define SRV_SOCKET_PATH_BYTES 108u /* sockaddr_un holds 107 and the NUL */
 
 struct srv_options {
     char socket_path[SRV_SOCKET_PATH_BYTES];
     uint32_t threads_max;     /* of a step */
+    enum srv_pin pin;
     uint32_t connections_max; /* of all users; beyond it nobody is accepted */
     uint32_t inflight_max;    /* requests of one client, 1 .. 16 */
     uint32_t queue_max;       /* requests that wait for the compute thread */

@@ -26,6 +26,7 @@ struct fixture {
     sem_t blocked; /* posted when the gate job runs */
     sem_t gate;    /* it waits for this */
     _Atomic int notify_count;
+    bool entered; /* compute thread */
     int run
         [RUNS_MAX]; /* names in the order of running: compute thread, read after stop */
     int run_count;
@@ -40,6 +41,14 @@ struct named_job {
     bool saw_cancel;
 };
 
+static void on_enter(void *context)
+{
+    struct fixture *fixture = context;
+    srv_assert_compute();
+    assert_int_equal(fixture->run_count, 0);
+    fixture->entered = true;
+}
+
 static void on_notify(void *context)
 {
     struct fixture *fixture = context;
@@ -51,6 +60,7 @@ static void run_named(struct srv_job *job)
 {
     struct named_job *named = (struct named_job *)job;
     srv_assert_compute();
+    assert_true(named->fixture->entered);
     named->fixture->run[named->fixture->run_count++] = named->name;
 }
 
@@ -101,7 +111,7 @@ static int set_up(void **state)
     sem_init(&fixture.blocked, 0, 0);
     sem_init(&fixture.gate, 0, 0);
     *state = &fixture;
-    return srv_compute_start(&fixture.compute, CAPACITY, on_notify, &fixture);
+    return srv_compute_start(&fixture.compute, CAPACITY, on_enter, on_notify, &fixture);
 }
 
 static int tear_down(void **state)
