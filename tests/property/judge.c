@@ -104,11 +104,16 @@ static void *copy_of(const void *block, size_t count, size_t bytes)
     return copy;
 }
 
-void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance)
+void judge_watch_init(struct judge *judge, struct judge_sums *sums, double tolerance)
 {
     memset(judge, 0, sizeof *judge);
     judge->sums = sums;
     judge->tolerance = tolerance;
+}
+
+void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance)
+{
+    judge_watch_init(judge, sums, tolerance);
     assert_int_equal(eng_scene_new(NULL, &judge->scene), ENG_OK);
 }
 
@@ -119,11 +124,37 @@ static void object_deinit(struct judge_object *object)
     free(object->edges);
 }
 
-void judge_deinit(struct judge *judge)
+static void forget_objects(struct judge *judge)
 {
     for (uint32_t i = 0; i < judge->object_count; i++) {
         object_deinit(&judge->objects[i]);
     }
+    judge->object_count = 0;
+}
+
+void judge_watch(struct judge *judge, const struct player *player)
+{
+    forget_objects(judge);
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        const struct player_object *from = &player->objects[i];
+        struct judge_object *object = &judge->objects[judge->object_count++];
+        uint32_t count = from->vertex_count;
+        memset(object, 0, sizeof *object);
+        object->object_id = from->id;
+        object->mesh.vertex_count = count;
+        object->mesh.triangle_count = from->triangle_count;
+        object->mesh.x0 = copy_of(from->x0, count, sizeof *from->x0);
+        object->mesh.x1 = copy_of(from->x1, count, sizeof *from->x1);
+        object->mesh.triangles =
+            copy_of(from->triangles, from->triangle_count, sizeof *from->triangles);
+        struct oracle_object seen = view(object);
+        object->edges = oracle_edges(&seen, &object->edge_count);
+    }
+}
+
+void judge_deinit(struct judge *judge)
+{
+    forget_objects(judge);
     eng_scene_free(judge->scene);
     judge->scene = NULL;
 }

@@ -1,7 +1,7 @@
 /* judge.h - a scene of the engine, and what an independent observer knows about it.
  *
  * Room:     tests/property. May include: daemon/engine, tests/oracle, tests/support,
- *           cmocka.
+ *           tests/unit, cmocka.
  * Does:     keep a copy of every object's positions beside the engine's; compare the
  *           engine's answers with brute force in exact arithmetic. A difference fails the
  *           running test and says how to repeat it.
@@ -10,11 +10,12 @@
 #ifndef JUDGE_H
 #define JUDGE_H
 
+#include "eng_player.h"
 #include "oracle_scene.h"
 #include "scenes.h"
 #include "step.h"
 
-#define JUDGE_OBJECTS_MAX 16
+#define JUDGE_OBJECTS_MAX PLAYER_OBJECTS_MAX
 
 struct judge_object {
     struct scenes_mesh mesh; /* positions of the step that was staged last */
@@ -47,6 +48,11 @@ struct judge {
 
 void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance);
 void judge_deinit(struct judge *judge);
+
+/* Without a scene of its own: it sees what a player has staged or stepped last, as it is
+ * at each call. */
+void judge_watch_init(struct judge *judge, struct judge_sums *sums, double tolerance);
+void judge_watch(struct judge *judge, const struct player *player);
 
 /* Register a copy of the mesh at its x0. The id is the caller's. */
 void judge_add(struct judge *judge, const struct scenes_mesh *mesh, uint32_t object_id);

@@ -1,15 +1,27 @@
 # tests/property/local.mk - the engine against the oracle on generated scenes.
 
-check_PROGRAMS += tests/property/test_eng_against_oracle
-TESTS += tests/property/test_eng_against_oracle
+property_names = \
+    tests/property/test_eng_against_oracle \
+    tests/property/test_eng_plays
+check_PROGRAMS += $(property_names)
+TESTS += $(property_names)
+
+PROPERTY_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/tests/oracle \
+    -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/property \
+    -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
+PROPERTY_LDADD = libengkit.la libengine.la liboracle.la libtestscenes.la $(CMOCKA_LIBS) \
+    $(GMP_LIBS) $(LIBM)
+property_judge = \
+    tests/property/judge.c \
+    tests/property/judge.h
 
 tests_property_test_eng_against_oracle_SOURCES = \
-    tests/property/judge.c \
-    tests/property/judge.h \
-    tests/property/test_eng_against_oracle.c
-tests_property_test_eng_against_oracle_CPPFLAGS = $(AM_CPPFLAGS) \
-    $(ENGINE_CPPFLAGS) -I$(top_srcdir)/tests/oracle \
-    -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/property $(CMOCKA_CFLAGS)
+    tests/property/test_eng_against_oracle.c $(property_judge)
+tests_property_test_eng_against_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_against_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
-tests_property_test_eng_against_oracle_LDADD = libengine.la liboracle.la libtestscenes.la \
-    $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
+tests_property_test_eng_against_oracle_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_plays_SOURCES = tests/property/test_eng_plays.c $(property_judge)
+tests_property_test_eng_plays_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_plays_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_plays_LDADD = $(PROPERTY_LDADD)

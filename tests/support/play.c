@@ -275,7 +275,7 @@ static void make_tear(struct play *play, uint32_t count, struct prng *prng)
     push_mesh(play, PLAY_ADD, &sheet);
     for (uint32_t p = 0; p < patches; p++) {
         for (int k = 0; k < 3; k++) {
-            way[p][k] = some(prng, ONE / 4);
+            way[p][k] = some(prng, ONE / 8);
         }
     }
     for (uint32_t step = 0; step < 6; step++) {
@@ -349,12 +349,13 @@ static void jump(struct play *play, struct actor *actor, struct prng *prng)
 static void make_crowd(struct play *play, uint32_t count, struct prng *prng)
 {
     const uint32_t crowd = 24;
+    uint32_t spacing = 152 * root_of((count / crowd + 1) / 2, 2); /* they just touch */
     struct actor actors[ACTORS];
     double home[ACTORS][3];
     for (uint32_t i = 0; i < crowd; i++) {
-        home_of(i, ONE * 5 / 4, home[i]);
-        make_sheet(&actors[i], 100 - i, count / crowd, 168,
-                   i % 4 < 2 ? nowhere : home[i], prng);
+        home_of(i, spacing, home[i]);
+        make_sheet(&actors[i], 100 - i, count / crowd, 168, i % 4 < 2 ? nowhere : home[i],
+                   prng);
         some_matrix(actors[i].m, home[i], prng);
         push_mesh(play, PLAY_ADD, &actors[i]);
     }

@@ -24,7 +24,7 @@ enum play_kind {
 };
 
 enum play_what {
-    PLAY_ADD,     /* triangles and x0: an object at its registered positions */
+    PLAY_ADD, /* triangles and x0: an object at its registered positions */
     PLAY_REMOVE,
     PLAY_REPLACE, /* triangles and x0, as for PLAY_ADD */
     PLAY_X1,      /* x1: moves on from where it is */

@@ -89,8 +89,8 @@ static void add(struct player *player, const struct play_act *act)
     assert_true(player->object_count < PLAYER_OBJECTS_MAX);
     struct player_object *object = &player->objects[player->object_count++];
     object_init(object, act);
-    assert_int_equal(
-        eng_scene_add(player->scene, object->mesh, object->id, &object->idx), ENG_OK);
+    assert_int_equal(eng_scene_add(player->scene, object->mesh, object->id, &object->idx),
+                     ENG_OK);
 }
 
 static void take_away(struct player *player, uint32_t id)
@@ -167,8 +167,7 @@ static void move(struct player *player, const struct play_act *act)
         if (act->what == PLAY_X0X1) {
             void *x0 = packed(act, (const double(*)[3])act->x0);
             memcpy(object->x0, act->x0, count * sizeof *object->x0);
-            status =
-                eng_stage_x0x1(player->scene, object->idx, format, 0, count, x0, x1);
+            status = eng_stage_x0x1(player->scene, object->idx, format, 0, count, x0, x1);
             free(x0);
         } else {
             status = eng_stage_x1(player->scene, object->idx, format, 0, count, x1);

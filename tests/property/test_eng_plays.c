@@ -1,0 +1,200 @@
+/* test_eng_plays.c - objects that move, break, come and go are answered exactly.
+ *
+ * Room:     tests/property. May include: daemon/engine, tests/oracle, tests/support,
+ *           tests/unit, cmocka.
+ * Does:     the golden plays, and plays from random seeds under random settings of scene
+ *           and step, each step compared with brute force in exact arithmetic.
+ * Threads:  teams of one to eight, where a play is large enough for a team.
+ * Source:   PCCD_SEED repeats a run; PCCD_PROPERTY_SECONDS goes on with new seeds for as
+ *           long.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#include "build.h"
+#include "golden.h"
+#include "judge.h"
+
+#define ROUNDS          20
+#define SMALL_TRIANGLES 60
+#define TEAM_TRIANGLES  1200 /* the engine runs smaller scenes on one thread */
+
+/* What was judged, for the report. */
+static struct judge_sums sums[PLAY_KINDS];
+static uint64_t team_steps[PLAY_KINDS];
+static uint64_t rebuilds[PLAY_KINDS];
+
+static double now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* How the steps of a play are taken. */
+struct manner {
+    struct prng prng;
+    bool is_random; /* settings of every step; else one thread and the defaults */
+    double tolerance;
+};
+
+static struct eng_step_settings some_settings(struct manner *manner)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.tolerance = manner->tolerance;
+    if (manner->is_random) {
+        settings.threads = 1 + (uint32_t)prng_below(&manner->prng, 8);
+        settings.scheduler = (enum eng_scheduler)prng_below(&manner->prng, 2);
+        settings.high_level = (enum eng_high_level)prng_below(&manner->prng, 2);
+        settings.refit = (enum eng_refit_scheme)prng_below(&manner->prng, 2);
+    }
+    return settings;
+}
+
+static void take_step(struct player *player, enum play_kind kind, struct manner *manner,
+                      enum eng_mode mode, struct eng_step_result *result)
+{
+    struct eng_step_settings settings = some_settings(manner);
+    settings.mode = mode;
+    assert_int_equal(player_step(player, &settings, result), ENG_OK);
+    assert_int_equal(result->incomplete, ENG_COMPLETE);
+    assert_true(eng_tree_validate(player->scene));
+    team_steps[kind] += result->threads > 1;
+    rebuilds[kind] += result->counters.rebuilds + result->counters.swaps;
+}
+
+/* What is staged, in every mode. Returns the hash of mode ALL. */
+static void judge_step_of(struct judge *judge, struct player *player, enum play_kind kind,
+                          struct manner *manner, uint64_t hash[2])
+{
+    struct eng_step_result result;
+    struct oracle_contacts truth;
+    take_step(player, kind, manner, ENG_MODE_ALL, &result);
+    hash[0] = result.hash_hi;
+    hash[1] = result.hash_lo;
+    judge_watch(judge, player);
+    judge_find(judge, &truth);
+    judge_check_all(judge, &result, &truth);
+    struct judge_records all = judge_copy(&result);
+    player_stage_copies(player);
+    take_step(player, kind, manner, ENG_MODE_FIRST, &result);
+    judge_check_first(judge, &result, &all);
+    player_stage_copies(player);
+    take_step(player, kind, manner, ENG_MODE_ANY, &result);
+    judge_check_any(judge, &result, &all);
+    player_stage_copies(player);
+    take_step(player, kind, manner, ENG_MODE_PAIRS, &result);
+    judge_check_pairs(judge, &result, &truth, &all);
+    free(all.items);
+    oracle_contacts_deinit(&truth);
+}
+
+static void judge_play(const struct golden *golden, uint32_t triangle_count,
+                       const struct eng_scene_settings *made, struct manner *manner)
+{
+    struct play play;
+    struct player player;
+    struct judge judge;
+    uint64_t hash[GOLDEN_STEPS_MAX][2];
+    uint32_t step = 0;
+    play_make(&play, golden->kind, triangle_count, golden->seed);
+    player_init(&player, made);
+    judge_watch_init(&judge, &sums[golden->kind], manner->tolerance);
+    snprintf(judge.context, sizeof judge.context,
+             "%s, %u triangles, seed %llu, tolerance %g, quality %d, ratio %g, region %u",
+             play_name(golden->kind), triangle_count, (unsigned long long)golden->seed,
+             manner->tolerance, (int)made->quality, made->rebuild_ratio,
+             made->rebuild_triangles_max);
+    for (uint32_t i = 0; i < play.act_count; i++) {
+        if (play.acts[i].what == PLAY_STEP) {
+            judge_step_of(&judge, &player, golden->kind, manner, hash[step++]);
+        } else {
+            player_act(&player, &play.acts[i]);
+        }
+    }
+    for (uint32_t i = 0; i < step && !manner->is_random; i++) {
+        assert_true(hash[i][0] == golden->steps[i].hash[GOLDEN_ALL][0]);
+        assert_true(hash[i][1] == golden->steps[i].hash[GOLDEN_ALL][1]);
+    }
+    judge_deinit(&judge);
+    player_deinit(&player);
+    play_deinit(&play);
+}
+
+/* If this failed, what is written down in golden.c would be wrong. */
+static void plays__golden_answers_are_exact(void **state)
+{
+    const struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
+    (void)state;
+    for (uint32_t i = 0; i < GOLDEN_PLAYS; i++) {
+        struct manner manner = {{0}, false, 1e-6};
+        judge_play(&golden_plays[i], golden_plays[i].triangle_count, &made, &manner);
+    }
+}
+
+static struct eng_scene_settings some_scene(struct prng *prng)
+{
+    static const double ratios[] = {0, 0.9, 0.9, 1};
+    static const uint32_t regions[] = {1, 8, 8, 100, 1024};
+    struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
+    made.quality = (enum eng_quality)prng_below(prng, 2);
+    made.rebuild_ratio = ratios[prng_below(prng, 4)];
+    made.rebuild_triangles_max = regions[prng_below(prng, 5)];
+    return made;
+}
+
+/* If this failed, a contact would be missed or invented by some way to build, rebuild or
+ * share the work, or because of what an object was before. */
+static void plays__are_exact_under_random_settings(void **state)
+{
+    static const double tolerances[] = {1e-6, 1e-3, 1e-12};
+    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
+    struct prng prng = {prng_seed()};
+    double end_s = seconds ? now_s() + strtod(seconds, NULL) : 0;
+    (void)state;
+    print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng.state);
+    for (uint32_t i = 0; seconds ? now_s() < end_s : i < ROUNDS; i++) {
+        struct golden golden = {.kind = i % PLAY_KINDS, .seed = prng_next(&prng)};
+        struct manner manner = {
+            {prng_next(&prng)}, true, tolerances[prng_below(&prng, 3)]};
+        struct eng_scene_settings made = some_scene(&prng);
+        uint32_t size = i / PLAY_KINDS % 4 == 3 ? TEAM_TRIANGLES : SMALL_TRIANGLES;
+        judge_play(&golden, size + (uint32_t)prng_below(&prng, 100), &made, &manner);
+    }
+    for (uint32_t i = 0; i < PLAY_KINDS; i++) {
+        assert_true(team_steps[i] > 0);
+    }
+}
+
+static int report(void **state)
+{
+    (void)state;
+    print_message("# %-12s %8s %8s %9s %9s %9s %9s %9s\n", "kind", "steps", "by team",
+                  "true", "proved", "initial", "rebuilt", "queries");
+    for (unsigned i = 0; i < PLAY_KINDS; i++) {
+        const struct judge_sums *s = &sums[i];
+        print_message("# %-12s %8llu %8llu %9llu %9llu %9llu %9llu %9llu\n", play_name(i),
+                      (unsigned long long)s->steps, (unsigned long long)team_steps[i],
+                      (unsigned long long)s->truths,
+                      (unsigned long long)(s->records - s->possible),
+                      (unsigned long long)s->initial, (unsigned long long)rebuilds[i],
+                      (unsigned long long)s->queries);
+    }
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(plays__golden_answers_are_exact),
+        cmocka_unit_test(plays__are_exact_under_random_settings),
+    };
+    return cmocka_run_group_tests_name("eng_plays", tests, NULL, report);
+}
