@@ -8,7 +8,7 @@
  */
 #include "median.h"
 
-#include <stdbool.h>
+#include <string.h>
 
 static bool is_before(const struct eng_split_item *a, const struct eng_split_item *b,
                       int axis)
@@ -73,45 +73,93 @@ static struct eng_split_item pivot_of(struct eng_split_item *items, uint32_t low
     return items[m];
 }
 
+/* Divide items[low .. high] at a pivot: those up to *left are none after it, those from
+ * *right on none before it. */
+static void divide(struct eng_split_item *items, uint32_t low, uint32_t high, int axis,
+                   uint32_t *left, uint32_t *right)
+{
+    struct eng_split_item pivot = pivot_of(items, low, high, axis);
+    uint32_t i = low;
+    uint32_t j = high;
+    while (i <= j) {
+        while (is_before(&items[i], &pivot, axis)) {
+            i++;
+        }
+        while (is_before(&pivot, &items[j], axis)) {
+            j--;
+        }
+        if (i <= j) {
+            swap_items(&items[i], &items[j]);
+            i++;
+            if (j == 0) {
+                break;
+            }
+            j--;
+        }
+    }
+    *left = j;
+    *right = i;
+}
+
+void eng_median_begin(struct eng_median *median, uint32_t count, uint32_t middle,
+                      int axis)
+{
+    *median = (struct eng_median){middle, axis, 0, count - 1, 16};
+    for (uint32_t n = count; n > 0; n /= 2) {
+        median->rounds_left += 2;
+    }
+}
+
+bool eng_median_round(struct eng_median *median, struct eng_split_item *items)
+{
+    uint32_t low = median->low;
+    uint32_t high = median->high;
+    if (low >= high) {
+        return true;
+    }
+    if (median->rounds_left-- == 0) {
+        heap_sort(items + low, high - low + 1, median->axis);
+        return true;
+    }
+    uint32_t left;
+    uint32_t right;
+    divide(items, low, high, median->axis, &left, &right);
+    if (median->middle <= left) {
+        median->high = left;
+    } else if (median->middle >= right) {
+        median->low = right;
+    } else {
+        return true;
+    }
+    return false;
+}
+
 void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t middle,
                       int axis)
 {
-    uint32_t low = 0;
-    uint32_t high = count - 1;
-    uint32_t rounds_left = 16;
-    for (uint32_t n = count; n > 0; n /= 2) {
-        rounds_left += 2;
+    struct eng_median median;
+    eng_median_begin(&median, count, middle, axis);
+    while (!eng_median_round(&median, items)) {
     }
-    while (low < high) {
-        if (rounds_left-- == 0) {
-            heap_sort(items + low, high - low + 1, axis);
-            return;
-        }
-        struct eng_split_item pivot = pivot_of(items, low, high, axis);
-        uint32_t i = low;
-        uint32_t j = high;
-        while (i <= j) {
-            while (is_before(&items[i], &pivot, axis)) {
-                i++;
-            }
-            while (is_before(&pivot, &items[j], axis)) {
-                j--;
-            }
-            if (i <= j) {
-                swap_items(&items[i], &items[j]);
-                i++;
-                if (j == 0) {
-                    break;
-                }
-                j--;
-            }
-        }
-        if (middle <= j) {
-            high = j;
-        } else if (middle >= i) {
-            low = i;
-        } else {
-            return;
+}
+
+int eng_median_axis(const struct eng_split_item *items, uint32_t count)
+{
+    float lo[3];
+    float hi[3];
+    memcpy(lo, items[0].centroid, sizeof lo);
+    memcpy(hi, items[0].centroid, sizeof hi);
+    for (uint32_t i = 1; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
+            lo[k] = items[i].centroid[k] < lo[k] ? items[i].centroid[k] : lo[k];
+            hi[k] = items[i].centroid[k] > hi[k] ? items[i].centroid[k] : hi[k];
         }
     }
+    int axis = 0;
+    for (int k = 1; k < 3; k++) {
+        if (hi[k] - lo[k] > hi[axis] - lo[axis]) {
+            axis = k;
+        }
+    }
+    return axis;
 }

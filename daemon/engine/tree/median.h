@@ -9,6 +9,7 @@
 #ifndef ENG_MEDIAN_H
 #define ENG_MEDIAN_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct eng_split_item {
@@ -21,5 +22,23 @@ struct eng_split_item {
  * sets whatever the order was. O(count) as a rule, O(count log count) at worst. */
 void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t middle,
                       int axis);
+
+/* The same in rounds of at most one pass over the items, for who has to stop between. */
+struct eng_median {
+    uint32_t middle;
+    int axis;
+    uint32_t low; /* the range in which the median still is */
+    uint32_t high;
+    uint32_t rounds_left;
+};
+
+void eng_median_begin(struct eng_median *median, uint32_t count, uint32_t middle,
+                      int axis);
+
+/* One round; true: the items are split. */
+bool eng_median_round(struct eng_median *median, struct eng_split_item *items);
+
+/* The axis along which the centroids of items[count] extend most; count >= 1. */
+int eng_median_axis(const struct eng_split_item *items, uint32_t count);
 
 #endif
