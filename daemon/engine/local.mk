@@ -95,12 +95,20 @@ libengine_la_SOURCES = \
     daemon/engine/tree/aabb.h \
     daemon/engine/tree/build.c \
     daemon/engine/tree/build.h \
+    daemon/engine/tree/grow.c \
+    daemon/engine/tree/grow.h \
     daemon/engine/tree/median.c \
     daemon/engine/tree/median.h \
+    daemon/engine/tree/metric.h \
+    daemon/engine/tree/rebuild.c \
+    daemon/engine/tree/rebuild.h \
     daemon/engine/tree/refit.c \
     daemon/engine/tree/refit.h \
     daemon/engine/tree/refit_plan.c \
-    daemon/engine/tree/refit_plan.h
+    daemon/engine/tree/refit_plan.h \
+    daemon/engine/tree/sah.c \
+    daemon/engine/tree/sah.h \
+    daemon/engine/tree/validate.c
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.

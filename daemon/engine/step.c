@@ -14,6 +14,7 @@
 #include "clock.h"
 #include "memory.h"
 #include "place.h"
+#include "rebuild.h"
 #include "refit.h"
 #include "schedule.h"
 #include "stage.h"
@@ -96,6 +97,7 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
     eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
+    eng_rebuild_top(worker);
     eng_schedule_serial(team, worker);
     uint64_t end_ns = eng_now_ns();
     times->low = end_ns - refit_ns;
@@ -116,8 +118,9 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
                          (uint32_t)omp_get_num_threads());
         if (eng_refit_by_team(team, worker)) {
             team->count = (uint32_t)omp_get_num_threads();
+            eng_rebuild_top(worker);
             if (by_paper) {
-                eng_schedule_paper_begin(team);
+                eng_schedule_paper_begin(team, worker);
             } else {
                 eng_schedule_steal_begin(team);
             }
@@ -222,6 +225,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                                 .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
+    scene->step++;
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
 #ifdef PCCD_VALIDATE

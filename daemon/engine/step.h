@@ -129,7 +129,7 @@ struct eng_step_counters {
     uint64_t survivors; /* of these, not rejected by the filter */
     uint64_t exact;     /* queries that needed exact arithmetic */
     uint64_t rebuilds;          /* subtrees reconstructed during traversal (6.2) */
-    uint64_t rebuilt_triangles; /* triangles below them */
+    uint64_t rebuilt_triangles; /* what they hold; above the objects: objects */
     uint64_t swaps;             /* large subtrees, built aside, put in place */
     uint64_t swapped_triangles;
     uint64_t builds;    /* hierarchies built during the step */

@@ -21,8 +21,10 @@
 
 static struct eng_scene *new_scene(struct kit_random *random, uint32_t objects)
 {
+    struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
     struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    settings.rebuild_ratio = 0; /* refit alone */
+    assert_int_equal(eng_scene_new(&settings, &scene), ENG_OK);
     for (uint32_t i = 0; i < objects; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_soup(random, VERTICES / 3);

@@ -12,6 +12,7 @@
 
 #include "build.h"
 #include "memory.h"
+#include "rebuild.h"
 #include "refit.h"
 #include "step_memory.h"
 #include "world.h"
@@ -72,6 +73,8 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene->edges);
     eng_free(scene->triangles);
     eng_free(scene->nodes);
+    eng_free(scene->upkeep);
+    eng_free(scene->top_items);
     eng_free(scene->writes);
     eng_free(scene);
 }
@@ -213,6 +216,8 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
     }
     eng_mesh_acquire(mesh);
     eng_refit_object(scene, &scene->objects[idx]);
+    eng_regions_mark(scene, object.nodes);
+    eng_rebuild_note(scene, object.nodes);
     scene->top_is_stale = true;
     eng_step_memory_forget(scene->memory);
     return ENG_OK;
@@ -341,7 +346,9 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
            (uint64_t)scene->start_capacity * sizeof *scene->start +
            (uint64_t)scene->edge_capacity * sizeof *scene->edges +
            (uint64_t)scene->triangle_capacity * sizeof *scene->triangles +
-           (uint64_t)scene->node_capacity * sizeof *scene->nodes +
+           (uint64_t)scene->node_capacity *
+               (sizeof *scene->nodes + sizeof *scene->upkeep) +
+           (uint64_t)scene->top_item_capacity * sizeof *scene->top_items +
            (uint64_t)scene->write_capacity * sizeof *scene->writes +
            eng_step_memory_bytes(scene->memory);
 }

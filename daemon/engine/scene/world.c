@@ -66,6 +66,9 @@ int eng_world_reserve(struct eng_scene *scene)
     if (status == ENG_OK && scene->node_ranges.end > scene->node_capacity) {
         uint32_t capacity = eng_world_grown(scene->node_capacity, scene->node_ranges.end);
         status = eng_world_grow(&scene->nodes, capacity, sizeof *scene->nodes);
+        if (status == ENG_OK) {
+            status = eng_world_grow(&scene->upkeep, capacity, sizeof *scene->upkeep);
+        }
         scene->node_capacity = status == ENG_OK ? capacity : scene->node_capacity;
     }
     return status;

@@ -1,6 +1,6 @@
 /* daemon/engine/scene/world.h - the inside of a scene: flat arrays over all its objects.
  *
- * Room:     engine. May include: aabb.h, range.h, scene.h, topology.h.
+ * Room:     engine. May include: aabb.h, median.h, range.h, scene.h, topology.h.
  * Does:     show struct eng_scene to the phases of a step: build, merge, refit,
  *           traversal, filter, solver, results.
  * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
@@ -13,13 +13,19 @@
 #ifndef ENG_WORLD_H
 #define ENG_WORLD_H
 
+#include <stdatomic.h>
+
 #include "aabb.h"
+#include "median.h"
 #include "range.h"
 #include "scene.h"
 #include "topology.h"
 
 #define ENG_LEAF    UINT32_MAX /* in eng_node.left */
 #define ENG_NO_NODE UINT32_MAX /* root of an empty scene */
+
+/* Whether a node's children may be looked at without further ado (rebuild.h). */
+enum eng_gate { ENG_GATE_NONE = 0, ENG_GATE_REGION = 1 };
 
 /* The three records with a box. Each is a struct eng_box with named words. */
 struct eng_node {
@@ -30,7 +36,7 @@ struct eng_node {
     float lo1[3];
     uint32_t count; /* triangles below */
     float hi1[3];
-    uint32_t object; /* object index; of a node above objects: UINT32_MAX */
+    uint32_t gate; /* enum eng_gate */
 };
 
 struct eng_edge {
@@ -72,6 +78,12 @@ static inline const struct eng_box *eng_box_of_const(const void *record)
 {
     return record;
 }
+
+/* What reconstruction knows of a node, beside the nodes: a traversal does not need it. */
+struct eng_upkeep {
+    atomic_uint gate;  /* of a region's root: rebuild.h */
+    float built_ratio; /* of an inner node: the metric when it was last built */
+};
 
 struct eng_object {
     struct eng_mesh *mesh; /* NULL: this index is free */
@@ -130,11 +142,16 @@ struct eng_scene {
     struct eng_edge *edges;
     struct eng_triangle *triangles; /* global indices, .object filled in */
     struct eng_node *nodes;
+    struct eng_upkeep *upkeep; /* [node_capacity] */
 
     /* The tree over the objects. */
     struct eng_range top; /* nodes above the objects, pre-order; count 0: none */
     uint32_t root;        /* ENG_NO_NODE: no objects */
     bool top_is_stale;    /* objects came or went since it was built */
+    bool top_is_fresh;    /* built since the last step */
+    struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */
+    uint32_t top_item_capacity;
+    uint32_t step; /* number of the step; goes round */
 
     /* Staging. */
     bool staging;
@@ -147,6 +164,12 @@ struct eng_scene {
     struct eng_step_memory *memory;
     uint64_t builds; /* hierarchies built since the scene was made */
 };
+
+/* Is it a node of the tree over the objects? */
+static inline bool eng_is_above_objects(const struct eng_scene *scene, uint32_t node_idx)
+{
+    return node_idx - scene->top.first < scene->top.count;
+}
 
 /* The object that staged or stands at `object_idx`, or NULL. */
 struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx);

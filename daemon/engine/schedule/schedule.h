@@ -28,6 +28,6 @@ void eng_schedule_steal_begin(struct eng_team *team);
 void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker);
 
 /* Inside the region, by one thread: choose low-level and high-level nodes. */
-void eng_schedule_paper_begin(struct eng_team *team);
+void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker);
 
 #endif

@@ -17,12 +17,13 @@
 
 #include <time.h>
 
+#include "rebuild.h"
 #include "taskunit.h"
 
 /* Sleep of a thread that finds nobody with a node to spare, before it looks again. */
 #define RETRY_NS 50000
 
-void eng_schedule_paper_begin(struct eng_team *team)
+void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_assignment *assignment = team->assignment;
     const struct eng_scene *scene = team->scene;
@@ -37,7 +38,7 @@ void eng_schedule_paper_begin(struct eng_team *team)
     /* Opening a node replaces it by two: the queue keeps its order when the children go
      * to the end and the rest moves up. */
     while (front_count > 0 && front_count < team->count && opened < team->count) {
-        const struct eng_node *node = &scene->nodes[front[0]];
+        const struct eng_node *node = eng_node_open(worker, front[0]);
         if (node->left == ENG_LEAF) {
             break; /* breadth-first: what follows is as small */
         }
@@ -253,12 +254,12 @@ static void perform_low(struct eng_team *team, struct eng_worker *worker)
 static void expand_high(struct eng_team *team, struct eng_worker *worker, uint32_t node)
 {
     struct eng_assignment *assignment = team->assignment;
-    const struct eng_node *nodes = team->scene->nodes;
+    const struct eng_node *opened = eng_node_open(worker, node);
     uint32_t wanted = ENG_PAIRS_PER_THREAD * team->count;
     uint32_t head = 0;
     uint64_t *pairs = assignment->pairs;
     worker->record.task_units++;
-    pairs[0] = (uint64_t)nodes[node].left << 32 | nodes[node].right;
+    pairs[0] = (uint64_t)opened->left << 32 | opened->right;
     assignment->pair_count = 1;
     while (assignment->pair_count - head > 0 && assignment->pair_count < wanted) {
         uint32_t n_out[4];

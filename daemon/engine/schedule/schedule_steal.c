@@ -7,14 +7,16 @@
  *           oldest of another.
  * Threads:  [team].
  *
- * Any pair may go to any thread because the tree is not changed during a step. A worker
- * splits depth first, so its deque holds at most three siblings for each level of a pair
- * and two for each level of a node: far below its capacity.
+ * Any pair may go to any thread because gates guard what reconstruction changes
+ * (rebuild.h). A worker splits depth first, so its deque holds at most three siblings for
+ * each level of a pair and two for each level of a node; with ENG_LEVELS_MAX levels of
+ * either that is less than half of its capacity.
  */
 #include "schedule.h"
 
 #include <sched.h>
 
+#include "rebuild.h"
 #include "taskunit.h"
 
 /* Triangles below which a task is not split: about 50 us of work against about 0.1 us to
@@ -65,12 +67,12 @@ static void perform_subtree(struct eng_worker *worker, uint32_t node)
 
 static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint32_t n)
 {
-    const struct eng_node *node = &team->scene->nodes[n];
-    if (node->count <= UNIT_GRAIN) {
+    if (team->scene->nodes[n].count <= UNIT_GRAIN) {
         perform_subtree(worker, n);
         return;
     }
     uint64_t begin_ns = eng_worker_slice(worker);
+    const struct eng_node *node = eng_node_open(worker, n);
     worker->record.task_units++;
     push(team, worker, node->left, node->left);
     push(team, worker, node->right, node->right);

@@ -10,6 +10,7 @@
  */
 #include "taskunit.h"
 
+#include "rebuild.h"
 #include "test.h"
 
 /* Pairs of one task unit between two looks at the clock, when no chunk fills up. */
@@ -121,21 +122,23 @@ static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 }
 
 /* Refine both nodes of a pair; a leaf stands for itself. */
-static uint32_t refine(const struct eng_node *nodes, uint32_t n, uint32_t m,
-                       uint32_t n_out[4], uint32_t m_out[4])
+static inline uint32_t refine(struct eng_worker *worker, uint32_t n, uint32_t m,
+                              uint32_t n_out[4], uint32_t m_out[4])
 {
+    const struct eng_node *node_n = eng_node_open(worker, n);
+    const struct eng_node *node_m = eng_node_open(worker, m);
     uint32_t ns[2] = {n, n};
     uint32_t ms[2] = {m, m};
     uint32_t n_count = 1;
     uint32_t m_count = 1;
-    if (nodes[n].left != ENG_LEAF) {
-        ns[0] = nodes[n].left;
-        ns[1] = nodes[n].right;
+    if (node_n->left != ENG_LEAF) {
+        ns[0] = node_n->left;
+        ns[1] = node_n->right;
         n_count = 2;
     }
-    if (nodes[m].left != ENG_LEAF) {
-        ms[0] = nodes[m].left;
-        ms[1] = nodes[m].right;
+    if (node_m->left != ENG_LEAF) {
+        ms[0] = node_m->left;
+        ms[1] = node_m->right;
         m_count = 2;
     }
     uint32_t count = 0;
@@ -157,8 +160,8 @@ void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m)
         uint32_t n_out[4];
         uint32_t m_out[4];
         pairs->count--;
-        uint32_t count = refine(worker->scene->nodes, pairs->n[pairs->count],
-                                pairs->m[pairs->count], n_out, m_out);
+        uint32_t count = refine(worker, pairs->n[pairs->count], pairs->m[pairs->count],
+                                n_out, m_out);
         for (uint32_t i = 0; i < count; i++) {
             test_pair(worker, n_out[i], m_out[i]);
         }
@@ -183,7 +186,7 @@ uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
         return 0;
     }
     worker->record.pairs++;
-    return refine(nodes, n, m, n_out, m_out);
+    return refine(worker, n, m, n_out, m_out);
 }
 
 static void push_unit(struct eng_task_queue *units, uint32_t node)
@@ -194,18 +197,18 @@ static void push_unit(struct eng_task_queue *units, uint32_t node)
 
 void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children)
 {
-    const struct eng_node *nodes = worker->scene->nodes;
-    if (nodes[node].left == ENG_LEAF) {
+    const struct eng_node *opened = eng_node_open(worker, node);
+    if (opened->left == ENG_LEAF) {
         return;
     }
     uint64_t begin_ns = eng_worker_slice(worker);
     worker->record.task_units++;
     if (push_children) {
-        push_unit(&worker->units, nodes[node].left);
-        push_unit(&worker->units, nodes[node].right);
+        push_unit(&worker->units, opened->left);
+        push_unit(&worker->units, opened->right);
     }
-    eng_taskunit_pairs(worker, nodes[node].left, nodes[node].right);
-    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, node, nodes[node].count);
+    eng_taskunit_pairs(worker, opened->left, opened->right);
+    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, node, opened->count);
 }
 
 void eng_taskunit_flush(struct eng_worker *worker)

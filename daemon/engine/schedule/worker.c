@@ -29,7 +29,9 @@ void eng_worker_deinit(struct eng_worker *worker)
 {
     eng_exact_deinit(&worker->exact);
     eng_free(worker->units.nodes);
+    eng_free(worker->split_items);
     worker->units.nodes = NULL;
+    worker->split_items = NULL;
 }
 
 /* The queue never holds two nodes of which one is below the other, so the leaves' number
@@ -53,13 +55,35 @@ static int reserve_units(struct eng_task_queue *units, uint32_t leaf_count)
     return ENG_OK;
 }
 
-int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
+/* A region has at most as many triangles as the scene. */
+static int reserve_split(struct eng_worker *worker, const struct eng_scene *scene,
+                         uint32_t leaf_count)
+{
+    uint32_t most = scene->settings.rebuild_triangles_max;
+    uint32_t capacity = leaf_count < most ? leaf_count : most;
+    if (scene->settings.rebuild_ratio <= 0 || capacity <= worker->split_capacity) {
+        return ENG_OK;
+    }
+    struct eng_split_item *items = eng_alloc(capacity, sizeof *items);
+    if (!items) {
+        return ENG_E_NOMEM;
+    }
+    eng_free(worker->split_items);
+    worker->split_items = items;
+    worker->split_capacity = capacity;
+    return ENG_OK;
+}
+
+int eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                      const struct eng_step_settings *settings, struct eng_stop *stop,
                      struct eng_pool *pool)
 {
     uint32_t leaf_count =
         scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
     int status = reserve_units(&worker->units, leaf_count);
+    if (status == ENG_OK) {
+        status = reserve_split(worker, scene, leaf_count);
+    }
     if (status != ENG_OK) {
         return status;
     }

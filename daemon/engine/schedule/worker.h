@@ -3,9 +3,9 @@
  * Room:     engine. May include: clock.h, deque.h, exact.h, filter.h, result.h, trace.h,
  *           world.h.
  * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
- *           scratch of the solver and the records found: the one interface through which
- *           schedule, traversal, filter, solver and results meet. A step's workers share
- *           nothing but the scene (read-only) and struct eng_stop.
+ *           scratch of reconstruction and solver and the records found: the one interface
+ *           through which schedule, traversal, filter, solver and results meet. A step's
+ *           workers share nothing but the scene and struct eng_stop.
  * Threads:  [team]; a worker belongs to one thread.
  */
 #ifndef ENG_WORKER_H
@@ -32,10 +32,18 @@ struct eng_chunk {
     uint32_t b[ENG_CHUNK_MAX];
 };
 
-/* Collision test pairs, taken from the end: with four pairs pushed for one taken, a tree
- * pair of depth d needs 3 d + 1 places. Median splits bound d by 32 for an object and 17
- * for the tree over objects (65 536 of them), on either side of a pair. */
+/* Levels of a scene's tree, at most. An object of n triangles has ceil(log2 n) levels by
+ * medians, 16 more by the other build quality, one more in a reconstructed region
+ * (build.h, rebuild.h); k objects have ceil(log2 k) above them. With n + k <= 2^31 the
+ * sum is largest for n = k = 2^30. */
+#define ENG_LEVELS_MAX (30u + 30u + 16u + 1u)
+
+/* Collision test pairs, taken from the end: each refinement goes down a level on either
+ * side and puts four pairs in the place of one. */
 #define ENG_PAIRS_MAX 512u
+
+static_assert(3 * ENG_LEVELS_MAX + 1 <= ENG_PAIRS_MAX, "pairs");
+static_assert(5 * ENG_LEVELS_MAX + 1 <= ENG_DEQUE_MAX / 2, "tasks");
 
 struct eng_pair_queue {
     uint32_t count;
@@ -82,7 +90,7 @@ static inline bool eng_stop_is_set(const struct eng_stop *stop)
 }
 
 struct eng_worker {
-    const struct eng_scene *scene;
+    struct eng_scene *scene; /* written to only behind gates (rebuild.h) */
     const struct eng_step_settings *settings;
     struct eng_stop *stop;
     uint32_t thread;        /* place in the team */
@@ -95,6 +103,8 @@ struct eng_worker {
     struct eng_chunk ee;
     struct eng_found found;
     struct eng_exact exact;
+    struct eng_split_item *split_items; /* [split_capacity] to reconstruct a region */
+    uint32_t split_capacity;
     struct eng_thread_record record;
     struct eng_tally tally;
     uint64_t possible_seen; /* mode any */
@@ -104,8 +114,9 @@ struct eng_worker {
 void eng_worker_init(struct eng_worker *worker);
 void eng_worker_deinit(struct eng_worker *worker);
 
-/* Get ready for a step. ENG_E_NOMEM: the task queue cannot hold the scene's nodes. */
-int eng_worker_begin(struct eng_worker *worker, const struct eng_scene *scene,
+/* Get ready for a step. ENG_E_NOMEM: no room for the nodes of the scene in the task
+ * queue, or for the triangles of a region. */
+int eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                      const struct eng_step_settings *settings, struct eng_stop *stop,
                      struct eng_pool *pool);
 

@@ -1,8 +1,9 @@
 /* build.h - the hierarchy of one object, and the tree over the objects.
  *
  * Room:     engine. May include: world.h.
- * Does:     median split of centroids along the longest axis; node order is pre-order.
- * Does not: keep boxes up to date (refit.h).
+ * Does:     build by medians of the centroids along the longest axis, or by the surface
+ *           area heuristic; node order is pre-order.
+ * Does not: keep boxes up to date (refit.h), or the tree good (rebuild.h, aside.h).
  * Threads:  [compute].
  * Source:   paper sections 6.2 (median partition) and 7 (merging the objects'
  *           hierarchies).
@@ -15,6 +16,10 @@
 /* Build the hierarchy of an object in its node range from the positions that the scene
  * stands at: links, counts and triangles; boxes are left to refit. ENG_E_NOMEM. */
 int eng_build_object(struct eng_scene *scene, uint32_t object_idx);
+
+/* Levels that the hierarchy of an object may have, the root being 0; within a region one
+ * more after a reconstruction (rebuild.h). */
+uint32_t eng_object_levels(const struct eng_scene *scene, uint32_t triangle_count);
 
 /* Build the tree over all objects from the boxes of their roots, and set scene->root.
  * Takes its nodes from the scene. ENG_E_NOMEM, ENG_E_LIMIT: the old tree stays, still

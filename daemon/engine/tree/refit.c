@@ -58,11 +58,6 @@ void eng_refit_nodes(struct eng_scene *scene, struct eng_range range)
     }
 }
 
-static bool is_above_objects(const struct eng_scene *scene, uint32_t idx)
-{
-    return scene->nodes[idx].object == UINT32_MAX;
-}
-
 /* A subtree of an object: 2 n - 1 nodes that follow each other. */
 static void refit_in_object(struct eng_scene *scene, uint32_t root)
 {
@@ -75,9 +70,9 @@ static uint32_t last_above_objects(const struct eng_scene *scene, uint32_t root)
 {
     for (;;) {
         const struct eng_node *node = &scene->nodes[root];
-        if (is_above_objects(scene, node->right)) {
+        if (eng_is_above_objects(scene, node->right)) {
             root = node->right;
-        } else if (is_above_objects(scene, node->left)) {
+        } else if (eng_is_above_objects(scene, node->left)) {
             root = node->left;
         } else {
             return root;
@@ -87,16 +82,16 @@ static uint32_t last_above_objects(const struct eng_scene *scene, uint32_t root)
 
 void eng_refit_subtree(struct eng_scene *scene, uint32_t root)
 {
-    if (!is_above_objects(scene, root)) {
+    if (!eng_is_above_objects(scene, root)) {
         refit_in_object(scene, root);
         return;
     }
     for (uint32_t i = last_above_objects(scene, root) + 1; i-- > root;) {
         const struct eng_node *node = &scene->nodes[i];
-        if (!is_above_objects(scene, node->left)) {
+        if (!eng_is_above_objects(scene, node->left)) {
             refit_in_object(scene, node->left);
         }
-        if (!is_above_objects(scene, node->right)) {
+        if (!eng_is_above_objects(scene, node->right)) {
             refit_in_object(scene, node->right);
         }
         refit_node(scene, i);

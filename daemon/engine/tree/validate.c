@@ -1,0 +1,129 @@
+/* validate.c - checks of whole hierarchies.
+ *
+ * Room:     engine.
+ * Does:     look at every node of a scene.
+ * Threads:  [compute], between steps.
+ * Source:   build.h, rebuild.h.
+ */
+#include "build.h"
+#include "rebuild.h"
+
+static bool contains(const struct eng_node *outer, const struct eng_node *inner)
+{
+    for (int k = 0; k < 3; k++) {
+        if (!(outer->lo0[k] <= inner->lo0[k] && outer->hi0[k] >= inner->hi0[k] &&
+              outer->lo1[k] <= inner->lo1[k] && outer->hi1[k] >= inner->hi1[k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool leaf_contains_triangle(const struct eng_scene *scene,
+                                   const struct eng_node *leaf)
+{
+    const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
+    const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
+    for (int corner = 0; corner < 3; corner++) {
+        uint32_t v = scene->triangles[leaf->right].v[corner];
+        for (int k = 0; k < 3; k++) {
+            if (!((double)leaf->lo0[k] <= x0[v][k] && x0[v][k] <= (double)leaf->hi0[k] &&
+                  (double)leaf->lo1[k] <= x1[v][k] && x1[v][k] <= (double)leaf->hi1[k])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool validate_node(const struct eng_scene *scene, uint32_t idx)
+{
+    const struct eng_node *node = &scene->nodes[idx];
+    if (node->left == ENG_LEAF) {
+        return node->count == 1 && leaf_contains_triangle(scene, node);
+    }
+    const struct eng_node *left = &scene->nodes[node->left];
+    const struct eng_node *right = &scene->nodes[node->right];
+    return node->count == left->count + right->count && contains(node, left) &&
+           contains(node, right);
+}
+
+/* A number whose sums tell sets of triangles apart. */
+static uint64_t mark_of(uint32_t triangle)
+{
+    uint64_t z = (triangle + 1) * 0x9e3779b97f4a7c15u;
+    return (z ^ z >> 29) * 0xbf58476d1ce4e5b9u;
+}
+
+static bool validate_object(const struct eng_scene *scene,
+                            const struct eng_object *object)
+{
+    uint64_t marks = 0;
+    uint32_t end = object->nodes.first + object->nodes.count;
+    for (uint32_t i = object->nodes.first; i < end; i++) {
+        const struct eng_node *node = &scene->nodes[i];
+        if (!validate_node(scene, i)) {
+            return false;
+        }
+        if (node->left == ENG_LEAF) {
+            marks += mark_of(node->right);
+        } else if (node->left != i + 1 || node->right >= end ||
+                   node->right != node->left + 2 * scene->nodes[node->left].count - 1) {
+            return false;
+        }
+    }
+    for (uint32_t i = 0; i < object->triangles.count; i++) {
+        marks -= mark_of(object->triangles.first + i);
+    }
+    return marks == 0 &&
+           scene->nodes[object->nodes.first].count == object->triangles.count;
+}
+
+/* Are the gates of an object's nodes at the roots of its regions, and there alone? */
+static bool validate_regions(const struct eng_scene *scene,
+                             const struct eng_object *object)
+{
+    uint32_t end = object->nodes.first + object->nodes.count;
+    uint32_t region_end = object->nodes.first; /* of the region walked through last */
+    bool any = scene->settings.rebuild_ratio > 0;
+    for (uint32_t i = object->nodes.first; i < end; i++) {
+        const struct eng_node *node = &scene->nodes[i];
+        bool is_high = node->count > scene->settings.rebuild_triangles_max;
+        bool is_root = !is_high && i >= region_end;
+        bool has_gate = any && is_root && node->count >= ENG_EXAMINE_MIN;
+        if (node->gate != (has_gate ? ENG_GATE_REGION : ENG_GATE_NONE) ||
+            (is_high && i < region_end)) {
+            return false;
+        }
+        if (is_root) {
+            region_end = i + 2 * node->count - 1;
+        }
+        /* Nobody may hold a gate between steps: it is an odd number then. */
+        if (has_gate &&
+            atomic_load_explicit(&scene->upkeep[i].gate, memory_order_relaxed) % 2 == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool eng_tree_validate(const struct eng_scene *scene)
+{
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (object->mesh) {
+            triangles += object->triangles.count;
+            if (!validate_object(scene, object) || !validate_regions(scene, object)) {
+                return false;
+            }
+        }
+    }
+    for (uint32_t i = 0; i < scene->top.count; i++) {
+        if (!validate_node(scene, scene->top.first + i)) {
+            return false;
+        }
+    }
+    return scene->root == ENG_NO_NODE ? triangles == 0
+                                      : scene->nodes[scene->root].count == triangles;
+}
