@@ -6,6 +6,8 @@ ENG_TEST_LDADD = libengkit.la libengine.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
 
 check_LTLIBRARIES += libengkit.la
 libengkit_la_SOURCES = \
+    tests/unit/eng_blast.c \
+    tests/unit/eng_blast.h \
     tests/unit/eng_case.c \
     tests/unit/eng_case.h \
     tests/unit/eng_crew.c \
@@ -24,6 +26,7 @@ ENG_TESTS = \
     tests/unit/test_eng_aabb \
     tests/unit/test_eng_build \
     tests/unit/test_eng_refit \
+    tests/unit/test_eng_rebuild \
     tests/unit/test_eng_stage \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_exact \
@@ -70,6 +73,10 @@ tests_unit_test_eng_build_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_refit_SOURCES = tests/unit/test_eng_refit.c
 tests_unit_test_eng_refit_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_refit_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_rebuild_SOURCES = tests/unit/test_eng_rebuild.c
+tests_unit_test_eng_rebuild_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_rebuild_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_stage_SOURCES = tests/unit/test_eng_stage.c
 tests_unit_test_eng_stage_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

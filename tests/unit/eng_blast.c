@@ -1,0 +1,75 @@
+/* tests/unit/eng_blast.c - a sheet that flies to pieces, again and again.
+ *
+ * Room:     engine (private headers).
+ * Does:     make and step the scene.
+ * Threads:  as many as the step asks for.
+ * Source:   eng_blast.h.
+ */
+#include "eng_blast.h"
+
+#include <string.h>
+
+#include "build.h"
+
+/* Corners of the two triangles of a square. */
+static const double corners[6][2] = {{0, 0}, {0.9, 0}, {0, 0.9},
+                                     {1, 1}, {0.1, 1}, {1, 0.1}};
+
+void blast_init(struct blast *blast, const struct eng_scene_settings *settings)
+{
+    static uint32_t triangles[BLAST_TRIANGLES][3];
+    struct kit_random random = {61};
+    for (uint32_t v = 0; v < BLAST_VERTICES; v++) {
+        uint32_t square = v / 6;
+        blast->rest[v][0] = (square % BLAST_SIDE + corners[v % 6][0]) / BLAST_SIDE;
+        blast->rest[v][1] = (square / BLAST_SIDE + corners[v % 6][1]) / BLAST_SIDE;
+        blast->rest[v][2] = 0.1 * blast->rest[v][0] + kit_between(&random, 0, 0.01);
+        for (int k = 0; k < 3; k++) {
+            blast->velocity[v][k] =
+                v % 3 == 0 ? kit_between(&random, -1, 1) : blast->velocity[v - 1][k];
+        }
+        triangles[v / 3][v % 3] = v;
+    }
+    struct eng_mesh *mesh = kit_mesh((const double(*)[3])blast->rest, BLAST_VERTICES,
+                                     (const uint32_t(*)[3])triangles, BLAST_TRIANGLES);
+    assert_int_equal(eng_scene_new(settings, &blast->scene), ENG_OK);
+    assert_int_equal(eng_scene_add(blast->scene, mesh, 1, &blast->idx), ENG_OK);
+    eng_mesh_release(mesh);
+}
+
+void blast_deinit(struct blast *blast)
+{
+    eng_scene_free(blast->scene);
+}
+
+static void place(const struct blast *blast, double t, double (*x)[3])
+{
+    for (uint32_t v = 0; v < BLAST_VERTICES; v++) {
+        for (int k = 0; k < 3; k++) {
+            x[v][k] = blast->rest[v][k] + t * blast->velocity[v][k];
+        }
+    }
+}
+
+struct eng_step_result blast_run(struct blast *blast, double t0, double t1,
+                                 struct eng_step_settings settings)
+{
+    static double x0[BLAST_VERTICES][3];
+    static double x1[BLAST_VERTICES][3];
+    struct eng_step_result result;
+    place(blast, t0, x0);
+    place(blast, t1, x1);
+    eng_stage_begin(blast->scene);
+    assert_int_equal(
+        eng_stage_x0x1(blast->scene, blast->idx, ENG_F64, 0, BLAST_VERTICES, x0, x1),
+        ENG_OK);
+    assert_int_equal(eng_step(blast->scene, &settings, &result), ENG_OK);
+    assert_true(eng_tree_validate(blast->scene));
+    return result;
+}
+
+void blast_rebuild(struct blast *blast)
+{
+    assert_int_equal(eng_build_object(blast->scene, blast->idx), ENG_OK);
+    blast->scene->top_is_stale = true;
+}
