@@ -43,7 +43,8 @@ extern "C" {
     X(E_SYSTEM, -22, "the operating system refused")                                     \
     X(E_AGAIN, -23, "nothing has arrived yet")                                           \
     X(E_FORMAT, -24, "file format not understood")                                       \
-    X(E_INTERNAL, -25, "internal error")
+    X(E_INTERNAL, -25, "internal error")                                                 \
+    X(E_ACCESS, -26, "not allowed to this user")
 
 enum pccd_status {
 #define PCCD_STATUS_ENUM(name, value, text) PCCD_##name = (value),

@@ -1,7 +1,8 @@
 /* client/ctl/cmd_stats.c - pccdctl stats.
  *
  * Room:     client/ctl.
- * Does:     lists the daemon's counters with their meaning, or as JSON.
+ * Does:     lists the daemon's counters with their meaning, or as JSON, or what the
+ *           threads of its last step did.
  * Does not: start a daemon, unless --private asks for one.
  * Threads:  one.
  * Source:   pccd.h.
@@ -14,16 +15,20 @@
 
 #include "ctl.h"
 #include "link.h"
+#include "stats_threads.h"
 
 struct stats_options {
     struct ctl_link link;
     bool is_json;
+    bool of_threads;
 };
 
-enum { OPTION_JSON = 256 + 64 };
+enum { OPTION_JSON = 256 + 64, OPTION_THREADS };
 
 static const struct argp_option option_list[] = {
     {"json", OPTION_JSON, NULL, 0, "One JSON object, name: value", 0},
+    {"threads", OPTION_THREADS, NULL, 0,
+     "What each thread of the daemon's last step did, instead of the counters", 0},
     {0},
 };
 
@@ -37,6 +42,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_JSON:
         options->is_json = true;
+        return 0;
+    case OPTION_THREADS:
+        options->of_threads = true;
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -103,6 +111,14 @@ static int print_list(struct pccd_client *client)
     return status;
 }
 
+static int print(struct pccd_client *client, const struct stats_options *options)
+{
+    if (options->of_threads) {
+        return stats_threads_print(client, stdout, options->is_json);
+    }
+    return options->is_json ? print_json(client) : print_list(client);
+}
+
 int ctl_cmd_stats(int argc, char **argv)
 {
     struct stats_options options = {.link = {.policy = CTL_LINK_EXISTING}};
@@ -111,8 +127,7 @@ int ctl_cmd_stats(int argc, char **argv)
         return CTL_FAILED;
     }
     int status = ctl_link_open(&options.link, &client);
-    if (status == CTL_DONE &&
-        (options.is_json ? print_json(client) : print_list(client)) != PCCD_OK) {
+    if (status == CTL_DONE && print(client, &options) != PCCD_OK) {
         status = ctl_complain("stats: %s", pccd_error_text(client));
     }
     pccd_close(client);

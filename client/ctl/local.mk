@@ -25,6 +25,7 @@ libctl_la_SOURCES = \
     client/ctl/progress.c client/ctl/progress.h \
     client/ctl/raster.c client/ctl/raster.h \
     client/ctl/report.c client/ctl/report_json.c client/ctl/report.h \
+    client/ctl/stats_threads.c client/ctl/stats_threads.h \
     client/ctl/statistics.c client/ctl/statistics.h \
     client/ctl/text.c client/ctl/text.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.

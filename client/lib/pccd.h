@@ -109,10 +109,18 @@ const char *pccd_url(const struct pccd_client *client);
 int pccd_ping(struct pccd_client *client, uint64_t *round_trip_ns);
 
 /* Call `each` for every counter of the daemon, in a fixed order. `text` is its
- * meaning. */
+ * meaning; both strings are the library's and stay. */
 typedef void (*pccd_stat_fn)(void *context, const char *name, uint64_t value,
                              const char *text);
 int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context);
+
+/* The same for one thread, 0 .. threads-1, of the last step: what it did, and what the
+ * step took. The first counter is `threads`; 0: there was no step yet (thread must be 0
+ * then). `number` changes with every step. `any`: of the daemon's last step, whoever's it
+ * was, which only the daemon's own user and root may see (E_ACCESS); otherwise of this
+ * client's. */
+int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
+                      pccd_stat_fn each, void *context);
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 

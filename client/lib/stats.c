@@ -4,6 +4,8 @@
  * Does:     a timed round trip; the counters with names and meanings from the manifest.
  * Threads:  [owner].
  */
+#include <string.h>
+
 #include "client.h"
 #include "rpc.h"
 
@@ -33,6 +35,26 @@ int pccd_ping(struct pccd_client *client, uint64_t *round_trip_ns)
     return 0;
 }
 
+/* Every whole number of a result, with its name and meaning. */
+static void each_number(const struct proto_fields *fields, const void *result,
+                        pccd_stat_fn each, void *context)
+{
+    for (uint32_t i = 0; i < fields->count; i++) {
+        const struct proto_field *field = &fields->items[i];
+        const char *value = (const char *)result + field->offset;
+        uint32_t narrow = 0;
+        uint64_t wide = 0;
+
+        if (field->type == PROTO_TYPE_u32) {
+            memcpy(&narrow, value, sizeof(narrow));
+            each(context, field->name, narrow, field->text);
+        } else if (field->type == PROTO_TYPE_u64) {
+            memcpy(&wide, value, sizeof(wide));
+            each(context, field->name, wide, field->text);
+        }
+    }
+}
+
 int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context)
 {
     const struct proto_fields *fields = &proto_messages[PROTO_METHOD_STATS].result;
@@ -51,14 +73,28 @@ int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context)
     if (rc != 0) {
         return rc;
     }
-    for (uint32_t i = 0; i < fields->count; i++) {
-        const struct proto_field *field = &fields->items[i];
-        const uint8_t *value = (const uint8_t *)&result + field->offset;
-
-        if (field->type == PROTO_TYPE_u64) {
-            each(context, field->name, *(const uint64_t *)(const void *)value,
-                 field->text);
-        }
-    }
+    each_number(fields, &result, each, context);
     return 0;
+}
+
+int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
+                      pccd_stat_fn each, void *context)
+{
+    struct proto_STATS_THREAD_request request = {.thread = thread, .any = any};
+    struct proto_STATS_THREAD_result result;
+    int rc;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (each == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "stats.thread: each is NULL");
+    }
+    rc = cli_call_sync(client, PROTO_METHOD_STATS_THREAD, &request, &result,
+                       cli_deadline(client, -1));
+    if (rc == 0) {
+        each_number(&proto_messages[PROTO_METHOD_STATS_THREAD].result, &result, each,
+                    context);
+    }
+    return rc;
 }

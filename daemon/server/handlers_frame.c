@@ -171,6 +171,7 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     describe(&step, &scene->answer);
     describe_sharing(&settings, step.threads, &scene->answer);
     scene->answer.step = request->params.FRAME_SUBMIT.step;
+    request->last_step = srv_laststep_new(&step);
     scene->records = step.records;
     scene->has_answer = true;
     PCCD_ASSERT(step.count == 0 || step.record_bytes == scene->answer.record_bytes);
@@ -226,9 +227,16 @@ static int work_submit(struct srv_request *request)
 
 static void finish_submit(struct srv_request *request)
 {
+    struct srv_loop *loop = request->session->loop;
+    struct srv_laststep *last = request->last_step;
     if (request->status == 0) {
-        srv_metrics_add_step(&request->session->loop->metrics,
-                             &request->result.FRAME_SUBMIT);
+        srv_metrics_add_step(&loop->metrics, &request->result.FRAME_SUBMIT);
+    }
+    if (last != NULL) {
+        last->answer = request->result.FRAME_SUBMIT;
+        last->number = ++loop->step_last;
+        srv_laststep_set(&request->session->last_step, last);
+        srv_laststep_set(&loop->last_step, last);
     }
 }
 

@@ -11,7 +11,9 @@ libserver_la_SOURCES = \
     daemon/server/handlers_frame.c \
     daemon/server/handlers_mesh.c \
     daemon/server/handlers_scene.c \
+    daemon/server/handlers_watch.c \
     daemon/server/invariant.c daemon/server/invariant.h \
+    daemon/server/laststep.c daemon/server/laststep.h \
     daemon/server/listener.c daemon/server/listener.h \
     daemon/server/lockfile.c daemon/server/lockfile.h \
     daemon/server/log.c daemon/server/log.h \

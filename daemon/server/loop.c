@@ -331,6 +331,7 @@ int srv_loop_run(const struct srv_options *options)
     int failed = uv_loop_close(&loop->uv);
     PCCD_ASSERT(failed == 0);
     srv_quota_deinit(&loop->quota);
+    srv_laststep_set(&loop->last_step, NULL);
     deinit_buffers(loop);
     free(loop);
     if (status != 0) {

@@ -15,6 +15,7 @@
 
 #include "codec.h"
 #include "compute.h"
+#include "laststep.h"
 #include "listener.h"
 #include "log.h"
 #include "metrics.h"
@@ -39,6 +40,7 @@ struct srv_loop {
     bool is_pinned;           /* threads of steps are bound to them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
+    struct srv_laststep *last_step; /* of any session; NULL: none yet */
     struct proto_decoder *decoder;  /* one message is decoded at a time */
     struct proto_encoder *encoder;  /* and one encoded */
     uint8_t *buffer;                /* PROTO_MESSAGE_BYTES_MAX: the message being read */
@@ -52,6 +54,7 @@ struct srv_loop {
     uint32_t reply_count;   /* queued, of all connections */
     uint64_t session_last;  /* number of the newest session */
     uint64_t mesh_last;     /* number of the newest mesh */
+    uint64_t step_last;     /* number of the newest step */
     uint64_t epoch;         /* of this start of the daemon */
     uint64_t start_ns;
     enum srv_phase phase;

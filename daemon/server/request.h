@@ -13,6 +13,7 @@
 #include "resource.h"
 #include "ringio.h"
 
+struct srv_laststep;
 struct srv_replacement;
 struct srv_request;
 
@@ -50,6 +51,7 @@ struct srv_request {
     struct proto_error error;
     int status;
     uint64_t upload_bytes; /* copied out of slots */
+    struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];            /* to send with the answer and close; -1: none */
 };
 

@@ -18,6 +18,7 @@
 #include "session.h"
 
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "conn.h"
 #include "invariant.h"
@@ -186,8 +187,20 @@ void srv_session_settle(struct srv_session *session)
     }
     srv_handles_deinit(&session->scenes);
     srv_handles_deinit(&session->meshes);
+    srv_laststep_set(&session->last_step, NULL);
     srv_quota_release(&loop->quota, session->user);
     free(session);
+}
+
+int srv_session_refuse_stranger(const struct srv_session *session,
+                                struct proto_error *error)
+{
+    uid_t uid = session->user->uid;
+    return uid == 0 || uid == geteuid()
+               ? 0
+               : proto_error_set(error, PCCD_E_ACCESS,
+                                 "only the daemon's own user may, not user %u",
+                                 (unsigned)uid);
 }
 
 void srv_session_cancel_all(struct srv_session *session)

@@ -46,6 +46,7 @@ struct srv_session {
     struct srv_handles scenes; /* of struct srv_scene */
     struct srv_handles meshes; /* of struct srv_mesh */
     struct srv_ring *ring;     /* NULL: none attached */
+    struct srv_laststep *last_step; /* NULL: none yet */
     struct srv_lane lane;
     struct srv_request *requests; /* in flight, newest first */
     uint32_t request_count;
@@ -75,6 +76,11 @@ struct srv_request *srv_session_request(const struct srv_session *session, uint3
 void srv_session_reaped(struct srv_session *session);
 /* Free a closed session that nothing refers to any more; otherwise nothing. */
 void srv_session_settle(struct srv_session *session);
+
+/* PCCD_E_ACCESS with *error set, unless the session is of the daemon's own user or root:
+ * then 0. */
+int srv_session_refuse_stranger(const struct srv_session *session,
+                                struct proto_error *error);
 
 /* Stop every request in flight; they are answered. */
 void srv_session_cancel_all(struct srv_session *session);

@@ -236,6 +236,7 @@ static void status__keeps_its_number(void **state)
     VALUE(PCCD_E_AGAIN, -23);
     VALUE(PCCD_E_FORMAT, -24);
     VALUE(PCCD_E_INTERNAL, -25);
+    VALUE(PCCD_E_ACCESS, -26);
 }
 
 /* If this failed, a mode, format or flag would mean something else to the other side. */

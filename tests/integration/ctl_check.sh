@@ -255,6 +255,14 @@ ctl check --url "unix:$dir/s" t0.ply t1.ply && ctl stats --socket "$dir/s" &&
     ctl stats --json --socket "$dir/s" && [ "$(json_value steps)" = 2 ]
 report "stats counts the steps of check, as text and as JSON"
 
+ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
+    ctl stats --threads --socket "$dir/s" && says '^step [0-9]+ by 1 thread$' \
+        '^  ingest +[0-9.]+ ms$' '^  step +[0-9.]+ ms$' '^thread +task_units +pairs' \
+        '^thread +refit +low +high +tests +rebuild +wait +merge   \(ms\)$' '^     0 ' &&
+    ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 1 ] &&
+    [ "$(json_value task_units)" -gt 0 ] && [ "$(json_value ns_step)" -gt 0 ]
+report "stats --threads tells what the threads of the last step did"
+
 PCCD_URL="unix:$dir/s" "$PCCDCTL" version >out 2>err &&
     says '^tool +pccdctl [0-9.]+$' '^library +libpccd [0-9.]+$' "^daemon +.*$daemon_pid"
 report "version names the daemon's process"

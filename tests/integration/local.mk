@@ -10,7 +10,8 @@ integration_names = \
     tests/integration/test_int_session \
     tests/integration/test_int_slot \
     tests/integration/test_int_step \
-    tests/integration/test_int_threads
+    tests/integration/test_int_threads \
+    tests/integration/test_int_watch
 check_PROGRAMS += $(integration_names)
 TESTS += $(integration_names)
 
@@ -53,6 +54,10 @@ tests_integration_test_int_step_LDADD = $(integration_libs)
 tests_integration_test_int_threads_SOURCES = tests/integration/test_int_threads.c
 tests_integration_test_int_threads_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_threads_LDADD = $(integration_libs)
+
+tests_integration_test_int_watch_SOURCES = tests/integration/test_int_watch.c
+tests_integration_test_int_watch_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_watch_LDADD = $(integration_libs)
 
 include $(top_srcdir)/tests/integration/ctl.mk
 
