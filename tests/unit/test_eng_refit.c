@@ -237,6 +237,29 @@ static void refit__still_objects_have_equal_boxes_at_both_ends(void **state)
     eng_scene_free(scene);
 }
 
+/* If this failed, many threads and small objects would leave nodes without boxes, or write
+ * behind the plan: the trees have fewer subtrees than are wanted. */
+static void refit_plan__covers_every_node_within_its_memory(void **state)
+{
+    (void)state;
+    struct kit_random random = {5};
+    struct eng_scene *scene = new_scene(&random, 3);
+    struct eng_refit_plan plan = {0};
+    for (uint32_t threads = 1; threads < 250; threads += 3) {
+        enum eng_refit_scheme scheme = threads % 2 ? ENG_REFIT_EVEN : ENG_REFIT_PAPER;
+        assert_int_equal(eng_refit_plan_tree(&plan, scene, scheme, threads), ENG_OK);
+        assert_true(plan.opened_count <= plan.capacity);
+        assert_true(plan.root_count <= plan.capacity + 1);
+        uint32_t covered = plan.opened_count;
+        for (uint32_t i = 0; i < plan.root_count; i++) {
+            covered += 2 * scene->nodes[plan.roots[i]].count - 1;
+        }
+        assert_int_equal(covered, 2 * VERTICES - 1); /* three objects of VERTICES / 3 */
+    }
+    eng_refit_plan_deinit(&plan);
+    eng_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -244,6 +267,7 @@ int main(void)
         cmocka_unit_test(refit__root_is_as_tight_as_the_vertices),
         cmocka_unit_test(refit__repeated_refit_does_not_inflate),
         cmocka_unit_test(refit__still_objects_have_equal_boxes_at_both_ends),
+        cmocka_unit_test(refit_plan__covers_every_node_within_its_memory),
     };
     return cmocka_run_group_tests_name("eng_refit", tests, NULL, NULL);
 }

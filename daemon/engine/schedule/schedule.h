@@ -11,6 +11,18 @@
 
 #include "team.h"
 
+/* Stealing: triangles below which a task is not split: about 50 us of work against about
+ * 0.1 us to push and pop a task. */
+#define ENG_STEAL_UNIT_GRAIN 512u
+#define ENG_STEAL_PAIR_GRAIN 1024u
+
+/* Stealing: failed rounds over all victims before the processor is offered to others. */
+#define ENG_STEAL_ROUNDS 64u
+
+/* The paper's: sleep of a thread that finds nobody with a node to spare, before it looks
+ * again. */
+#define ENG_PAPER_RETRY_NS 50000
+
 /* Returns when no task is left or the step was stopped. `worker` is the
  * calling thread's. */
 typedef void (*eng_schedule_fn)(struct eng_team *team, struct eng_worker *worker);

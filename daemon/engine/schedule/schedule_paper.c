@@ -20,9 +20,6 @@
 #include "rebuild.h"
 #include "taskunit.h"
 
-/* Sleep of a thread that finds nobody with a node to spare, before it looks again. */
-#define RETRY_NS 50000
-
 void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_assignment *assignment = team->assignment;
@@ -211,7 +208,7 @@ static bool find_work(struct eng_team *team, struct eng_seat *seat,
             found = request(victim, seat, worker, node);
         } else {
             worker->record.sleeps++;
-            nanosleep(&(struct timespec){0, RETRY_NS}, NULL);
+            nanosleep(&(struct timespec){0, ENG_PAPER_RETRY_NS}, NULL);
         }
     }
     eng_worker_waited(worker, begin_ns);

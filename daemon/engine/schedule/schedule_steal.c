@@ -19,14 +19,6 @@
 #include "rebuild.h"
 #include "taskunit.h"
 
-/* Triangles below which a task is not split: about 50 us of work against about 0.1 us to
- * push and pop a task. */
-#define UNIT_GRAIN 512u
-#define PAIR_GRAIN 1024u
-
-/* Failed rounds over all victims before the processor is offered to others. */
-#define ROUNDS_BEFORE_YIELD 64u
-
 static uint64_t task_of(uint32_t n, uint32_t m)
 {
     return (uint64_t)n << 32 | m;
@@ -67,7 +59,7 @@ static void perform_subtree(struct eng_worker *worker, uint32_t node)
 
 static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint32_t n)
 {
-    if (team->scene->nodes[n].count <= UNIT_GRAIN) {
+    if (team->scene->nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
         perform_subtree(worker, n);
         return;
     }
@@ -85,7 +77,7 @@ static void perform_pair(struct eng_team *team, struct eng_worker *worker, uint3
 {
     const struct eng_node *nodes = team->scene->nodes;
     uint64_t begin_ns = eng_worker_slice(worker);
-    if ((uint64_t)nodes[n].count + nodes[m].count <= PAIR_GRAIN) {
+    if ((uint64_t)nodes[n].count + nodes[m].count <= ENG_STEAL_PAIR_GRAIN) {
         eng_taskunit_pairs(worker, n, m);
     } else {
         uint32_t n_out[4];
@@ -135,7 +127,7 @@ static bool search(struct eng_team *team, struct eng_worker *worker, uint64_t *t
     bool found = false;
     while (!found && atomic_load_explicit(&team->open_tasks, memory_order_acquire) > 0) {
         found = steal(team, worker, task);
-        if (!found && ++failed_rounds % ROUNDS_BEFORE_YIELD == 0) {
+        if (!found && ++failed_rounds % ENG_STEAL_ROUNDS == 0) {
             worker->record.sleeps++;
             sched_yield();
         }
