@@ -27,6 +27,7 @@ client/load         client/lib+
 client/examples     client/lib+
 bench/scenes        tests/support
 bench               proto daemon/engine client/lib+ tests/support bench/scenes
+bench/model         bench daemon/engine bench/scenes
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/oracle
@@ -45,6 +46,7 @@ daemon/engine       gmp.h omp.h xxhash.h
 daemon/server       uv.h
 client/ctl          jansson.h png.h
 bench               omp.h
+bench/model         omp.h
 tests               cmocka.h gmp.h jansson.h omp.h png.h xxhash.h
 '
 

@@ -1,0 +1,92 @@
+/* bench/model/loop.c - what a turn of the paper's main loop costs.
+ *
+ * Room:     bench/model.
+ * Does:     run the paper's scheduler and the serial one, each by one thread, over a
+ *           scene in which nothing is near anything else: all units are one box test, and
+ *           the difference is what section 4.3 adds to each.
+ * Threads:  one.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "clock.h"
+#include "machine.h"
+#include "memory.h"
+#include "report.h"
+#include "resident.h"
+#include "schedule.h"
+#include "step_memory.h"
+
+#define TRIANGLES 8192u
+#define REPEATS   31
+
+/* Triangles in a row, each in a cell of its own. */
+static void make_row(struct bench_scene *scene)
+{
+    memset(scene, 0, sizeof *scene);
+    scene->name = "row";
+    scene->object_count = 1;
+    scene->vertex_count = 3 * TRIANGLES;
+    scene->frame_count = 2;
+    scene->objects[0] = (struct bench_object){
+        .vertex_count = scene->vertex_count,
+        .triangle_count = TRIANGLES,
+        .triangles = bench_alloc(TRIANGLES, sizeof *scene->objects[0].triangles)};
+    scene->x = bench_alloc((size_t)2 * scene->vertex_count, sizeof *scene->x);
+    for (uint32_t i = 0; i < 2 * scene->vertex_count; i++) {
+        uint32_t v = i % scene->vertex_count;
+        scene->x[i][0] = 4.0 * (v / 3) + (v % 3 == 1);
+        scene->x[i][1] = v % 3 == 2;
+        scene->x[i][2] = 0;
+        if (i < scene->vertex_count) {
+            scene->objects[0].triangles[v / 3][v % 3] = v;
+        }
+    }
+}
+
+/* One run of a scheduler by the calling thread. */
+static double run(struct eng_scene *scene, eng_schedule_fn schedule, bool by_paper)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_stop stop;
+    struct eng_step_memory *memory = scene->memory;
+    struct eng_team team = {.scene = scene,
+                            .workers = memory->workers,
+                            .count = 1,
+                            .assignment = &memory->assignment};
+    eng_stop_init(&stop, &settings);
+    eng_pool_reset(&memory->pool, 1);
+    if (eng_assignment_reserve(&memory->assignment, 1) != ENG_OK ||
+        eng_worker_begin(memory->workers[0], scene, &settings, &stop, &memory->pool) !=
+            ENG_OK) {
+        exit(2);
+    }
+    memory->workers[0]->thread = 0;
+    uint64_t begin_ns = eng_now_ns();
+    if (by_paper) {
+        eng_schedule_paper_begin(&team);
+    }
+    schedule(&team, memory->workers[0]);
+    return (double)(eng_now_ns() - begin_ns);
+}
+
+double model_loop_ns(void)
+{
+    struct bench_scene source;
+    struct bench_world world;
+    struct eng_step_result result;
+    struct bench_samples more = {0};
+    make_row(&source);
+    bench_world_init(&world, &source, 0);
+    bench_world_step(&world, 0, ENG_MODE_ALL, &result);
+    for (int i = 0; i < REPEATS; i++) {
+        double serial_ns = run(world.scene, eng_schedule_serial, false);
+        double paper_ns = run(world.scene, eng_schedule_paper, true);
+        bench_add(&more, (paper_ns - serial_ns) / (2 * TRIANGLES - 1));
+    }
+    double ns = bench_summarise(&more).p50;
+    bench_free(&more);
+    bench_world_deinit(&world);
+    bench_scene_free(&source);
+    return ns > 0 ? ns : 0;
+}

@@ -1,0 +1,43 @@
+/* bench/model/measure.h - real steps, to take the serial parts from and to compare with.
+ *
+ * Room:     bench/model; engine headers.
+ * Does:     run the same step by one thread and by each scheduler with more, in turns, so
+ *           that other work on the machine hits all of them; medians.
+ * Threads:  the engine's team.
+ */
+#ifndef MODEL_MEASURE_H
+#define MODEL_MEASURE_H
+
+#include "place.h"
+#include "resident.h"
+
+#define MODEL_MEASURED_MAX 16
+
+/* One way to run the step. */
+struct model_way {
+    uint32_t threads;
+    enum eng_scheduler scheduler;
+    enum eng_high_level high_level;
+    enum eng_refit_scheme refit;
+};
+
+/* Medians, nanoseconds. */
+struct model_measured {
+    struct model_way way;
+    double step;
+    double ingest;
+    double refit;
+    double detection; /* traversal and tests */
+    double merge;
+    double rest; /* of the step: neither of the four */
+    /* The median over turns of this step to the first way's of the same turn. */
+    double ratio;
+};
+
+/* `ways[0]` is by one thread. Steps go from frame 0 to 1 again and again. The answers'
+ * hashes must agree: returns whether they do. */
+bool model_measure(struct bench_world *world, const struct eng_places *places,
+                   const struct model_way *ways, uint32_t way_count, uint32_t turns,
+                   struct model_measured *measured);
+
+#endif

@@ -1,0 +1,326 @@
+/* bench/model/record.c - every task that a step has, for each scheduler and thread count.
+ *
+ * Room:     bench/model.
+ * Does:     see record.h.
+ * Threads:  one.
+ */
+#include "record.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clock.h"
+#include "memory.h"
+#include "refit.h"
+#include "report.h"
+#include "schedule.h"
+#include "taskunit.h"
+
+/* One worker outside a step. */
+struct walker {
+    struct eng_worker *worker;
+    struct eng_pool pool;
+    struct eng_stop stop;
+    struct eng_step_settings settings;
+    const struct eng_scene *scene;
+};
+
+static void must(bool good, const char *what)
+{
+    if (!good) {
+        fprintf(stderr, "model: no memory for %s\n", what);
+        exit(2);
+    }
+}
+
+static void walker_init(struct walker *walker, const struct eng_scene *scene)
+{
+    walker->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    walker->settings.contact_max = UINT32_MAX;
+    walker->scene = scene;
+    walker->worker = eng_alloc(1, sizeof *walker->worker);
+    must(walker->worker != NULL, "a worker");
+    eng_worker_init(walker->worker);
+    eng_pool_init(&walker->pool);
+}
+
+static void walker_deinit(struct walker *walker)
+{
+    eng_worker_deinit(walker->worker);
+    eng_free(walker->worker);
+    eng_pool_deinit(&walker->pool);
+}
+
+static struct eng_worker *walker_begin(struct walker *walker)
+{
+    eng_pool_reset(&walker->pool, 1);
+    eng_stop_init(&walker->stop, &walker->settings);
+    must(eng_worker_begin(walker->worker, walker->scene, &walker->settings, &walker->stop,
+                          &walker->pool) == ENG_OK,
+         "a worker's queues");
+    walker->worker->thread = 0;
+    return walker->worker;
+}
+
+/* ---- task units, as by eng_schedule_serial --------------------------------------- */
+
+static void walk_units(struct model_record *record, struct walker *walker,
+                       struct model_tasks *tasks)
+{
+    static struct model_recorder recorder;
+    const struct eng_node *nodes = record->scene->nodes;
+    struct eng_worker *worker = walker_begin(walker);
+    struct eng_task_queue *units = &worker->units;
+    tasks->count = 0;
+    units->nodes[units->tail++ & (units->capacity - 1)] = record->scene->root;
+    model_record_begin(&recorder, worker, tasks, record->clock_ns);
+    while (units->head != units->tail) {
+        uint32_t node = units->nodes[units->head++ & (units->capacity - 1)];
+        if (nodes[node].left == ENG_LEAF) {
+            continue;
+        }
+        eng_taskunit_perform(worker, node, true);
+        uint32_t task = model_tasks_add(tasks, 1);
+        record->unit_of[node] = task;
+        model_record_close(&recorder, task);
+    }
+    model_record_end(&recorder);
+}
+
+/* ---- tasks of work stealing, as by eng_schedule_steal ---------------------------- */
+
+struct steal_task {
+    uint32_t n, m;
+    uint32_t task;
+};
+
+struct steal_stack {
+    struct steal_task *items;
+    uint32_t count;
+    uint32_t capacity;
+};
+
+/* The children of `task`, pushed in order. */
+static void push_children(struct steal_stack *stack, struct model_tasks *tasks,
+                          uint32_t task, uint32_t count, const uint32_t *n,
+                          const uint32_t *m)
+{
+    uint32_t first = model_tasks_add(tasks, count);
+    tasks->items[task].first_child = first;
+    tasks->items[task].child_count = count;
+    if (stack->count + count > stack->capacity) {
+        uint32_t capacity = 2 * stack->capacity + 256;
+        struct steal_task *items = bench_alloc(capacity, sizeof *items);
+        if (stack->count > 0) {
+            memcpy(items, stack->items, stack->count * sizeof *items);
+        }
+        free(stack->items);
+        stack->items = items;
+        stack->capacity = capacity;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        stack->items[stack->count++] = (struct steal_task){n[i], m[i], first + i};
+    }
+}
+
+static void subtree(struct eng_worker *worker, uint32_t node)
+{
+    struct eng_task_queue *units = &worker->units;
+    eng_taskunit_perform(worker, node, true);
+    while (units->head != units->tail) {
+        eng_taskunit_perform(worker, units->nodes[units->head++ & (units->capacity - 1)],
+                             true);
+    }
+}
+
+static void walk_steal(const struct model_record *record, struct walker *walker,
+                       struct model_tasks *tasks, struct steal_stack *stack)
+{
+    static struct model_recorder recorder;
+    const struct eng_node *nodes = record->scene->nodes;
+    struct eng_worker *worker = walker_begin(walker);
+    tasks->count = 0;
+    stack->count = 0;
+    uint32_t task = model_tasks_add(tasks, 1);
+    uint32_t n = record->scene->root;
+    uint32_t m = n;
+    model_record_begin(&recorder, worker, tasks, record->clock_ns);
+    for (;;) {
+        uint32_t ns[4];
+        uint32_t ms[4];
+        uint32_t count = 0;
+        if (n == m && nodes[n].count <= record->unit_grain) {
+            subtree(worker, n);
+        } else if (n == m) {
+            const uint32_t left = nodes[n].left;
+            const uint32_t right = nodes[n].right;
+            memcpy(ns, (uint32_t[3]){left, right, left}, 3 * sizeof *ns);
+            memcpy(ms, (uint32_t[3]){left, right, right}, 3 * sizeof *ms);
+            count = 3;
+        } else if ((uint64_t)nodes[n].count + nodes[m].count <= record->pair_grain) {
+            eng_taskunit_pairs(worker, n, m);
+        } else {
+            count = eng_taskunit_refine(worker, n, m, ns, ms);
+        }
+        model_record_close(&recorder, task);
+        if (count > 0) {
+            push_children(stack, tasks, task, count, ns, ms);
+        }
+        if (stack->count == 0) {
+            break;
+        }
+        struct steal_task *next = &stack->items[--stack->count];
+        n = next->n;
+        m = next->m;
+        task = next->task;
+    }
+    model_record_end(&recorder);
+}
+
+/* ---- high-level nodes, as by eng_schedule_paper ---------------------------------- */
+
+/* Refine breadth-first until there are enough pairs to deal out; they are left in
+ * pairs[0 .. the number returned - 1]. */
+static uint32_t expand(struct eng_worker *worker, uint32_t node, uint32_t wanted,
+                       uint64_t *pairs)
+{
+    const struct eng_node *nodes = worker->scene->nodes;
+    uint32_t head = 0;
+    uint32_t count = 1;
+    pairs[0] = (uint64_t)nodes[node].left << 32 | nodes[node].right;
+    while (count - head > 0 && count < wanted) {
+        uint32_t n[4];
+        uint32_t m[4];
+        uint64_t pair = pairs[head++];
+        uint32_t refined =
+            eng_taskunit_refine(worker, (uint32_t)(pair >> 32), (uint32_t)pair, n, m);
+        for (uint32_t i = 0; i < refined; i++) {
+            pairs[count++] = (uint64_t)n[i] << 32 | m[i];
+        }
+    }
+    for (uint32_t i = head; i < count; i++) {
+        pairs[i - head] = pairs[i];
+    }
+    return count - head;
+}
+
+static void walk_high(struct model_division *division, const struct model_record *record,
+                      struct walker *walker, const struct eng_assignment *assignment,
+                      struct model_tasks *tasks)
+{
+    static struct model_recorder recorder;
+    struct eng_worker *worker = walker_begin(walker);
+    tasks->count = 0;
+    model_record_begin(&recorder, worker, tasks, record->clock_ns);
+    for (uint32_t i = assignment->high_count; i-- > 0;) {
+        struct model_high *high = &division->high[assignment->high_count - 1 - i];
+        high->node = assignment->high[i];
+        uint32_t count =
+            expand(worker, high->node, ENG_PAIRS_PER_THREAD * division->threads,
+                   assignment->pairs);
+        high->expansion = model_tasks_add(tasks, 1 + count);
+        high->first_pair = high->expansion + 1;
+        high->pair_count = count;
+        model_record_close(&recorder, high->expansion);
+        for (uint32_t k = 0; k < count; k++) {
+            eng_taskunit_pairs(worker, (uint32_t)(assignment->pairs[k] >> 32),
+                               (uint32_t)assignment->pairs[k]);
+            model_record_close(&recorder, high->first_pair + k);
+        }
+    }
+    division->high_count = assignment->high_count;
+    model_record_end(&recorder);
+}
+
+static void record_high(struct model_division *division,
+                        const struct model_record *record, struct walker *walker)
+{
+    struct eng_assignment assignment;
+    struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
+    struct eng_team team = {.scene = (struct eng_scene *)(uintptr_t)record->scene,
+                            .count = division->threads,
+                            .assignment = &assignment};
+    memset(passes, 0, record->passes * sizeof *passes);
+    eng_assignment_init(&assignment);
+    must(eng_assignment_reserve(&assignment, division->threads) == ENG_OK, "seats");
+    uint64_t begin_ns = eng_now_ns();
+    eng_schedule_paper_begin(&team);
+    division->begin_ns = (double)(eng_now_ns() - begin_ns);
+    for (uint32_t i = 0; i < division->threads; i++) {
+        division->first_node[i] = assignment.seats[i].first_node;
+    }
+    for (uint32_t pass = 0; pass < record->passes; pass++) {
+        walk_high(division, record, walker, &assignment, &passes[pass]);
+    }
+    division->consistent = model_tasks_median(passes, record->passes);
+    division->tasks = passes[0];
+    for (uint32_t pass = 1; pass < record->passes; pass++) {
+        model_tasks_deinit(&passes[pass]);
+    }
+    free(passes);
+    eng_assignment_deinit(&assignment);
+}
+
+void model_division_init(struct model_division *division,
+                         const struct model_record *record, uint32_t threads)
+{
+    struct walker walker;
+    memset(division, 0, sizeof *division);
+    division->threads = threads;
+    walker_init(&walker, record->scene);
+    record_high(division, record, &walker);
+    walker_deinit(&walker);
+    model_refit_init(&division->refit[ENG_REFIT_EVEN], record,
+                     ENG_SUBTREES_PER_THREAD * threads);
+    model_refit_init(&division->refit[ENG_REFIT_PAPER], record, 2 * threads);
+}
+
+void model_division_deinit(struct model_division *division)
+{
+    model_tasks_deinit(&division->tasks);
+    model_refit_deinit(&division->refit[ENG_REFIT_EVEN]);
+    model_refit_deinit(&division->refit[ENG_REFIT_PAPER]);
+    memset(division, 0, sizeof *division);
+}
+
+void model_record_init(struct model_record *record)
+{
+    const struct eng_scene *scene = record->scene;
+    const uint32_t passes = record->passes;
+    struct walker walker;
+    struct steal_stack stack = {NULL, 0, 0};
+    struct model_tasks *units = bench_alloc(passes, sizeof *units);
+    struct model_tasks *steal = bench_alloc(passes, sizeof *steal);
+    memset(units, 0, passes * sizeof *units);
+    memset(steal, 0, passes * sizeof *steal);
+    record->unit_of = bench_alloc(scene->node_capacity, sizeof *record->unit_of);
+    memset(record->unit_of, 0xff, scene->node_capacity * sizeof *record->unit_of);
+    walker_init(&walker, scene);
+    walk_units(record, &walker, &units[0]); /* caches and pool */
+    for (uint32_t pass = 0; pass < passes; pass++) {
+        walk_units(record, &walker, &units[pass]);
+        walk_steal(record, &walker, &steal[pass], &stack);
+    }
+    record->consistent =
+        model_tasks_median(units, passes) && model_tasks_median(steal, passes);
+    record->units = units[0];
+    record->steal = steal[0];
+    for (uint32_t pass = 1; pass < passes; pass++) {
+        model_tasks_deinit(&units[pass]);
+        model_tasks_deinit(&steal[pass]);
+    }
+    free(units);
+    free(steal);
+    free(stack.items);
+    walker_deinit(&walker);
+    model_refit_features(record);
+}
+
+void model_record_deinit(struct model_record *record)
+{
+    model_tasks_deinit(&record->units);
+    model_tasks_deinit(&record->steal);
+    free(record->unit_of);
+    memset(record, 0, sizeof *record);
+}

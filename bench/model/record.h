@@ -1,0 +1,78 @@
+/* bench/model/record.h - every task that a step has, for each scheduler and thread count.
+ *
+ * Room:     bench/model; engine headers.
+ * Does:     walk over the scene as its last step left it, by one worker, in the order in
+ *           which one thread would: all task units (the paper's scheduler), all tasks of
+ *           work stealing, the high-level nodes for one number of threads, the refit.
+ * Threads:  one.
+ *
+ * The walk calls the engine's own functions for what takes time; which node belongs to
+ * whom is asked of the engine (eng_schedule_paper_begin, eng_refit_plan).
+ */
+#ifndef MODEL_RECORD_H
+#define MODEL_RECORD_H
+
+#include "step.h"
+#include "task.h"
+
+#define MODEL_THREADS_MAX 64u
+#define MODEL_NO_TASK     UINT32_MAX
+
+/* What does not depend on the number of threads. */
+struct model_record {
+    const struct eng_scene *scene;
+    uint32_t passes; /* medians are over so many */
+    double clock_ns;
+    uint32_t unit_grain; /* of work stealing */
+    uint32_t pair_grain;
+    struct model_tasks units; /* self-CD task units, breadth-first from the root */
+    uint32_t *unit_of; /* [node_capacity] index in `units`; leaves: MODEL_NO_TASK */
+    struct model_tasks steal; /* [0] is the root's; children in the order of pushing */
+    uint32_t vertex_count;
+    uint32_t edge_count;
+    double vertices_ns; /* refit of all of them */
+    double edges_ns;
+    bool consistent; /* all passes met the same tasks */
+};
+
+struct model_high {
+    uint32_t node;
+    uint32_t expansion;  /* index in `tasks`: what thread 0 does alone */
+    uint32_t first_pair; /* then the pairs that are dealt out */
+    uint32_t pair_count;
+};
+
+/* How subtrees are refitted. */
+struct model_refit {
+    uint32_t subtree_count;
+    double *subtree_ns; /* in the order in which threads take them */
+    double top_ns;      /* after them, by thread 0 */
+};
+
+/* What depends on it. */
+struct model_division {
+    uint32_t threads;
+    uint32_t first_node[MODEL_THREADS_MAX]; /* low-level nodes, or ENG_NO_NODE */
+    uint32_t high_count;
+    struct model_high high[MODEL_THREADS_MAX]; /* in the order in which they are done */
+    struct model_tasks tasks;                  /* of the high-level nodes */
+    double begin_ns;                           /* eng_schedule_paper_begin */
+    struct model_refit refit[2];               /* enum eng_refit_scheme */
+    bool consistent;
+};
+
+/* The fields `scene`, `passes`, `clock_ns` and the grains are filled in already. */
+void model_record_init(struct model_record *record);
+void model_record_deinit(struct model_record *record);
+
+/* Time the refit of vertices and edges, and that of the subtrees of a plan. */
+void model_refit_features(struct model_record *record);
+void model_refit_init(struct model_refit *refit, const struct model_record *record,
+                      uint32_t wanted);
+void model_refit_deinit(struct model_refit *refit);
+
+void model_division_init(struct model_division *division,
+                         const struct model_record *record, uint32_t threads);
+void model_division_deinit(struct model_division *division);
+
+#endif
