@@ -13,6 +13,7 @@ bench_model_model_SOURCES = \
     bench/model/model.c \
     bench/model/record.c \
     bench/model/record.h \
+    bench/model/record_merge.c \
     bench/model/record_refit.c \
     bench/model/sim.c \
     bench/model/sim.h \
@@ -20,6 +21,8 @@ bench_model_model_SOURCES = \
     bench/model/sim_steal.c \
     bench/model/task.c \
     bench/model/task.h \
+    bench/model/walker.c \
+    bench/model/walker.h \
     $(bench_engine_sources)
 bench_model_model_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/model
 bench_model_model_LDADD = $(bench_engine_libs)

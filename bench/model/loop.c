@@ -25,22 +25,14 @@ static void make_row(struct bench_scene *scene)
 {
     memset(scene, 0, sizeof *scene);
     scene->name = "row";
-    scene->object_count = 1;
-    scene->vertex_count = 3 * TRIANGLES;
-    scene->frame_count = 2;
-    scene->objects[0] = (struct bench_object){
-        .vertex_count = scene->vertex_count,
-        .triangle_count = TRIANGLES,
-        .triangles = bench_alloc(TRIANGLES, sizeof *scene->objects[0].triangles)};
-    scene->x = bench_alloc((size_t)2 * scene->vertex_count, sizeof *scene->x);
+    struct bench_object *object = bench_scene_add(scene, 3 * TRIANGLES, TRIANGLES);
+    double(*x)[3] = bench_scene_store(scene, 2);
     for (uint32_t i = 0; i < 2 * scene->vertex_count; i++) {
         uint32_t v = i % scene->vertex_count;
-        scene->x[i][0] = 4.0 * (v / 3) + (v % 3 == 1);
-        scene->x[i][1] = v % 3 == 2;
-        scene->x[i][2] = 0;
-        if (i < scene->vertex_count) {
-            scene->objects[0].triangles[v / 3][v % 3] = v;
-        }
+        x[i][0] = 4.0 * (v / 3) + (v % 3 == 1);
+        x[i][1] = v % 3 == 2;
+        x[i][2] = 0;
+        object->triangles[v / 3][v % 3] = v;
     }
 }
 
@@ -74,11 +66,14 @@ double model_loop_ns(void)
 {
     struct bench_scene source;
     struct bench_world world;
+    struct bench_frames frames;
+    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
     struct eng_step_result result;
     struct bench_samples more = {0};
     make_row(&source);
-    bench_world_init(&world, &source, 0);
-    bench_world_step(&world, 0, ENG_MODE_ALL, &result);
+    bench_frames_init(&frames, &source, 0);
+    bench_world_init(&world, &frames, NULL);
+    bench_world_step(&world, &frames, &settings, &result);
     for (int i = 0; i < REPEATS; i++) {
         double serial_ns = run(world.scene, eng_schedule_serial, false);
         double paper_ns = run(world.scene, eng_schedule_paper, true);
@@ -87,6 +82,7 @@ double model_loop_ns(void)
     double ns = bench_summarise(&more).p50;
     bench_free(&more);
     bench_world_deinit(&world);
+    bench_frames_deinit(&frames);
     bench_scene_free(&source);
     return ns > 0 ? ns : 0;
 }

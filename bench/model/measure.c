@@ -6,42 +6,23 @@
  */
 #include "measure.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "report.h"
 
-enum { STEP, INGEST, REFIT, DETECTION, MERGE, REST, RATIO, QUANTITIES };
+enum { STEP, INGEST, REFIT, DETECTION, MERGE, REST, HAND_OVERS, RATIO, QUANTITIES };
 
-static void must(int status, const char *what)
+static void step(struct bench_world *world, const struct bench_frames *frames,
+                 const struct eng_places *places, const struct model_way *way,
+                 struct eng_step_result *result)
 {
-    if (status != ENG_OK) {
-        fprintf(stderr, "engine: %s: status %d\n", what, status);
-        exit(2);
-    }
-}
-
-static void step(struct bench_world *world, const struct eng_places *places,
-                 const struct model_way *way, struct eng_step_result *result)
-{
-    const struct bench_scene *source = world->source;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.contact_max = UINT32_MAX;
+    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
     settings.threads = way->threads;
     settings.scheduler = way->scheduler;
     settings.high_level = way->high_level;
     settings.refit = way->refit;
     settings.places = places;
-    eng_stage_begin(world->scene);
-    for (uint32_t i = 0; i < source->object_count; i++) {
-        must(eng_stage_x0x1(world->scene, world->object_idx[i], ENG_F64, 0,
-                            source->objects[i].vertex_count, bench_scene_x(source, 0, i),
-                            bench_scene_x(source, 1, i)),
-             "eng_stage");
-    }
-    must(eng_step(world->scene, &settings, result), "eng_step");
-    world->frame = 1;
+    bench_world_step(world, frames, &settings, result);
 }
 
 static void keep(struct bench_samples *samples, const struct eng_step_result *result,
@@ -56,12 +37,17 @@ static void keep(struct bench_samples *samples, const struct eng_step_result *re
     bench_add(&samples[MERGE], (double)t->merge);
     bench_add(&samples[REST], (double)t->step - (double)t->ingest - (double)t->refit -
                                   detection - (double)t->merge);
+    double hand_overs = 0;
+    for (uint32_t i = 0; i < result->threads; i++) {
+        hand_overs += (double)result->thread_records[i].steals;
+    }
+    bench_add(&samples[HAND_OVERS], hand_overs);
     bench_add(&samples[RATIO], (double)t->step / first_step);
 }
 
-bool model_measure(struct bench_world *world, const struct eng_places *places,
-                   const struct model_way *ways, uint32_t way_count, uint32_t turns,
-                   struct model_measured *measured)
+bool model_measure(struct bench_world *world, const struct bench_frames *frames,
+                   const struct eng_places *places, const struct model_way *ways,
+                   uint32_t way_count, uint32_t turns, struct model_measured *measured)
 {
     struct bench_samples samples[MODEL_MEASURED_MAX][QUANTITIES];
     bool same = true;
@@ -71,7 +57,7 @@ bool model_measure(struct bench_world *world, const struct eng_places *places,
         double first_step = 0;
         for (uint32_t i = 0; i < way_count; i++) {
             struct eng_step_result result;
-            step(world, places, &ways[i], &result);
+            step(world, frames, places, &ways[i], &result);
             if (turn == 0 && i == 0) {
                 hash[0] = result.hash_hi;
                 hash[1] = result.hash_lo;
@@ -89,9 +75,9 @@ bool model_measure(struct bench_world *world, const struct eng_places *places,
             p50[q] = bench_summarise(&samples[i][q]).p50;
             bench_free(&samples[i][q]);
         }
-        measured[i] =
-            (struct model_measured){ways[i],        p50[STEP],  p50[INGEST], p50[REFIT],
-                                    p50[DETECTION], p50[MERGE], p50[REST],   p50[RATIO]};
+        measured[i] = (struct model_measured){ways[i],    p50[STEP],       p50[INGEST],
+                                              p50[REFIT], p50[DETECTION],  p50[MERGE],
+                                              p50[REST],  p50[HAND_OVERS], p50[RATIO]};
     }
     return same;
 }

@@ -29,15 +29,16 @@ struct model_measured {
     double refit;
     double detection; /* traversal and tests */
     double merge;
-    double rest; /* of the step: neither of the four */
+    double rest;       /* of the step: neither of the four */
+    double hand_overs; /* nodes received, tasks taken from others */
     /* The median over turns of this step to the first way's of the same turn. */
     double ratio;
 };
 
-/* `ways[0]` is by one thread. Steps go from frame 0 to 1 again and again. The answers'
+/* `ways[0]` is by one thread. The step of `frames` again and again. The answers'
  * hashes must agree: returns whether they do. */
-bool model_measure(struct bench_world *world, const struct eng_places *places,
-                   const struct model_way *ways, uint32_t way_count, uint32_t turns,
-                   struct model_measured *measured);
+bool model_measure(struct bench_world *world, const struct bench_frames *frames,
+                   const struct eng_places *places, const struct model_way *ways,
+                   uint32_t way_count, uint32_t turns, struct model_measured *measured);
 
 #endif

@@ -37,7 +37,8 @@ struct options {
 
 #define COUNTS "1,2,3,4,5,6,7,8,10,12,14,16,20,24,28,32,40,48,56,64"
 
-static const char *const modelled[] = {"cloth-ball", "n-body", "cloth-funnel", NULL};
+static const char *const modelled[] = {"cloth-ball", "breaking", "n-body", "cloth-funnel",
+                                       NULL};
 
 struct scheme {
     const char *scheduler;
@@ -100,7 +101,8 @@ static void predict(struct run *run, const struct scheme *scheme,
         .record = &run->record,
         .division = division,
         .machine = run->machine,
-        .serial = {.before = one->ingest + one->rest, .merge_serial = one->merge},
+        .serial = one->ingest + one->rest,
+        .merge_alone = one->merge,
         .scheduler = scheme->way.scheduler,
         .high_level = scheme->way.high_level,
         .refit = scheme->way.refit};
@@ -151,11 +153,12 @@ static void validate(const struct run *run, const struct scheme *scheme, uint32_
                 output->total * 1e-6, error, 1 / m->ratio,
                 run->alone.total / output->total);
         printf("%-16s %-6s %3u measured %.3f ms, predicted %.3f: %+.1f %%; speed-up "
-               "%.2f, predicted %.2f (measured: refit %.3f detection %.3f merge %.3f)\n",
+               "%.2f, predicted %.2f (measured: refit %.3f detection %.3f merge %.3f, "
+               "%.0f hand-overs)\n",
                run->name, threads > 1 ? scheme->scheduler : "serial", threads,
                m->step * 1e-6, output->total * 1e-6, 100 * error, 1 / m->ratio,
                run->alone.total / output->total, m->refit * 1e-6, m->detection * 1e-6,
-               m->merge * 1e-6);
+               m->merge * 1e-6, m->hand_overs);
     }
 }
 
@@ -180,7 +183,7 @@ static void replay(struct run *run)
     }
 }
 
-static void model_scene(struct run *run, const struct bench_scene *source)
+static void model_scene(struct run *run, const struct bench_frames *frames)
 {
     struct model_way ways[MODEL_MEASURED_MAX];
     struct bench_world world;
@@ -194,9 +197,9 @@ static void model_scene(struct run *run, const struct bench_scene *source)
         }
     }
     run->measured_count = count;
-    bench_world_init(&world, source, 0);
-    bench_check(model_measure(&world, run->places, ways, count, run->options->turns,
-                              run->measured),
+    bench_world_init(&world, frames, NULL);
+    bench_check(model_measure(&world, frames, run->places, ways, count,
+                              run->options->turns, run->measured),
                 run->name, "all ways give the same answer");
     run->record = (struct model_record){.scene = world.scene,
                                         .passes = run->options->passes,
@@ -210,14 +213,14 @@ static void model_scene(struct run *run, const struct bench_scene *source)
     bench_world_deinit(&world);
 }
 
-/* The first fifth of the way from frame 0 to 1: the paper ran five steps a frame. */
-static void take_fifth(struct bench_scene *scene)
+/* The first fifth of the way from one frame to the next: the paper ran five steps a frame. */
+static void take_fifth(struct bench_frames *frames)
 {
-    for (uint32_t v = 0; v < scene->vertex_count; v++) {
-        const double *x0 = scene->x[v];
-        double *x1 = scene->x[scene->vertex_count + v];
+    for (uint32_t v = 0; v < frames->scene->vertex_count; v++) {
         for (int k = 0; k < 3; k++) {
-            x1[k] = x0[k] + (x1[k] - x0[k]) / 5;
+            double *x1 = &frames->x[1][v][k];
+            double x0 = frames->x[0][v][k];
+            *x1 = x0 + (*x1 - x0) / 5;
         }
     }
 }
@@ -237,6 +240,7 @@ static void model_all(struct run *run)
     const struct options *options = run->options;
     for (unsigned i = 0; i < bench_scene_total(); i++) {
         struct bench_scene scene;
+        struct bench_frames frames;
         const char *name = bench_scene_name(i);
         if (options->smoke ? strcmp(name, "cloth-20k") != 0
                            : !is_modelled(options, name)) {
@@ -251,10 +255,15 @@ static void model_all(struct run *run)
                 break;
             }
             snprintf(run->name, sizeof run->name, "%s%s", name, fifth ? "/5" : "");
+            /* In pieces, where the scene breaks. */
+            uint32_t from =
+                scene.break_frame > 0 ? (scene.break_frame + scene.frame_count) / 2 : 0;
+            bench_frames_init(&frames, &scene, from);
             if (fifth) {
-                take_fifth(&scene);
+                take_fifth(&frames);
             }
-            model_scene(run, &scene);
+            model_scene(run, &frames);
+            bench_frames_deinit(&frames);
             bench_scene_free(&scene);
         }
     }

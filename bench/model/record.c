@@ -11,66 +11,20 @@
 #include <string.h>
 
 #include "clock.h"
-#include "memory.h"
 #include "refit.h"
 #include "report.h"
 #include "schedule.h"
 #include "taskunit.h"
-
-/* One worker outside a step. */
-struct walker {
-    struct eng_worker *worker;
-    struct eng_pool pool;
-    struct eng_stop stop;
-    struct eng_step_settings settings;
-    const struct eng_scene *scene;
-};
-
-static void must(bool good, const char *what)
-{
-    if (!good) {
-        fprintf(stderr, "model: no memory for %s\n", what);
-        exit(2);
-    }
-}
-
-static void walker_init(struct walker *walker, const struct eng_scene *scene)
-{
-    walker->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
-    walker->settings.contact_max = UINT32_MAX;
-    walker->scene = scene;
-    walker->worker = eng_alloc(1, sizeof *walker->worker);
-    must(walker->worker != NULL, "a worker");
-    eng_worker_init(walker->worker);
-    eng_pool_init(&walker->pool);
-}
-
-static void walker_deinit(struct walker *walker)
-{
-    eng_worker_deinit(walker->worker);
-    eng_free(walker->worker);
-    eng_pool_deinit(&walker->pool);
-}
-
-static struct eng_worker *walker_begin(struct walker *walker)
-{
-    eng_pool_reset(&walker->pool, 1);
-    eng_stop_init(&walker->stop, &walker->settings);
-    must(eng_worker_begin(walker->worker, walker->scene, &walker->settings, &walker->stop,
-                          &walker->pool) == ENG_OK,
-         "a worker's queues");
-    walker->worker->thread = 0;
-    return walker->worker;
-}
+#include "walker.h"
 
 /* ---- task units, as by eng_schedule_serial --------------------------------------- */
 
-static void walk_units(struct model_record *record, struct walker *walker,
+static void walk_units(struct model_record *record, struct model_walker *walker,
                        struct model_tasks *tasks)
 {
     static struct model_recorder recorder;
     const struct eng_node *nodes = record->scene->nodes;
-    struct eng_worker *worker = walker_begin(walker);
+    struct eng_worker *worker = model_walker_begin(walker);
     struct eng_task_queue *units = &worker->units;
     tasks->count = 0;
     units->nodes[units->tail++ & (units->capacity - 1)] = record->scene->root;
@@ -134,12 +88,12 @@ static void subtree(struct eng_worker *worker, uint32_t node)
     }
 }
 
-static void walk_steal(const struct model_record *record, struct walker *walker,
+static void walk_steal(const struct model_record *record, struct model_walker *walker,
                        struct model_tasks *tasks, struct steal_stack *stack)
 {
     static struct model_recorder recorder;
     const struct eng_node *nodes = record->scene->nodes;
-    struct eng_worker *worker = walker_begin(walker);
+    struct eng_worker *worker = model_walker_begin(walker);
     tasks->count = 0;
     stack->count = 0;
     uint32_t task = model_tasks_add(tasks, 1);
@@ -206,11 +160,11 @@ static uint32_t expand(struct eng_worker *worker, uint32_t node, uint32_t wanted
 }
 
 static void walk_high(struct model_division *division, const struct model_record *record,
-                      struct walker *walker, const struct eng_assignment *assignment,
-                      struct model_tasks *tasks)
+                      struct model_walker *walker,
+                      const struct eng_assignment *assignment, struct model_tasks *tasks)
 {
     static struct model_recorder recorder;
-    struct eng_worker *worker = walker_begin(walker);
+    struct eng_worker *worker = model_walker_begin(walker);
     tasks->count = 0;
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
     for (uint32_t i = assignment->high_count; i-- > 0;) {
@@ -234,7 +188,7 @@ static void walk_high(struct model_division *division, const struct model_record
 }
 
 static void record_high(struct model_division *division,
-                        const struct model_record *record, struct walker *walker)
+                        const struct model_record *record, struct model_walker *walker)
 {
     struct eng_assignment assignment;
     struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
@@ -243,7 +197,7 @@ static void record_high(struct model_division *division,
                             .assignment = &assignment};
     memset(passes, 0, record->passes * sizeof *passes);
     eng_assignment_init(&assignment);
-    must(eng_assignment_reserve(&assignment, division->threads) == ENG_OK, "seats");
+    model_must(eng_assignment_reserve(&assignment, division->threads) == ENG_OK, "seats");
     uint64_t begin_ns = eng_now_ns();
     eng_schedule_paper_begin(&team);
     division->begin_ns = (double)(eng_now_ns() - begin_ns);
@@ -265,14 +219,15 @@ static void record_high(struct model_division *division,
 void model_division_init(struct model_division *division,
                          const struct model_record *record, uint32_t threads)
 {
-    struct walker walker;
+    struct model_walker walker;
     memset(division, 0, sizeof *division);
     division->threads = threads;
-    walker_init(&walker, record->scene);
+    model_walker_init(&walker, record->scene);
     record_high(division, record, &walker);
-    walker_deinit(&walker);
+    model_walker_deinit(&walker);
     model_refit_init(&division->refit[ENG_REFIT_EVEN], record,
                      ENG_SUBTREES_PER_THREAD * threads);
+    model_merge_init(&division->merge, record, threads);
     model_refit_init(&division->refit[ENG_REFIT_PAPER], record, 2 * threads);
 }
 
@@ -288,7 +243,7 @@ void model_record_init(struct model_record *record)
 {
     const struct eng_scene *scene = record->scene;
     const uint32_t passes = record->passes;
-    struct walker walker;
+    struct model_walker *walker = &record->walker;
     struct steal_stack stack = {NULL, 0, 0};
     struct model_tasks *units = bench_alloc(passes, sizeof *units);
     struct model_tasks *steal = bench_alloc(passes, sizeof *steal);
@@ -296,11 +251,11 @@ void model_record_init(struct model_record *record)
     memset(steal, 0, passes * sizeof *steal);
     record->unit_of = bench_alloc(scene->node_capacity, sizeof *record->unit_of);
     memset(record->unit_of, 0xff, scene->node_capacity * sizeof *record->unit_of);
-    walker_init(&walker, scene);
-    walk_units(record, &walker, &units[0]); /* caches and pool */
+    model_walker_init(walker, scene);
+    walk_units(record, walker, &units[0]); /* caches and pool */
     for (uint32_t pass = 0; pass < passes; pass++) {
-        walk_units(record, &walker, &units[pass]);
-        walk_steal(record, &walker, &steal[pass], &stack);
+        walk_units(record, walker, &units[pass]);
+        walk_steal(record, walker, &steal[pass], &stack);
     }
     record->consistent =
         model_tasks_median(units, passes) && model_tasks_median(steal, passes);
@@ -313,7 +268,10 @@ void model_record_init(struct model_record *record)
     free(units);
     free(steal);
     free(stack.items);
-    walker_deinit(&walker);
+    struct model_tasks again = {NULL, 0, 0};
+    walk_units(record, walker, &again);
+    model_tasks_deinit(&again);
+    model_merge_keep(record, &walker->worker->found);
     model_refit_features(record);
 }
 
@@ -322,5 +280,7 @@ void model_record_deinit(struct model_record *record)
     model_tasks_deinit(&record->units);
     model_tasks_deinit(&record->steal);
     free(record->unit_of);
+    free(record->blocks);
+    model_walker_deinit(&record->walker);
     memset(record, 0, sizeof *record);
 }

@@ -14,6 +14,7 @@
 
 #include "step.h"
 #include "task.h"
+#include "walker.h"
 
 #define MODEL_THREADS_MAX 64u
 #define MODEL_NO_TASK     UINT32_MAX
@@ -33,6 +34,11 @@ struct model_record {
     double vertices_ns; /* refit of all of them */
     double edges_ns;
     bool consistent; /* all passes met the same tasks */
+    /* What the whole step found, to merge it again. */
+    struct model_walker walker; /* who found it */
+    struct eng_found found;
+    struct eng_block **blocks;
+    uint32_t block_count;
 };
 
 struct model_high {
@@ -49,6 +55,17 @@ struct model_refit {
     double top_ns;      /* after them, by thread 0 */
 };
 
+/* How the answer is merged. */
+struct model_merge {
+    bool shared;       /* else all is `end_ns`, by one thread */
+    double survey_ns;  /* of each thread's list */
+    double plan_ns;    /* by the last one to come */
+    double divide_ns;  /* of each thread's list */
+    double buckets_ns; /* all, taken on demand */
+    uint32_t bucket_count;
+    double end_ns; /* by one thread */
+};
+
 /* What depends on it. */
 struct model_division {
     uint32_t threads;
@@ -58,6 +75,7 @@ struct model_division {
     struct model_tasks tasks;                  /* of the high-level nodes */
     double begin_ns;                           /* eng_schedule_paper_begin */
     struct model_refit refit[2];               /* enum eng_refit_scheme */
+    struct model_merge merge;
     bool consistent;
 };
 
@@ -70,6 +88,11 @@ void model_refit_features(struct model_record *record);
 void model_refit_init(struct model_refit *refit, const struct model_record *record,
                       uint32_t wanted);
 void model_refit_deinit(struct model_refit *refit);
+
+/* Remember what was found, and time the merge of it. */
+void model_merge_keep(struct model_record *record, const struct eng_found *found);
+void model_merge_init(struct model_merge *merge, const struct model_record *record,
+                      uint32_t threads);
 
 void model_division_init(struct model_division *division,
                          const struct model_record *record, uint32_t threads);

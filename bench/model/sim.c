@@ -132,6 +132,18 @@ static void start_region(struct sim *sim)
     sim_barrier(sim);
 }
 
+/* Who is free first. */
+static uint32_t earliest(const struct sim *sim)
+{
+    uint32_t first = 0;
+    for (uint32_t i = 1; i < sim->count; i++) {
+        if (sim->threads[i].now < sim->threads[first].now) {
+            first = i;
+        }
+    }
+    return first;
+}
+
 static void work(struct sim_thread *thread, double ns)
 {
     thread->now += ns;
@@ -154,12 +166,7 @@ static void refit(struct sim *sim)
     for (uint32_t k = 0; k < refit->subtree_count; k++) {
         uint32_t taker = k; /* the paper's scheme deals out the first ones */
         if (sim->input->refit != ENG_REFIT_PAPER || k >= sim->count) {
-            taker = 0;
-            for (uint32_t i = 1; i < sim->count; i++) {
-                if (sim->threads[i].now < sim->threads[taker].now) {
-                    taker = i;
-                }
-            }
+            taker = earliest(sim);
             sim->threads[taker].now =
                 sim_line_use(sim, &next, taker, sim->threads[taker].now);
         }
@@ -183,17 +190,46 @@ static double refit_work(const struct model_input *input)
     return ns;
 }
 
+/* As eng_answer_by_team and eng_answer_end. */
 static void merge(struct sim *sim)
 {
-    const struct model_serial *serial = &sim->input->serial;
-    double shared = serial->merge_shared / sim->count;
+    const struct model_merge *merge = &sim->input->division->merge;
+    struct sim_line line = {0, UINT32_MAX};
+    double plan_from = 0;
     for (uint32_t i = 0; i < sim->count; i++) {
-        work(&sim->threads[i], shared);
+        struct sim_thread *at = &sim->threads[i];
+        work(at, merge->survey_ns);
+        at->now = sim_line_use(sim, &line, i, at->now);
+        plan_from = fmax(plan_from, at->now);
     }
-    for (uint32_t k = 0; k < serial->merge_barriers; k++) {
+    for (uint32_t i = 0; i < sim->count; i++) {
+        if (sim->threads[i].now >= plan_from) { /* the last one to come */
+            work(&sim->threads[i], merge->plan_ns);
+        }
+    }
+    sim_barrier(sim);
+    if (merge->shared) {
+        for (uint32_t i = 0; i < sim->count; i++) {
+            work(&sim->threads[i], merge->divide_ns);
+        }
+        sim_barrier(sim);
+        line = (struct sim_line){0, UINT32_MAX};
+        for (uint32_t k = 0; k < merge->bucket_count; k++) {
+            uint32_t taker = earliest(sim);
+            sim->threads[taker].now =
+                sim_line_use(sim, &line, taker, sim->threads[taker].now);
+            work(&sim->threads[taker], merge->buckets_ns / merge->bucket_count);
+        }
         sim_barrier(sim);
     }
-    work(&sim->threads[0], serial->merge_serial);
+    work(&sim->threads[0], merge->end_ns);
+}
+
+static double merge_work(const struct model_input *input)
+{
+    const struct model_merge *merge = &input->division->merge;
+    return merge->plan_ns + merge->buckets_ns + merge->end_ns +
+           input->division->threads * (merge->survey_ns + merge->divide_ns);
 }
 
 void model_alone(const struct model_input *input, struct model_output *output)
@@ -201,9 +237,8 @@ void model_alone(const struct model_input *input, struct model_output *output)
     memset(output, 0, sizeof *output);
     output->refit = output->refit_work = refit_work(input);
     output->low = output->low_work = model_tasks_ns(&input->record->units);
-    output->merge = output->merge_work =
-        input->serial.merge_serial + input->serial.merge_shared;
-    output->serial = input->serial.before;
+    output->merge = output->merge_work = input->merge_alone;
+    output->serial = input->serial;
     output->total = output->refit + output->low + output->merge + output->serial;
     output->critical = output->total;
 }
@@ -225,7 +260,6 @@ void model_simulate(const struct model_input *input, struct model_output *output
     } else {
         sim_paper(&sim);
     }
-    sim_barrier(&sim);
     double detected = sim_latest(&sim);
     merge(&sim);
     double end = sim_latest(&sim);
@@ -234,14 +268,14 @@ void model_simulate(const struct model_input *input, struct model_output *output
         busy += sim.threads[i].busy;
     }
     output->wait = end - busy / sim.count;
-    output->serial = input->serial.before + begin;
+    output->serial = input->serial + begin;
     output->refit = refitted - begin;
     /* The schedulers leave in `low` when they began with high-level nodes. */
     double low_end = output->low > 0 ? output->low : detected;
     output->low = low_end - refitted;
     output->high = detected - low_end;
     output->merge = end - detected;
-    output->total = end + input->serial.before;
+    output->total = end + input->serial;
     output->refit_work = refit_work(input);
-    output->merge_work = input->serial.merge_serial + input->serial.merge_shared;
+    output->merge_work = merge_work(input);
 }

@@ -15,19 +15,12 @@
 #include "machine.h"
 #include "record.h"
 
-/* What one thread does before, between and after the parallel parts. */
-struct model_serial {
-    double before; /* ingest, commit, preparation, counters */
-    double merge_serial;
-    double merge_shared; /* divided evenly */
-    uint32_t merge_barriers;
-};
-
 struct model_input {
     const struct model_record *record;
     const struct model_division *division; /* for the same number of threads */
     const struct model_machine *machine;
-    struct model_serial serial;
+    double serial;      /* before and after the region: ingest, commit, preparation */
+    double merge_alone; /* by a step of one thread */
     enum eng_scheduler scheduler;
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;

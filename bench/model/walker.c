@@ -1,0 +1,49 @@
+/* bench/model/walker.c - one worker outside a step.
+ *
+ * Room:     bench/model.
+ * Does:     see walker.h.
+ * Threads:  one.
+ */
+#include "walker.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "memory.h"
+
+void model_must(bool good, const char *what)
+{
+    if (!good) {
+        fprintf(stderr, "model: no memory for %s\n", what);
+        exit(2);
+    }
+}
+
+void model_walker_init(struct model_walker *walker, const struct eng_scene *scene)
+{
+    walker->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    walker->settings.contact_max = UINT32_MAX;
+    walker->scene = scene;
+    walker->worker = eng_alloc(1, sizeof *walker->worker);
+    model_must(walker->worker != NULL, "a worker");
+    eng_worker_init(walker->worker);
+    eng_pool_init(&walker->pool);
+}
+
+void model_walker_deinit(struct model_walker *walker)
+{
+    eng_worker_deinit(walker->worker);
+    eng_free(walker->worker);
+    eng_pool_deinit(&walker->pool);
+}
+
+struct eng_worker *model_walker_begin(struct model_walker *walker)
+{
+    eng_pool_reset(&walker->pool, 1);
+    eng_stop_init(&walker->stop, &walker->settings);
+    model_must(eng_worker_begin(walker->worker, walker->scene, &walker->settings,
+                                &walker->stop, &walker->pool) == ENG_OK,
+               "a worker's queues");
+    walker->worker->thread = 0;
+    return walker->worker;
+}

@@ -1,0 +1,31 @@
+/* bench/model/walker.h - one worker outside a step.
+ *
+ * Room:     bench/model; engine headers.
+ * Does:     hold what a worker needs to perform tasks of a scene as its last step left
+ *           it.
+ * Threads:  one.
+ */
+#ifndef MODEL_WALKER_H
+#define MODEL_WALKER_H
+
+#include "step.h"
+#include "worker.h"
+
+struct model_walker {
+    struct eng_worker *worker;
+    struct eng_pool pool;
+    struct eng_stop stop;
+    struct eng_step_settings settings;
+    const struct eng_scene *scene;
+};
+
+void model_walker_init(struct model_walker *walker, const struct eng_scene *scene);
+void model_walker_deinit(struct model_walker *walker);
+
+/* Forget what was found; the worker is as at the start of a step. */
+struct eng_worker *model_walker_begin(struct model_walker *walker);
+
+/* Ends the program with 2 unless `good`: no memory. */
+void model_must(bool good, const char *what);
+
+#endif
