@@ -18,6 +18,7 @@ bench_model_model_SOURCES = \
     bench/model/sim.c \
     bench/model/sim.h \
     bench/model/sim_paper.c \
+    bench/model/sim_refit.c \
     bench/model/sim_steal.c \
     bench/model/task.c \
     bench/model/task.h \

@@ -71,13 +71,21 @@ bool model_measure(struct bench_world *world, const struct bench_frames *frames,
     }
     for (uint32_t i = 0; i < way_count; i++) {
         double p50[QUANTITIES];
+        double least[QUANTITIES];
         for (int q = 0; q < QUANTITIES; q++) {
             p50[q] = bench_summarise(&samples[i][q]).p50;
+            least[q] = bench_summarise(&samples[i][q]).min;
             bench_free(&samples[i][q]);
         }
-        measured[i] = (struct model_measured){ways[i],    p50[STEP],       p50[INGEST],
-                                              p50[REFIT], p50[DETECTION],  p50[MERGE],
-                                              p50[REST],  p50[HAND_OVERS], p50[RATIO]};
+        measured[i] = (struct model_measured){.way = ways[i],
+                                              .step = p50[STEP],
+                                              .ratio = p50[RATIO],
+                                              .hand_overs = p50[HAND_OVERS],
+                                              .ingest = least[INGEST],
+                                              .refit = least[REFIT],
+                                              .detection = least[DETECTION],
+                                              .merge = least[MERGE],
+                                              .rest = least[REST]};
     }
     return same;
 }

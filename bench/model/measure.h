@@ -21,18 +21,17 @@ struct model_way {
     enum eng_refit_scheme refit;
 };
 
-/* Medians, nanoseconds. */
+/* Nanoseconds. The parts are minima: other work on the machine only adds to them. */
 struct model_measured {
     struct model_way way;
-    double step;
+    double step;  /* median */
+    double ratio; /* median over the turns: this step to the first way's of the turn */
+    double hand_overs; /* median: nodes received, tasks taken from others */
     double ingest;
     double refit;
     double detection; /* traversal and tests */
     double merge;
-    double rest;       /* of the step: neither of the four */
-    double hand_overs; /* nodes received, tasks taken from others */
-    /* The median over turns of this step to the first way's of the same turn. */
-    double ratio;
+    double rest; /* of the step: none of the four */
 };
 
 /* `ways[0]` is by one thread. The step of `frames` again and again. The answers'

@@ -97,15 +97,14 @@ static void predict(struct run *run, const struct scheme *scheme,
                     const struct model_division *division, struct model_output *output)
 {
     const struct model_measured *one = &run->measured[0];
-    struct model_input input = {
-        .record = &run->record,
-        .division = division,
-        .machine = run->machine,
-        .serial = one->ingest + one->rest,
-        .merge_alone = one->merge,
-        .scheduler = scheme->way.scheduler,
-        .high_level = scheme->way.high_level,
-        .refit = scheme->way.refit};
+    struct model_input input = {.record = &run->record,
+                                .division = division,
+                                .machine = run->machine,
+                                .serial = one->ingest + one->rest,
+                                .merge_alone = one->merge,
+                                .scheduler = scheme->way.scheduler,
+                                .high_level = scheme->way.high_level,
+                                .refit = scheme->way.refit};
     if (division->threads == 1) {
         model_alone(&input, output);
         run->alone = *output;
@@ -207,6 +206,7 @@ static void model_scene(struct run *run, const struct bench_frames *frames)
                                         .unit_grain = run->options->grain[0],
                                         .pair_grain = run->options->grain[1]};
     model_record_init(&run->record);
+    model_refit_calibrate(&run->record, run->measured[0].refit);
     bench_check(run->record.consistent, run->name, "every pass meets the same tasks");
     replay(run);
     model_record_deinit(&run->record);

@@ -225,10 +225,9 @@ void model_division_init(struct model_division *division,
     model_walker_init(&walker, record->scene);
     record_high(division, record, &walker);
     model_walker_deinit(&walker);
-    model_refit_init(&division->refit[ENG_REFIT_EVEN], record,
-                     ENG_SUBTREES_PER_THREAD * threads);
+    model_refit_init(&division->refit[ENG_REFIT_EVEN], record, ENG_REFIT_EVEN, threads);
     model_merge_init(&division->merge, record, threads);
-    model_refit_init(&division->refit[ENG_REFIT_PAPER], record, 2 * threads);
+    model_refit_init(&division->refit[ENG_REFIT_PAPER], record, ENG_REFIT_PAPER, threads);
 }
 
 void model_division_deinit(struct model_division *division)

@@ -12,6 +12,7 @@
 #ifndef MODEL_RECORD_H
 #define MODEL_RECORD_H
 
+#include "refit_plan.h"
 #include "step.h"
 #include "task.h"
 #include "walker.h"
@@ -29,10 +30,9 @@ struct model_record {
     struct model_tasks units; /* self-CD task units, breadth-first from the root */
     uint32_t *unit_of; /* [node_capacity] index in `units`; leaves: MODEL_NO_TASK */
     struct model_tasks steal; /* [0] is the root's; children in the order of pushing */
-    uint32_t vertex_count;
-    uint32_t edge_count;
-    double vertices_ns; /* refit of all of them */
+    double vertices_ns;       /* refit of all of them */
     double edges_ns;
+    double refit_scale; /* a refit in a step to one in a row: caches */
     bool consistent; /* all passes met the same tasks */
     /* What the whole step found, to merge it again. */
     struct model_walker walker; /* who found it */
@@ -48,11 +48,11 @@ struct model_high {
     uint32_t pair_count;
 };
 
-/* How subtrees are refitted. */
+/* How the tree is refitted. */
 struct model_refit {
-    uint32_t subtree_count;
-    double *subtree_ns; /* in the order in which threads take them */
-    double top_ns;      /* after them, by thread 0 */
+    struct eng_refit_plan plan; /* for so many threads */
+    double *root_ns;            /* of each subtree */
+    double node_ns;             /* of each node above them */
 };
 
 /* How the answer is merged. */
@@ -85,8 +85,13 @@ void model_record_deinit(struct model_record *record);
 
 /* Time the refit of vertices and edges, and that of the subtrees of a plan. */
 void model_refit_features(struct model_record *record);
+/* In a step the refit comes after other work, and finds nothing in the caches: make its
+ * parts add up to what it took there, by one thread. */
+void model_refit_calibrate(struct model_record *record, double refit_ns);
 void model_refit_init(struct model_refit *refit, const struct model_record *record,
-                      uint32_t wanted);
+                      enum eng_refit_scheme scheme, uint32_t threads);
+/* All of it, as one thread does it. */
+double model_refit_ns(const struct model_refit *refit, const struct model_record *record);
 void model_refit_deinit(struct model_refit *refit);
 
 /* Remember what was found, and time the merge of it. */

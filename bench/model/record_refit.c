@@ -37,13 +37,9 @@ void model_refit_features(struct model_record *record)
     struct eng_scene *scene = writable(record);
     struct bench_samples vertices = {0};
     struct bench_samples edges = {0};
-    uint32_t vertex_count = 0;
-    uint32_t edge_count = 0;
     for (uint32_t pass = 0; pass <= record->passes; pass++) {
         double vertex_ns = 0;
         double edge_ns = 0;
-        vertex_count = 0;
-        edge_count = 0;
         for (uint32_t i = 0; i < scene->object_capacity; i++) {
             const struct eng_object *object = &scene->objects[i];
             if (!object->mesh) {
@@ -55,66 +51,82 @@ void model_refit_features(struct model_record *record)
             begin_ns = eng_now_ns();
             eng_refit_edges(scene, object->edges);
             edge_ns += since(begin_ns, record->clock_ns);
-            vertex_count += object->vertices.count;
-            edge_count += object->edges.count;
         }
         if (pass > 0) {
             bench_add(&vertices, vertex_ns);
             bench_add(&edges, edge_ns);
         }
     }
-    record->vertex_count = vertex_count;
-    record->edge_count = edge_count;
+    record->refit_scale = 1;
     record->vertices_ns = median(&vertices);
     record->edges_ns = median(&edges);
     bench_free(&vertices);
     bench_free(&edges);
 }
 
+static void refit_once(struct eng_scene *scene, const struct eng_refit_plan *plan,
+                       double clock_ns, struct bench_samples *samples)
+{
+    for (uint32_t i = 0; i < plan->root_count; i++) {
+        uint64_t begin_ns = eng_now_ns();
+        eng_refit_subtree(scene, plan->roots[i]);
+        bench_add(&samples[i], since(begin_ns, clock_ns));
+    }
+    uint64_t begin_ns = eng_now_ns();
+    for (uint32_t i = plan->opened_count; i-- > 0;) {
+        eng_refit_nodes(scene, (struct eng_range){plan->opened[i], 1});
+    }
+    bench_add(&samples[plan->root_count], since(begin_ns, clock_ns));
+}
+
 void model_refit_init(struct model_refit *refit, const struct model_record *record,
-                      uint32_t wanted)
+                      enum eng_refit_scheme scheme, uint32_t threads)
 {
     struct eng_scene *scene = writable(record);
-    struct eng_refit_plan plan = {0};
-    if (eng_refit_plan(&plan, scene, wanted) != ENG_OK) {
-        exit(2);
+    memset(refit, 0, sizeof *refit);
+    struct eng_refit_plan *plan = &refit->plan;
+    model_must(eng_refit_plan_features(plan, scene) == ENG_OK &&
+                   eng_refit_plan_tree(plan, scene, scheme, threads) == ENG_OK,
+               "a plan of the refit");
+    uint32_t count = plan->root_count + 1;
+    struct bench_samples *samples = bench_alloc(count, sizeof *samples);
+    memset(samples, 0, count * sizeof *samples);
+    for (uint32_t pass = 0; pass < record->passes; pass++) {
+        refit_once(scene, plan, record->clock_ns, samples);
     }
-    refit->subtree_count = plan.count - plan.opened;
-    refit->subtree_ns = bench_alloc(refit->subtree_count, sizeof *refit->subtree_ns);
-    struct bench_samples *samples =
-        bench_alloc(refit->subtree_count + 1, sizeof *samples);
-    memset(samples, 0, (refit->subtree_count + 1) * sizeof *samples);
-    for (uint32_t pass = 0; pass <= record->passes; pass++) {
-        for (uint32_t i = 0; i < refit->subtree_count; i++) {
-            uint32_t root = plan.nodes[plan.opened + i];
-            uint64_t begin_ns = eng_now_ns();
-            eng_refit_nodes(scene,
-                            (struct eng_range){root, 2 * scene->nodes[root].count - 1});
-            if (pass > 0) {
-                bench_add(&samples[i], since(begin_ns, record->clock_ns));
-            }
-        }
-        uint64_t begin_ns = eng_now_ns();
-        for (uint32_t i = plan.opened; i-- > 0;) {
-            eng_refit_nodes(scene, (struct eng_range){plan.nodes[i], 1});
-        }
-        eng_refit_nodes(scene, scene->top);
-        if (pass > 0) {
-            bench_add(&samples[refit->subtree_count], since(begin_ns, record->clock_ns));
-        }
-    }
-    for (uint32_t i = 0; i < refit->subtree_count; i++) {
-        refit->subtree_ns[i] = median(&samples[i]);
+    refit->root_ns = bench_alloc(count, sizeof *refit->root_ns);
+    for (uint32_t i = 0; i < count; i++) {
+        refit->root_ns[i] = record->refit_scale * median(&samples[i]);
         bench_free(&samples[i]);
     }
-    refit->top_ns = median(&samples[refit->subtree_count]);
-    bench_free(&samples[refit->subtree_count]);
+    refit->node_ns = plan->opened_count > 0
+                         ? refit->root_ns[plan->root_count] / plan->opened_count
+                         : 0;
     free(samples);
-    eng_refit_plan_deinit(&plan);
+}
+
+void model_refit_calibrate(struct model_record *record, double refit_ns)
+{
+    struct model_refit alone;
+    model_refit_init(&alone, record, ENG_REFIT_EVEN, 1);
+    record->refit_scale = refit_ns / model_refit_ns(&alone, record);
+    record->vertices_ns *= record->refit_scale;
+    record->edges_ns *= record->refit_scale;
+    model_refit_deinit(&alone);
+}
+
+double model_refit_ns(const struct model_refit *refit, const struct model_record *record)
+{
+    double ns = record->vertices_ns + record->edges_ns;
+    for (uint32_t i = 0; i < refit->plan.root_count; i++) {
+        ns += refit->root_ns[i];
+    }
+    return ns + refit->node_ns * refit->plan.opened_count;
 }
 
 void model_refit_deinit(struct model_refit *refit)
 {
-    free(refit->subtree_ns);
+    free(refit->root_ns);
+    eng_refit_plan_deinit(&refit->plan);
     memset(refit, 0, sizeof *refit);
 }

@@ -120,7 +120,7 @@ double sim_largest(const struct model_tasks *tasks)
     return largest;
 }
 
-/* The compute thread wakes its team, one after another. */
+/* The compute thread wakes its team, one after another. There is no barrier. */
 static void start_region(struct sim *sim)
 {
     const struct model_input *input = sim->input;
@@ -129,11 +129,10 @@ static void start_region(struct sim *sim)
             input->machine->region + input->machine->futex_each * (i - 1);
     }
     sim->threads[0].now += input->machine->futex_each * (sim->count - 1);
-    sim_barrier(sim);
 }
 
 /* Who is free first. */
-static uint32_t earliest(const struct sim *sim)
+uint32_t sim_earliest(const struct sim *sim)
 {
     uint32_t first = 0;
     for (uint32_t i = 1; i < sim->count; i++) {
@@ -144,50 +143,10 @@ static uint32_t earliest(const struct sim *sim)
     return first;
 }
 
-static void work(struct sim_thread *thread, double ns)
+void sim_work(struct sim_thread *thread, double ns)
 {
     thread->now += ns;
     thread->busy += ns;
-}
-
-/* As eng_refit_by_team. */
-static void refit(struct sim *sim)
-{
-    const struct model_record *record = sim->input->record;
-    const struct model_refit *refit = &sim->input->division->refit[sim->input->refit];
-    struct sim_line next = {0, UINT32_MAX};
-    for (uint32_t i = 0; i < sim->count; i++) {
-        work(&sim->threads[i], record->vertices_ns / sim->count);
-    }
-    sim_barrier(sim);
-    for (uint32_t i = 0; i < sim->count; i++) {
-        work(&sim->threads[i], record->edges_ns / sim->count);
-    }
-    for (uint32_t k = 0; k < refit->subtree_count; k++) {
-        uint32_t taker = k; /* the paper's scheme deals out the first ones */
-        if (sim->input->refit != ENG_REFIT_PAPER || k >= sim->count) {
-            taker = earliest(sim);
-            sim->threads[taker].now =
-                sim_line_use(sim, &next, taker, sim->threads[taker].now);
-        }
-        work(&sim->threads[taker], refit->subtree_ns[k]);
-    }
-    sim_barrier(sim);
-    work(&sim->threads[0], refit->top_ns);
-    if (sim->input->scheduler == ENG_SCHEDULER_PAPER) {
-        sim->threads[0].now += sim->input->division->begin_ns;
-    }
-    sim_barrier(sim);
-}
-
-static double refit_work(const struct model_input *input)
-{
-    const struct model_refit *refit = &input->division->refit[input->refit];
-    double ns = input->record->vertices_ns + input->record->edges_ns + refit->top_ns;
-    for (uint32_t i = 0; i < refit->subtree_count; i++) {
-        ns += refit->subtree_ns[i];
-    }
-    return ns;
 }
 
 /* As eng_answer_by_team and eng_answer_end. */
@@ -198,31 +157,31 @@ static void merge(struct sim *sim)
     double plan_from = 0;
     for (uint32_t i = 0; i < sim->count; i++) {
         struct sim_thread *at = &sim->threads[i];
-        work(at, merge->survey_ns);
+        sim_work(at, merge->survey_ns);
         at->now = sim_line_use(sim, &line, i, at->now);
         plan_from = fmax(plan_from, at->now);
     }
     for (uint32_t i = 0; i < sim->count; i++) {
         if (sim->threads[i].now >= plan_from) { /* the last one to come */
-            work(&sim->threads[i], merge->plan_ns);
+            sim_work(&sim->threads[i], merge->plan_ns);
         }
     }
     sim_barrier(sim);
     if (merge->shared) {
         for (uint32_t i = 0; i < sim->count; i++) {
-            work(&sim->threads[i], merge->divide_ns);
+            sim_work(&sim->threads[i], merge->divide_ns);
         }
         sim_barrier(sim);
         line = (struct sim_line){0, UINT32_MAX};
         for (uint32_t k = 0; k < merge->bucket_count; k++) {
-            uint32_t taker = earliest(sim);
+            uint32_t taker = sim_earliest(sim);
             sim->threads[taker].now =
                 sim_line_use(sim, &line, taker, sim->threads[taker].now);
-            work(&sim->threads[taker], merge->buckets_ns / merge->bucket_count);
+            sim_work(&sim->threads[taker], merge->buckets_ns / merge->bucket_count);
         }
         sim_barrier(sim);
     }
-    work(&sim->threads[0], merge->end_ns);
+    sim_work(&sim->threads[0], merge->end_ns);
 }
 
 static double merge_work(const struct model_input *input)
@@ -235,7 +194,8 @@ static double merge_work(const struct model_input *input)
 void model_alone(const struct model_input *input, struct model_output *output)
 {
     memset(output, 0, sizeof *output);
-    output->refit = output->refit_work = refit_work(input);
+    output->refit = output->refit_work =
+        model_refit_ns(&input->division->refit[input->refit], input->record);
     output->low = output->low_work = model_tasks_ns(&input->record->units);
     output->merge = output->merge_work = input->merge_alone;
     output->serial = input->serial;
@@ -252,8 +212,8 @@ void model_simulate(const struct model_input *input, struct model_output *output
     sim.output = output;
     sim.count = input->division->threads;
     start_region(&sim);
-    double begin = sim_latest(&sim);
-    refit(&sim);
+    double begin = sim.threads[0].now; /* the others may come later */
+    sim_refit(&sim);
     double refitted = sim_latest(&sim);
     if (input->scheduler == ENG_SCHEDULER_STEAL) {
         sim_steal(&sim);
@@ -276,6 +236,7 @@ void model_simulate(const struct model_input *input, struct model_output *output
     output->high = detected - low_end;
     output->merge = end - detected;
     output->total = end + input->serial;
-    output->refit_work = refit_work(input);
+    output->refit_work =
+        model_refit_ns(&input->division->refit[input->refit], input->record);
     output->merge_work = merge_work(input);
 }

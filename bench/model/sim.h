@@ -95,6 +95,15 @@ double sim_largest(const struct model_tasks *tasks);
 /* All threads wait for each other. */
 void sim_barrier(struct sim *sim);
 
+/* Who is free first. */
+uint32_t sim_earliest(const struct sim *sim);
+
+/* The thread does something that is not a task. */
+void sim_work(struct sim_thread *thread, double ns);
+
+/* The refit; all may look at the boxes after it. */
+void sim_refit(struct sim *sim);
+
 /* The schedulers, from the refit's end to their own; no barrier after. */
 void sim_steal(struct sim *sim);
 void sim_paper(struct sim *sim);

@@ -245,6 +245,7 @@ static void refit_plan__covers_every_node_within_its_memory(void **state)
     struct kit_random random = {5};
     struct eng_scene *scene = new_scene(&random, 3);
     struct eng_refit_plan plan = {0};
+    run(scene); /* builds the tree over the objects */
     for (uint32_t threads = 1; threads < 250; threads += 3) {
         enum eng_refit_scheme scheme = threads % 2 ? ENG_REFIT_EVEN : ENG_REFIT_PAPER;
         assert_int_equal(eng_refit_plan_tree(&plan, scene, scheme, threads), ENG_OK);
