@@ -56,7 +56,7 @@ static double run(struct eng_scene *scene, eng_schedule_fn schedule, bool by_pap
     memory->workers[0]->thread = 0;
     uint64_t begin_ns = eng_now_ns();
     if (by_paper) {
-        eng_schedule_paper_begin(&team);
+        eng_schedule_paper_begin(&team, memory->workers[0]);
     }
     schedule(&team, memory->workers[0]);
     return (double)(eng_now_ns() - begin_ns);

@@ -213,7 +213,7 @@ static void model_scene(struct run *run, const struct bench_frames *frames)
     bench_world_deinit(&world);
 }
 
-/* The first fifth of the way from one frame to the next: the paper ran five steps a frame. */
+/* The first fifth of the way to the next frame: the paper ran five steps a frame. */
 static void take_fifth(struct bench_frames *frames)
 {
     for (uint32_t v = 0; v < frames->scene->vertex_count; v++) {

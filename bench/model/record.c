@@ -192,14 +192,14 @@ static void record_high(struct model_division *division,
 {
     struct eng_assignment assignment;
     struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
-    struct eng_team team = {.scene = (struct eng_scene *)(uintptr_t)record->scene,
-                            .count = division->threads,
-                            .assignment = &assignment};
+    struct eng_team team = {
+        .scene = record->scene, .count = division->threads, .assignment = &assignment};
     memset(passes, 0, record->passes * sizeof *passes);
     eng_assignment_init(&assignment);
     model_must(eng_assignment_reserve(&assignment, division->threads) == ENG_OK, "seats");
+    model_walker_begin(walker);
     uint64_t begin_ns = eng_now_ns();
-    eng_schedule_paper_begin(&team);
+    eng_schedule_paper_begin(&team, walker->worker);
     division->begin_ns = (double)(eng_now_ns() - begin_ns);
     for (uint32_t i = 0; i < division->threads; i++) {
         division->first_node[i] = assignment.seats[i].first_node;
@@ -240,7 +240,7 @@ void model_division_deinit(struct model_division *division)
 
 void model_record_init(struct model_record *record)
 {
-    const struct eng_scene *scene = record->scene;
+    struct eng_scene *scene = record->scene;
     const uint32_t passes = record->passes;
     struct model_walker *walker = &record->walker;
     struct steal_stack stack = {NULL, 0, 0};

@@ -22,7 +22,7 @@
 
 /* What does not depend on the number of threads. */
 struct model_record {
-    const struct eng_scene *scene;
+    struct eng_scene *scene;
     uint32_t passes; /* medians are over so many */
     double clock_ns;
     uint32_t unit_grain; /* of work stealing */
@@ -33,7 +33,7 @@ struct model_record {
     double vertices_ns;       /* refit of all of them */
     double edges_ns;
     double refit_scale; /* a refit in a step to one in a row: caches */
-    bool consistent; /* all passes met the same tasks */
+    bool consistent;    /* all passes met the same tasks */
     /* What the whole step found, to merge it again. */
     struct model_walker walker; /* who found it */
     struct eng_found found;

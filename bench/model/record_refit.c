@@ -25,16 +25,9 @@ static double since(uint64_t begin_ns, double clock_ns)
     return ns > 0 ? ns : 0;
 }
 
-/* The record describes a scene that others only read; the refit writes the boxes that are
- * there already. */
-static struct eng_scene *writable(const struct model_record *record)
-{
-    return (struct eng_scene *)(uintptr_t)record->scene;
-}
-
 void model_refit_features(struct model_record *record)
 {
-    struct eng_scene *scene = writable(record);
+    struct eng_scene *scene = record->scene;
     struct bench_samples vertices = {0};
     struct bench_samples edges = {0};
     for (uint32_t pass = 0; pass <= record->passes; pass++) {
@@ -82,7 +75,7 @@ static void refit_once(struct eng_scene *scene, const struct eng_refit_plan *pla
 void model_refit_init(struct model_refit *refit, const struct model_record *record,
                       enum eng_refit_scheme scheme, uint32_t threads)
 {
-    struct eng_scene *scene = writable(record);
+    struct eng_scene *scene = record->scene;
     memset(refit, 0, sizeof *refit);
     struct eng_refit_plan *plan = &refit->plan;
     model_must(eng_refit_plan_features(plan, scene) == ENG_OK &&

@@ -1,8 +1,8 @@
 /* bench/model/sim_refit.c - eng_refit_by_team, replayed.
  *
  * Room:     bench/model.
- * Does:     chunks of vertices, subtrees with the nodes above them, chunks of edges, taken
- *           on demand; the last thread to end lets the others go.
+ * Does:     chunks of vertices, subtrees with the nodes above them, chunks of edges, all
+ *           taken on demand; the last thread to end lets the others go.
  * Threads:  one.
  */
 #include <math.h>

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #include "memory.h"
+#include "world.h"
 
 void model_must(bool good, const char *what)
 {
@@ -19,7 +20,7 @@ void model_must(bool good, const char *what)
     }
 }
 
-void model_walker_init(struct model_walker *walker, const struct eng_scene *scene)
+void model_walker_init(struct model_walker *walker, struct eng_scene *scene)
 {
     walker->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
     walker->settings.contact_max = UINT32_MAX;
@@ -39,6 +40,7 @@ void model_walker_deinit(struct model_walker *walker)
 
 struct eng_worker *model_walker_begin(struct model_walker *walker)
 {
+    walker->scene->step++;
     eng_pool_reset(&walker->pool, 1);
     eng_stop_init(&walker->stop, &walker->settings);
     model_must(eng_worker_begin(walker->worker, walker->scene, &walker->settings,

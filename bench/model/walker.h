@@ -16,13 +16,14 @@ struct model_walker {
     struct eng_pool pool;
     struct eng_stop stop;
     struct eng_step_settings settings;
-    const struct eng_scene *scene;
+    struct eng_scene *scene;
 };
 
-void model_walker_init(struct model_walker *walker, const struct eng_scene *scene);
+void model_walker_init(struct model_walker *walker, struct eng_scene *scene);
 void model_walker_deinit(struct model_walker *walker);
 
-/* Forget what was found; the worker is as at the start of a step. */
+/* Forget what was found; worker and scene are as at the start of a step, so that regions
+ * of the tree are looked at anew. */
 struct eng_worker *model_walker_begin(struct model_walker *walker);
 
 /* Ends the program with 2 unless `good`: no memory. */

@@ -237,8 +237,8 @@ static void refit__still_objects_have_equal_boxes_at_both_ends(void **state)
     eng_scene_free(scene);
 }
 
-/* If this failed, many threads and small objects would leave nodes without boxes, or write
- * behind the plan: the trees have fewer subtrees than are wanted. */
+/* If this failed, many threads and small objects would leave nodes without boxes, or
+ * write behind the plan: the trees have fewer subtrees than are wanted. */
 static void refit_plan__covers_every_node_within_its_memory(void **state)
 {
     (void)state;
