@@ -83,7 +83,7 @@ static void measure_alone(struct model_machine *machine)
         }
         bench_add(&samples[5], per(begin_ns, 100));
         begin_ns = eng_now_ns();
-        nanosleep(&(struct timespec){0, ENG_PAPER_RETRY_NS}, NULL);
+        nanosleep(&(struct timespec){0, MODEL_NAP_NS}, NULL);
         bench_add(&samples[6], per(begin_ns, 1));
     }
     machine->local = median_of(&samples[0]);

@@ -73,6 +73,8 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/assignment.h \
     daemon/engine/schedule/deque.c \
     daemon/engine/schedule/deque.h \
+    daemon/engine/schedule/highlevel.c \
+    daemon/engine/schedule/highlevel.h \
     daemon/engine/schedule/place.c \
     daemon/engine/schedule/place.h \
     daemon/engine/schedule/relax.h \
@@ -108,6 +110,8 @@ libengine_la_SOURCES = \
     daemon/engine/tree/refit_plan.h \
     daemon/engine/tree/sah.c \
     daemon/engine/tree/sah.h \
+    daemon/engine/tree/subtree.c \
+    daemon/engine/tree/subtree.h \
     daemon/engine/tree/validate.c
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)

@@ -42,6 +42,7 @@ ENG_TESTS = \
     tests/unit/test_eng_team \
     tests/unit/test_eng_record \
     tests/unit/test_eng_trace \
+    tests/unit/test_eng_subtree \
     tests/unit/test_eng_refit_plan
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
@@ -142,3 +143,7 @@ tests_unit_test_eng_trace_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_refit_plan_SOURCES = tests/unit/test_eng_refit_plan.c
 tests_unit_test_eng_refit_plan_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_refit_plan_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_subtree_SOURCES = tests/unit/test_eng_subtree.c
+tests_unit_test_eng_subtree_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_subtree_LDADD = $(ENG_TEST_LDADD)

@@ -80,11 +80,13 @@ struct totals {
     uint64_t count[ENG_TRACE_KINDS];
     uint64_t ns[ENG_TRACE_KINDS];
     uint64_t candidates;
+    uint64_t high_units; /* a unit has a slice for each of its phases */
 };
 
 static struct totals totals_of(const struct eng_trace *trace, uint32_t lane)
 {
     struct totals totals;
+    uint32_t high = ENG_NO_NODE;
     memset(&totals, 0, sizeof totals);
     for (uint64_t i = 0; i < eng_trace_count(trace, lane); i++) {
         const struct eng_trace_event *event = eng_trace_at(trace, lane, i);
@@ -92,6 +94,10 @@ static struct totals totals_of(const struct eng_trace *trace, uint32_t lane)
         assert_int_equal(event->thread, lane);
         totals.count[event->kind]++;
         totals.ns[event->kind] += event->end_ns - event->begin_ns;
+        if (event->kind == ENG_TRACE_HIGH) {
+            totals.high_units += event->a != high;
+            high = event->a;
+        }
         totals.candidates += event->kind == ENG_TRACE_TESTS ? event->b : 0;
     }
     return totals;
@@ -105,7 +111,7 @@ static void check_team(const struct eng_trace *trace, const struct eng_step_resu
         const struct eng_thread_record *record = &team->thread_records[t];
         struct totals totals = totals_of(trace, t);
         units += totals.count[ENG_TRACE_UNIT];
-        units += t == 0 ? totals.count[ENG_TRACE_HIGH] : 0;
+        units += t == 0 ? totals.high_units : 0;
         tests += totals.candidates;
         assert_int_equal(totals.count[ENG_TRACE_STEP], t == 0);
         assert_true(totals.count[ENG_TRACE_REFIT] > 0);

@@ -2,7 +2,7 @@
  *
  * Room:     engine. May include: world.h, the C library, POSIX threads.
  * Does:     name the seats of the threads, their scheduling queues, and the high-level
- *           nodes.
+ *           nodes; let threads sleep for which there is no work, and wake them.
  * Threads:  filled in by [compute] before the region; each field says who writes it
  *           inside.
  * Source:   paper sections 4.2, 4.3 and 5.1.
@@ -11,6 +11,7 @@
 #define ENG_ASSIGNMENT_H
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 #include "world.h"
 
@@ -41,6 +42,15 @@ struct eng_seat {
     _Alignas(128) atomic_uint offers[ENG_OFFERS_MAX];
     atomic_uint requests_seen;
     uint32_t first_node; /* initial assignment, or ENG_NO_NODE */
+    atomic_uint current; /* validating builds: node of the task unit at hand */
+};
+
+/* Where threads sleep that find nobody with a node to spare. */
+struct eng_lounge {
+    _Alignas(128) pthread_mutex_t lock; /* taken with no other lock held, and last */
+    pthread_cond_t wake;
+    uint32_t calls;       /* under the lock: sleepers told to get up, not yet up */
+    atomic_uint sleepers; /* those not told yet; written under the lock */
 };
 
 struct eng_assignment {
@@ -50,6 +60,7 @@ struct eng_assignment {
     uint32_t high_count;
     uint64_t *pairs; /* of the high-level unit at hand: n << 32 | m */
     uint32_t pair_count;
+    struct eng_lounge lounge;
     atomic_uint active; /* threads with work, or with work on its way to them */
 };
 
@@ -58,5 +69,23 @@ void eng_assignment_deinit(struct eng_assignment *assignment);
 
 /* Seats for that many threads. ENG_E_NOMEM: those at hand stay. */
 int eng_assignment_reserve(struct eng_assignment *assignment, uint32_t threads);
+
+/* Sleep until somebody has nodes to spare or nobody has work; either may be wrong by the
+ * time the caller looks. Returns at once if nobody has work. [team] */
+void eng_lounge_sleep(struct eng_assignment *assignment);
+
+/* The caller has `nodes` to spare: wake as many sleepers. Costs one relaxed load while
+ * nobody sleeps. A sleeper that lies down meanwhile may be missed: whoever has nodes to
+ * spare calls again after its next task unit. [team] */
+void eng_lounge_call(struct eng_assignment *assignment, uint32_t nodes);
+
+/* With PCCD_VALIDATE: the thread of `seat`, one of the first `seat_count`, performs the
+ * task unit of `node` now, or none (ENG_NO_NODE); asserts that no other thread performs
+ * that of a node above or below it (section 4.1, "Disjoint property"). [team] */
+void eng_assignment_enter(struct eng_assignment *assignment, uint32_t seat_count,
+                          const struct eng_scene *scene, uint32_t seat, uint32_t node);
+
+/* The caller has no work any more; wakes everybody if nobody has. [team] */
+void eng_assignment_leave(struct eng_assignment *assignment);
 
 #endif

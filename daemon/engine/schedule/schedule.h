@@ -19,10 +19,6 @@
 /* Stealing: failed rounds over all victims before the processor is offered to others. */
 #define ENG_STEAL_ROUNDS 64u
 
-/* The paper's: sleep of a thread that finds nobody with a node to spare, before it looks
- * again. */
-#define ENG_PAPER_RETRY_NS 50000
-
 /* Returns when no task is left or the step was stopped. `worker` is the
  * calling thread's. */
 typedef void (*eng_schedule_fn)(struct eng_team *team, struct eng_worker *worker);
@@ -33,7 +29,7 @@ void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker);
 /* Work stealing over task units and pairs. */
 void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker);
 
-/* Before the region: hand the root to the first worker. */
+/* Inside the region, by one thread, before any other works: hand out the root. */
 void eng_schedule_steal_begin(struct eng_team *team);
 
 /* The paper's dynamic assignment, then its high-level nodes. */

@@ -3,62 +3,70 @@
  * Room:     engine.
  * Does:     deal out one low-level node to each thread; a thread that runs out asks
  *           another for its front node and sleeps until it is answered; when all
- *           low-level nodes are done, work through the high-level nodes above them, each
- *           by all threads.
+ *           low-level nodes are done, the high-level nodes above them follow
+ *           (highlevel.c).
  * Threads:  [team].
- * Source:   paper sections 4.2 (initial assignment), 4.3 (dynamic assignment), 5.1 (a
- *           task unit by several threads, pairs dealt out round robin).
+ * Source:   paper sections 4.2 (initial assignment), 4.3 (dynamic assignment).
  *
  * A node is only ever below one thread's nodes (disjoint task units), so the main loop
- * takes no lock. `active` counts threads that have work or to whom work is on its way; it
- * is zero when the low-level nodes are done.
+ * takes no lock: after each task unit a thread looks at the length of its scheduling
+ * queue, and at the number of threads that sleep because nobody had a node to spare.
+ * `active` counts threads that have work or to whom work is on its way; it is zero when
+ * the low-level nodes are done. A step that is stopped ends like one that is done: every
+ * thread gives up its nodes and leaves.
  */
 #include "schedule.h"
 
-#include <time.h>
-
+#include "highlevel.h"
 #include "rebuild.h"
 #include "taskunit.h"
+
+/* Breadth-first until the queue `front` holds a node for each thread; the nodes opened on
+ * the way are the high-level ones. Leaves wait in front of the queue. Returns the length
+ * of the queue. */
+static uint32_t choose_front(struct eng_team *team, struct eng_worker *worker,
+                             uint32_t front[2 * ENG_THREADS_MAX])
+{
+    struct eng_assignment *assignment = team->assignment;
+    uint32_t head = 0;
+    uint32_t tail = 0;
+    uint32_t leaves = 0;
+    assignment->high_count = 0;
+    front[tail++] = worker->scene->root;
+    while (head < tail && leaves + tail - head < team->count) {
+        uint32_t idx = front[head++];
+        const struct eng_node *node = eng_node_open(worker, idx);
+        if (node->left == ENG_LEAF) {
+            front[leaves++] = idx;
+            continue;
+        }
+        assignment->high[assignment->high_count++] = idx;
+        front[tail++] = node->left;
+        front[tail++] = node->right;
+    }
+    while (head < tail) {
+        front[leaves++] = front[head++];
+    }
+    return leaves;
+}
 
 void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_assignment *assignment = team->assignment;
-    const struct eng_scene *scene = team->scene;
-    uint32_t *queue = assignment->high; /* breadth-first; opened nodes stay in front */
-    uint32_t opened = 0;
-    uint32_t count = 0;
-    uint32_t front[ENG_THREADS_MAX];
-    uint32_t front_count = 0;
-    if (scene->root != ENG_NO_NODE) {
-        front[front_count++] = scene->root;
-    }
-    /* Opening a node replaces it by two: the queue keeps its order when the children go
-     * to the end and the rest moves up. */
-    while (front_count > 0 && front_count < team->count && opened < team->count) {
-        const struct eng_node *node = eng_node_open(worker, front[0]);
-        if (node->left == ENG_LEAF) {
-            break; /* breadth-first: what follows is as small */
-        }
-        queue[count++] = front[0];
-        for (uint32_t i = 1; i < front_count; i++) {
-            front[i - 1] = front[i];
-        }
-        front[front_count - 1] = node->left;
-        front[front_count++] = node->right;
-        opened++;
-    }
-    assignment->high_count = count;
+    uint32_t front[2 * ENG_THREADS_MAX]; /* each opened node adds two and is one less */
+    uint32_t count = choose_front(team, worker, front);
     for (uint32_t i = 0; i < team->count; i++) {
         struct eng_seat *seat = &assignment->seats[i];
-        seat->first_node = i < front_count ? front[i] : ENG_NO_NODE;
-        seat->takes_requests = i < front_count;
+        seat->first_node = i < count ? front[i] : ENG_NO_NODE;
+        seat->takes_requests = i < count;
         seat->request_count = 0;
         atomic_store_explicit(&seat->requests_seen, 0, memory_order_relaxed);
+        atomic_store_explicit(&seat->current, ENG_NO_NODE, memory_order_relaxed);
         for (uint32_t k = 0; k < ENG_OFFERS_MAX; k++) {
             atomic_store_explicit(&seat->offers[k], 0, memory_order_relaxed);
         }
     }
-    atomic_store_explicit(&assignment->active, front_count, memory_order_relaxed);
+    atomic_store_explicit(&assignment->active, count, memory_order_relaxed);
 }
 
 static uint32_t queued(const struct eng_task_queue *units)
@@ -123,24 +131,32 @@ static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
     pthread_mutex_unlock(&seat->lock);
 }
 
-/* The main loop of section 4.3: no lock unless somebody asks. */
-static void perform_units(struct eng_assignment *assignment, struct eng_seat *seat,
+/* The main loop of section 4.3: no lock unless somebody asks or sleeps. */
+static void perform_units(struct eng_team *team, struct eng_seat *seat,
                           struct eng_worker *worker)
 {
+    struct eng_assignment *assignment = team->assignment;
     struct eng_task_queue *units = &worker->units;
     while (queued(units) > 0 && !eng_worker_should_stop(worker)) {
-        eng_taskunit_perform(worker, dequeue(units), true);
+        uint32_t node = dequeue(units);
+        eng_assignment_enter(assignment, team->count, worker->scene, worker->thread,
+                             node);
+        eng_taskunit_perform(worker, node, true);
+        eng_assignment_enter(assignment, team->count, worker->scene, worker->thread,
+                             ENG_NO_NODE);
         publish(seat, worker);
         if (atomic_load_explicit(&seat->requests_seen, memory_order_relaxed) > 0) {
             serve(assignment, seat, worker, false);
             publish(seat, worker);
         }
+        if (queued(units) > 1) {
+            eng_lounge_call(assignment, queued(units) - 1);
+        }
     }
     units->head = units->tail; /* when stopped */
     publish(seat, worker);
     serve(assignment, seat, worker, true);
-    /* Release: whoever sees zero sees what every thread found. */
-    atomic_fetch_sub_explicit(&assignment->active, 1, memory_order_acq_rel);
+    eng_assignment_leave(assignment);
 }
 
 /* The thread whose (k + 1)th node is largest, k requests being ahead of ours; or none. */
@@ -208,7 +224,7 @@ static bool find_work(struct eng_team *team, struct eng_seat *seat,
             found = request(victim, seat, worker, node);
         } else {
             worker->record.sleeps++;
-            nanosleep(&(struct timespec){0, ENG_PAPER_RETRY_NS}, NULL);
+            eng_lounge_sleep(team->assignment);
         }
     }
     eng_worker_waited(worker, begin_ns);
@@ -231,84 +247,17 @@ static void open_seat(struct eng_seat *seat)
 /* Low-level nodes. */
 static void perform_low(struct eng_team *team, struct eng_worker *worker)
 {
-    struct eng_assignment *assignment = team->assignment;
-    struct eng_seat *seat = &assignment->seats[worker->thread];
+    struct eng_seat *seat = &team->assignment->seats[worker->thread];
     uint32_t node = seat->first_node;
     bool has_work = node != ENG_NO_NODE || find_work(team, seat, worker, &node);
     while (has_work) {
         uint64_t begin_ns = eng_now_ns();
         enqueue(worker, node);
         open_seat(seat);
-        perform_units(assignment, seat, worker);
+        perform_units(team, seat, worker);
         eng_taskunit_flush(worker);
         worker->record.low_ns += eng_now_ns() - begin_ns;
         has_work = find_work(team, seat, worker, &node);
-    }
-}
-
-/* Refine the pair of a high-level node's children breadth-first until there are enough
- * pairs to deal out. */
-static void expand_high(struct eng_team *team, struct eng_worker *worker, uint32_t node)
-{
-    struct eng_assignment *assignment = team->assignment;
-    const struct eng_node *opened = eng_node_open(worker, node);
-    uint32_t wanted = ENG_PAIRS_PER_THREAD * team->count;
-    uint32_t head = 0;
-    uint64_t *pairs = assignment->pairs;
-    worker->record.task_units++;
-    pairs[0] = (uint64_t)opened->left << 32 | opened->right;
-    assignment->pair_count = 1;
-    while (assignment->pair_count - head > 0 && assignment->pair_count < wanted) {
-        uint32_t n_out[4];
-        uint32_t m_out[4];
-        uint64_t pair = pairs[head++];
-        uint32_t count = eng_taskunit_refine(worker, (uint32_t)(pair >> 32),
-                                             (uint32_t)pair, n_out, m_out);
-        for (uint32_t i = 0; i < count; i++) {
-            pairs[assignment->pair_count++] = (uint64_t)n_out[i] << 32 | m_out[i];
-        }
-    }
-    for (uint32_t i = head; i < assignment->pair_count; i++) {
-        pairs[i - head] = pairs[i];
-    }
-    assignment->pair_count -= head;
-}
-
-/* Every thread's share of a high-level node's pairs. */
-static void perform_share(struct eng_team *team, struct eng_worker *worker, uint32_t node)
-{
-    struct eng_assignment *assignment = team->assignment;
-    uint64_t high_ns = eng_worker_slice(worker);
-    uint32_t performed = 0;
-    for (uint32_t k = worker->thread;
-         k < assignment->pair_count && !eng_worker_should_stop(worker);
-         k += team->count) {
-        uint64_t begin_ns = eng_worker_slice(worker);
-        uint32_t n = (uint32_t)(assignment->pairs[k] >> 32);
-        uint32_t m = (uint32_t)assignment->pairs[k];
-        eng_taskunit_pairs(worker, n, m);
-        eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
-        performed++;
-    }
-    eng_worker_trace(worker, ENG_TRACE_HIGH, high_ns, node, performed);
-}
-
-/* High-level nodes, the deepest first; every thread works on the same one. */
-static void perform_high(struct eng_team *team, struct eng_worker *worker)
-{
-    struct eng_assignment *assignment = team->assignment;
-    for (uint32_t i = assignment->high_count; i-- > 0;) {
-        uint32_t node = assignment->high[i];
-        if (worker->thread == 0) {
-            uint64_t begin_ns = eng_now_ns();
-            expand_high(team, worker, node);
-            worker->record.high_ns += eng_now_ns() - begin_ns;
-        }
-        eng_worker_barrier(worker);
-        uint64_t dealt_ns = eng_now_ns();
-        perform_share(team, worker, node);
-        worker->record.high_ns += eng_now_ns() - dealt_ns;
-        eng_worker_barrier(worker); /* the pairs make room for the next node's */
     }
 }
 
@@ -319,8 +268,5 @@ void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker)
     if (worker->thread == 0) {
         team->low_end_ns = eng_now_ns();
     }
-    perform_high(team, worker);
-    uint64_t begin_ns = eng_now_ns();
-    eng_taskunit_flush(worker);
-    worker->record.high_ns += eng_now_ns() - begin_ns;
+    eng_highlevel_perform(team, worker);
 }

@@ -160,8 +160,8 @@ void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m)
         uint32_t n_out[4];
         uint32_t m_out[4];
         pairs->count--;
-        uint32_t count = refine(worker, pairs->n[pairs->count], pairs->m[pairs->count],
-                                n_out, m_out);
+        uint32_t count =
+            refine(worker, pairs->n[pairs->count], pairs->m[pairs->count], n_out, m_out);
         for (uint32_t i = 0; i < count; i++) {
             test_pair(worker, n_out[i], m_out[i]);
         }
@@ -186,6 +186,17 @@ uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
         return 0;
     }
     worker->record.pairs++;
+    return refine(worker, n, m, n_out, m_out);
+}
+
+uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
+                           uint32_t n_out[4], uint32_t m_out[4])
+{
+    const struct eng_node *nodes = worker->scene->nodes;
+    bool are_leaves = nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF;
+    if (are_leaves || !overlap(worker, &nodes[n], &nodes[m])) {
+        return 0;
+    }
     return refine(worker, n, m, n_out, m_out);
 }
 

@@ -19,10 +19,16 @@ void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_ch
 void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m);
 
 /* Test the boxes of (n, m) and refine it once: the pairs that may overlap are written to
- * n_out, m_out [4] without having been tested. Returns their number, 0 also for two
- * leaves, which are dealt with. */
+ * n_out, m_out [4] without having been tested. Returns their number: 4, in the order LL,
+ * LR, RL, RR; 2 if one of both is a leaf and stands for itself; 0 if the boxes are apart,
+ * and for two leaves, which are dealt with. */
 uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
                              uint32_t n_out[4], uint32_t m_out[4]);
+
+/* The same, uncounted, for a pair that another thread or phase counts: 0 for two leaves,
+ * which are left to it. */
+uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
+                           uint32_t n_out[4], uint32_t m_out[4]);
 
 /* Test what is left in the worker's chunks. */
 void eng_taskunit_flush(struct eng_worker *worker);

@@ -18,6 +18,8 @@
 
 #include <omp.h>
 
+#include "subtree.h"
+
 void eng_refit_vertices(struct eng_scene *scene, struct eng_range range)
 {
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
@@ -58,43 +60,25 @@ void eng_refit_nodes(struct eng_scene *scene, struct eng_range range)
     }
 }
 
-/* A subtree of an object: 2 n - 1 nodes that follow each other. */
-static void refit_in_object(struct eng_scene *scene, uint32_t root)
+static void refit_child(struct eng_scene *scene, uint32_t idx)
 {
-    eng_refit_nodes(scene, (struct eng_range){root, 2 * scene->nodes[root].count - 1});
-}
-
-/* The last node above objects of the subtree `root`, which is one: in pre-order it lies
- * behind all others. */
-static uint32_t last_above_objects(const struct eng_scene *scene, uint32_t root)
-{
-    for (;;) {
-        const struct eng_node *node = &scene->nodes[root];
-        if (eng_is_above_objects(scene, node->right)) {
-            root = node->right;
-        } else if (eng_is_above_objects(scene, node->left)) {
-            root = node->left;
-        } else {
-            return root;
-        }
+    if (!eng_is_above_objects(scene, idx)) {
+        eng_refit_nodes(scene, eng_subtree_in_object(scene, idx));
     }
 }
 
 void eng_refit_subtree(struct eng_scene *scene, uint32_t root)
 {
     if (!eng_is_above_objects(scene, root)) {
-        refit_in_object(scene, root);
+        eng_refit_nodes(scene, eng_subtree_in_object(scene, root));
         return;
     }
-    for (uint32_t i = last_above_objects(scene, root) + 1; i-- > root;) {
-        const struct eng_node *node = &scene->nodes[i];
-        if (!eng_is_above_objects(scene, node->left)) {
-            refit_in_object(scene, node->left);
-        }
-        if (!eng_is_above_objects(scene, node->right)) {
-            refit_in_object(scene, node->right);
-        }
-        refit_node(scene, i);
+    struct eng_range range = eng_subtree_above_objects(scene, root);
+    for (uint32_t i = range.count; i-- > 0;) {
+        const struct eng_node *node = &scene->nodes[range.first + i];
+        refit_child(scene, node->left);
+        refit_child(scene, node->right);
+        refit_node(scene, range.first + i);
     }
 }
 

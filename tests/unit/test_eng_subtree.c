@@ -1,0 +1,87 @@
+/* tests/unit/test_eng_subtree.c - which nodes are below which; disjoint task units.
+ *
+ * Room:     engine (subtree.h, step.h).
+ * Does:     hold the order of nodes against the links; run teams whose threads check each
+ *           other where the build validates.
+ * Threads:  up to eight.
+ * Source:   daemon/engine/tree/subtree.h; paper section 4.1.
+ */
+#include "eng_crew.h"
+
+#include "build.h"
+#include "subtree.h"
+
+/* Parents of all nodes; the root's is ENG_NO_NODE. */
+static void find_parents(const struct eng_scene *scene, uint32_t *parents)
+{
+    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
+        parents[i] = ENG_NO_NODE;
+    }
+    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
+        if (scene->nodes[i].left != ENG_LEAF) {
+            parents[scene->nodes[i].left] = i;
+            parents[scene->nodes[i].right] = i;
+        }
+    }
+}
+
+/* If it failed: the check of disjoint task units would miss, or invent, a conflict, and a
+ * subtree would be refit in part. */
+static void subtree__order_says_what_the_links_say(void **state)
+{
+    static const uint32_t sizes[] = {5, 1, 9, 1, 2, 17};
+    static uint32_t parents[256];
+    (void)state;
+    struct kit_random random = {5};
+    struct eng_scene *scene = NULL;
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    for (uint32_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        uint32_t idx;
+        struct eng_mesh *mesh = kit_soup(&random, sizes[i]);
+        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), ENG_OK);
+        eng_mesh_release(mesh);
+    }
+    assert_int_equal(eng_build_top(scene), ENG_OK);
+    assert_true(scene->node_ranges.end <= sizeof parents / sizeof *parents);
+    find_parents(scene, parents);
+    uint32_t pairs = 0;
+    for (uint32_t root = 0; root < scene->node_ranges.end; root++) {
+        for (uint32_t node = 0; node < scene->node_ranges.end; node++) {
+            uint32_t up = node;
+            while (up != ENG_NO_NODE && up != root) {
+                up = parents[up];
+            }
+            assert_int_equal(eng_node_is_below(scene, root, node), up == root);
+            pairs += up == root;
+        }
+    }
+    assert_true(pairs > scene->node_ranges.end);
+    eng_scene_free(scene);
+}
+
+/* If it failed: two threads would work below the same node without a lock (the step
+ * asserts it in builds with --enable-validate), or a task unit would be left out. */
+static void subtree__threads_perform_disjoint_task_units(void **state)
+{
+    struct crew *crew = *state;
+    struct eng_step_result alone = crew_run(crew, crew_alone(ENG_MODE_ALL));
+    for (uint32_t threads = 2; threads <= 8; threads++) {
+        for (int round = 0; round < 10; round++) {
+            struct eng_step_settings settings = crew_alone(ENG_MODE_ALL);
+            settings.threads = threads;
+            settings.scheduler = ENG_SCHEDULER_PAPER;
+            struct eng_step_result team = crew_run(crew, settings);
+            assert_int_equal(team.counters.task_units, alone.counters.task_units);
+            assert_int_equal(team.hash_lo, alone.hash_lo);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(subtree__order_says_what_the_links_say),
+        CREW_TEST(subtree__threads_perform_disjoint_task_units),
+    };
+    return cmocka_run_group_tests_name("eng_subtree", tests, NULL, NULL);
+}
