@@ -42,7 +42,7 @@ tests/truth         proto daemon/engine client/lib+ tests/support tests/oracle t
 # Folder prefix, then the libraries beside the C library.
 libraries='
 proto               msgpack.h
-daemon/engine       gmp.h omp.h xxhash.h
+daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
 daemon/server       uv.h
 client/ctl          jansson.h png.h
 bench               omp.h

@@ -37,6 +37,7 @@ ENG_TESTS = \
     tests/unit/test_eng_step \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_fault \
+    tests/unit/test_eng_fault_team \
     tests/unit/test_eng_replace \
     tests/unit/test_eng_deque \
     tests/unit/test_eng_team \
@@ -115,10 +116,20 @@ tests_unit_test_eng_warm_SOURCES = tests/unit/test_eng_warm.c
 tests_unit_test_eng_warm_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_warm_LDADD = $(ENG_TEST_LDADD)
 
-# Its own eng_alloc comes first, so the library's memory.o is not linked.
-tests_unit_test_eng_fault_SOURCES = tests/unit/test_eng_fault.c
+# Their own eng_alloc comes first, so the library's memory.o is not linked.
+tests_unit_test_eng_fault_SOURCES = \
+    tests/unit/eng_scarce.c \
+    tests/unit/eng_scarce.h \
+    tests/unit/test_eng_fault.c
 tests_unit_test_eng_fault_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_fault_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_fault_team_SOURCES = \
+    tests/unit/eng_scarce.c \
+    tests/unit/eng_scarce.h \
+    tests/unit/test_eng_fault_team.c
+tests_unit_test_eng_fault_team_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_fault_team_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_replace_SOURCES = tests/unit/test_eng_replace.c
 tests_unit_test_eng_replace_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

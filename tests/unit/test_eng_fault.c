@@ -1,121 +1,20 @@
 /* tests/unit/test_eng_fault.c - the engine when memory runs out.
  *
- * Room:     engine (all of it, with an allocator that fails on order for memory.c).
+ * Room:     engine (all of it, eng_scarce.h in place of memory.c).
  * Does:     fail the n-th allocation, for every n, over the whole life of meshes and a
  *           scene, once or from then on until the call has returned.
  * Does not: fail the allocations of GMP, which ends the process then by its own rule.
  * Threads:  one.
  * Source:   daemon/engine/memory.h; mesh.h, scene.h and step.h for what may return NOMEM.
  */
-#include "eng_kit.h"
+#include "eng_scarce.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "build.h"
-#include "memory.h"
 #include "step.h"
 #include "world.h"
-
-/* ---- the double of memory.c -------------------- */
-
-#define HEADER 128u /* alignment, and room for the size */
-
-static uint64_t allocations; /* since the start */
-static uint64_t held_blocks;
-static uint64_t held_bytes;
-static uint64_t countdown; /* the allocation that brings it to 0 fails; 0: none does */
-static bool goes_on_failing;
-static bool is_failing;
-static uint64_t failures;
-
-static bool should_fail(void)
-{
-    if (!is_failing && countdown > 0 && --countdown == 0) {
-        failures++;
-        is_failing = goes_on_failing;
-        return true;
-    }
-    return is_failing;
-}
-
-void *eng_alloc(size_t count, size_t bytes)
-{
-    size_t total;
-    if (__builtin_mul_overflow(count, bytes, &total) || total > SIZE_MAX - 2 * HEADER ||
-        should_fail()) {
-        return NULL;
-    }
-    unsigned char *base =
-        aligned_alloc(HEADER, (total + 2 * HEADER - 1) & ~(size_t)(HEADER - 1));
-    assert_non_null(base);
-    memcpy(base, &total, sizeof total);
-    memset(base + HEADER, 0xa5, total); /* nobody may count on zeros */
-    allocations++;
-    held_blocks++;
-    held_bytes += total;
-    return base + HEADER;
-}
-
-static size_t size_of(const void *block)
-{
-    size_t total;
-    memcpy(&total, (const unsigned char *)block - HEADER, sizeof total);
-    return total;
-}
-
-void *eng_realloc(void *block, size_t count, size_t bytes)
-{
-    void *grown = eng_alloc(count, bytes);
-    if (grown && block) {
-        size_t old = size_of(block);
-        memcpy(grown, block, old < size_of(grown) ? old : size_of(grown));
-        eng_free(block);
-    }
-    return grown;
-}
-
-void eng_free(void *block)
-{
-    if (block) {
-        held_blocks--;
-        held_bytes -= size_of(block);
-        memset(block, 0x5a, size_of(block)); /* nobody may look at it any more */
-        free((unsigned char *)block - HEADER);
-    }
-}
-
-uint64_t eng_alloc_count(void)
-{
-    return allocations;
-}
-
-uint64_t eng_alloc_bytes(void)
-{
-    return held_bytes;
-}
-
-/* ---- a life -------------------- */
-
-/* Memory comes back once a call has said that it failed. */
-static bool recovered(int status)
-{
-    if (status == ENG_E_NOMEM) {
-        assert_true(failures > 0); /* it may only say so if it is true */
-    } else {
-        assert_int_equal(status, ENG_OK);
-    }
-    is_failing = false;
-    return status == ENG_OK;
-}
-
-/* Do it; if memory ran out, do it again. */
-#define RETRY(call)                                                                      \
-    do {                                                                                 \
-        if (!recovered(call)) {                                                          \
-            assert_int_equal(call, ENG_OK);                                              \
-        }                                                                                \
-    } while (0)
 
 #define SIDE 2u
 #define V    ((SIDE + 1) * (SIDE + 1))
@@ -187,12 +86,12 @@ static int try_step(struct eng_scene *scene, enum eng_mode mode, int seed,
             return status;
         }
     }
-    const uint64_t failed_before = failures;
+    const uint64_t failed_before = scarce.failures;
     int status = eng_step(scene, &settings, result);
     assert_false(scene->staging);
     if (status == ENG_OK && result->incomplete != ENG_COMPLETE) {
         assert_int_equal(result->incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
-        assert_true(failures > failed_before);
+        assert_true(scarce.failures > failed_before);
         status = ENG_E_NOMEM;
     }
     return status;
@@ -234,7 +133,7 @@ static void check_failed_step_moves_nothing(struct eng_scene *scene)
     } else {
         eng_stage_abort(scene);
     }
-    if (!recovered(status)) {
+    if (!scarce_recovered(status)) {
         assert_memory_equal(scene->x[scene->now], before, bytes);
     }
     free(before);
@@ -315,24 +214,24 @@ static void fault__every_allocation_may_fail(void **state)
     (void)state;
     struct diary reference;
     struct diary diary;
-    countdown = 0;
-    uint64_t before = allocations;
+    scarce.countdown = 0;
+    uint64_t before = scarce.allocations;
     live(&reference);
-    assert_int_equal(held_blocks, 0);
-    uint64_t total = allocations - before;
+    assert_int_equal(scarce.held_blocks, 0);
+    uint64_t total = scarce.allocations - before;
     assert_true(total > 50);
     for (int mode = 0; mode < 2; mode++) {
-        goes_on_failing = mode == 1;
+        scarce.goes_on_failing = mode == 1;
         for (uint64_t n = 1; n <= total; n++) {
-            countdown = n;
-            failures = 0;
+            scarce.countdown = n;
+            scarce.failures = 0;
             live(&diary);
-            assert_int_equal(failures, 1);
+            assert_int_equal(scarce.failures, 1);
             assert_int_equal(diary.count, reference.count);
             assert_memory_equal(diary.hash, reference.hash,
                                 reference.count * sizeof *reference.hash);
-            assert_int_equal(held_blocks, 0);
-            assert_int_equal(held_bytes, 0);
+            assert_int_equal(scarce.held_blocks, 0);
+            assert_int_equal(scarce.held_bytes, 0);
         }
     }
 }
@@ -343,32 +242,33 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
     (void)state;
     struct eng_mesh *mesh = NULL;
     struct eng_scene *scene = NULL;
-    goes_on_failing = false;
+    scarce.goes_on_failing = false;
     for (uint64_t n = 1; n <= 3; n++) {
-        countdown = n;
+        scarce.countdown = n;
         assert_int_equal(eng_mesh_new(100, 100, &mesh), ENG_E_NOMEM);
         assert_null(mesh);
-        assert_int_equal(held_blocks, 0);
+        assert_int_equal(scarce.held_blocks, 0);
     }
     for (uint64_t n = 1; n <= 2; n++) {
-        countdown = n;
+        scarce.countdown = n;
         assert_int_equal(eng_scene_new(NULL, &scene), ENG_E_NOMEM);
         assert_null(scene);
-        assert_int_equal(held_blocks, 0);
+        assert_int_equal(scarce.held_blocks, 0);
     }
-    countdown = 0;
+    scarce.countdown = 0;
     mesh = make_sheet();
     int status = ENG_E_NOMEM;
     for (uint64_t n = 1; status != ENG_OK; n++) {
         uint32_t idx = 77;
-        uint64_t before = allocations;
+        uint64_t before = scarce.allocations;
         assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
-        uint64_t made = allocations - before;
-        countdown = n;
+        uint64_t made = scarce.allocations - before;
+        scarce.countdown = n;
         status = eng_scene_add(scene, mesh, 1, &idx);
         if (status != ENG_OK) {
             assert_int_equal(status, ENG_E_NOMEM);
-            assert_int_equal(allocations - before, made + n - 1); /* each in its turn */
+            assert_int_equal(scarce.allocations - before,
+                             made + n - 1); /* each in its turn */
             assert_int_equal(idx, 77);
             assert_int_equal(eng_scene_object_count(scene), 0);
             assert_int_equal(scene->vertex_ranges.end, 0); /* the ranges came back */
@@ -378,11 +278,11 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
         } else {
             assert_true(n > 10);
         }
-        countdown = 0;
+        scarce.countdown = 0;
         eng_scene_free(scene);
     }
     eng_mesh_release(mesh);
-    assert_int_equal(held_blocks, 0);
+    assert_int_equal(scarce.held_blocks, 0);
 }
 
 int main(void)
