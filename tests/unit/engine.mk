@@ -44,6 +44,7 @@ ENG_TESTS = \
     tests/unit/test_eng_record \
     tests/unit/test_eng_trace \
     tests/unit/test_eng_subtree \
+    tests/unit/test_eng_place \
     tests/unit/test_eng_refit_plan
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
@@ -158,3 +159,9 @@ tests_unit_test_eng_refit_plan_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_subtree_SOURCES = tests/unit/test_eng_subtree.c
 tests_unit_test_eng_subtree_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_subtree_LDADD = $(ENG_TEST_LDADD)
+
+# It opens regions of its own.
+tests_unit_test_eng_place_SOURCES = tests/unit/test_eng_place.c
+tests_unit_test_eng_place_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_place_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_unit_test_eng_place_LDADD = $(ENG_TEST_LDADD)

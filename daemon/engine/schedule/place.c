@@ -1,4 +1,4 @@
-/* place.c - where the threads of a team run.
+/* daemon/engine/schedule/place.c - where the threads of a team run.
  *
  * Room:     engine.
  * Does:     sched_setaffinity of each thread for itself; a thread knows where it was put.
@@ -10,8 +10,11 @@
 #include <sched.h>
 #include <stddef.h>
 
-/* Where this thread was bound; a new one inherits its creator's processor, not this. */
-static _Thread_local int placed_on = -1;
+enum { UNKNOWN = -2, ANYWHERE = -1 };
+
+/* Where this thread was bound. A new one inherits the mask of the thread that opened the
+ * region, not this. */
+static _Thread_local int placed_on = UNKNOWN;
 
 void eng_places_init(struct eng_places *places)
 {
@@ -30,14 +33,22 @@ void eng_places_init(struct eng_places *places)
 void eng_place_thread(const struct eng_places *places, uint32_t thread,
                       uint32_t team_count)
 {
-    if (!places || team_count > places->count || placed_on == places->cpu[thread]) {
+    if (!places || places->count == 0) {
+        return;
+    }
+    int place = team_count <= places->count ? places->cpu[thread] : ANYWHERE;
+    if (placed_on == place) {
         return;
     }
     cpu_set_t set;
     CPU_ZERO(&set);
-    CPU_SET(places->cpu[thread], &set);
+    for (uint32_t i = 0; i < places->count; i++) {
+        if (place == ANYWHERE || places->cpu[i] == place) {
+            CPU_SET(places->cpu[i], &set);
+        }
+    }
     if (sched_setaffinity(0, sizeof set, &set) == 0) {
-        placed_on = places->cpu[thread];
+        placed_on = place;
     }
 }
 

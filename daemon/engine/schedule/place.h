@@ -1,4 +1,4 @@
-/* place.h - where the threads of a team run.
+/* daemon/engine/schedule/place.h - where the threads of a team run.
  *
  * Room:     engine. May include: the C library.
  * Does:     give every thread of the team a processor of its own, among those that the
@@ -22,9 +22,10 @@ struct eng_places {
 void eng_places_init(struct eng_places *places);
 
 /* Bind the calling thread, the `thread`-th of a team, to a processor of its own, unless
- * it is bound there already. A team larger than `places` is left alone; NULL: nothing.
- * The runtime may replace threads when a team shrinks and grows, so every
- * region calls it. [team] */
+ * it is bound there already; in a team larger than `places`, to all of them. NULL:
+ * nothing. The runtime may replace threads when a team shrinks and grows, and a new one
+ * begins where the thread that opened the region is bound, so every region calls it.
+ * Costs a comparison once a thread is where it belongs. [team] */
 void eng_place_thread(const struct eng_places *places, uint32_t thread,
                       uint32_t team_count);
 

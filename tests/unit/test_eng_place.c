@@ -1,0 +1,200 @@
+/* tests/unit/test_eng_place.c - where the threads of a team run.
+ *
+ * Room:     engine (place.h, step.h).
+ * Does:     ask the kernel where the threads of regions may run and do run.
+ * Does not: check anything with a single processor.
+ * Threads:  a new one for each test, since a thread that opens regions is bound too; its
+ *           team.
+ * Source:   daemon/engine/schedule/place.h; design: threads.
+ */
+#include "eng_crew.h"
+
+#include <omp.h>
+#include <pthread.h>
+#include <sched.h>
+#include <string.h>
+
+#include "place.h"
+
+#define TEAM_MAX 64u
+
+/* What one region saw. */
+struct sight {
+    uint32_t count;
+    int cpu[TEAM_MAX];     /* where each thread ran */
+    int allowed[TEAM_MAX]; /* processors that it may use */
+};
+
+static int allowed_count(void)
+{
+    cpu_set_t set;
+    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : -1;
+}
+
+static struct sight look(const struct eng_places *places, uint32_t threads)
+{
+    struct sight sight;
+    memset(&sight, 0, sizeof sight);
+#pragma omp parallel num_threads((int)threads)
+    {
+        uint32_t thread = (uint32_t)omp_get_thread_num();
+        eng_place_thread(places, thread, (uint32_t)omp_get_num_threads());
+        sight.cpu[thread] = sched_getcpu();
+        sight.allowed[thread] = allowed_count();
+        if (thread == 0) {
+            sight.count = (uint32_t)omp_get_num_threads();
+        }
+    }
+    return sight;
+}
+
+/* Run `body` as a compute thread of its own would. */
+static void apart(void *(*body)(void *), void *data)
+{
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, body, data), 0);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+}
+
+static uint32_t usable(struct eng_places *places)
+{
+    eng_places_init(places);
+    if (places->count < 2) {
+        skip();
+    }
+    return places->count < TEAM_MAX ? places->count : TEAM_MAX;
+}
+
+static void check_bound(const struct sight *sight, const struct eng_places *places)
+{
+    for (uint32_t i = 0; i < sight->count; i++) {
+        assert_int_equal(sight->cpu[i], places->cpu[i]);
+        assert_int_equal(sight->allowed[i], 1);
+    }
+}
+
+struct rounds {
+    struct eng_places places;
+    uint32_t threads;
+    struct sight sights[5];
+};
+
+static void *shrink_and_grow(void *data)
+{
+    struct rounds *rounds = data;
+    const uint32_t threads = rounds->threads;
+    rounds->sights[0] = look(&rounds->places, threads);
+    rounds->sights[1] = look(&rounds->places, 1);
+    rounds->sights[2] = look(&rounds->places, threads);
+    rounds->sights[3] = look(&rounds->places, threads - 1);
+    rounds->sights[4] = look(&rounds->places, threads);
+    return NULL;
+}
+
+/* If it failed: two threads of a team could share a processor while another is idle. */
+static void place__each_thread_has_its_own_processor(void **state)
+{
+    static struct rounds rounds;
+    (void)state;
+    rounds.threads = usable(&rounds.places);
+    apart(shrink_and_grow, &rounds);
+    for (int i = 0; i < 5; i++) {
+        check_bound(&rounds.sights[i], &rounds.places);
+    }
+    assert_int_equal(rounds.sights[0].count, rounds.threads);
+    assert_int_equal(rounds.sights[4].count, rounds.threads);
+}
+
+static void *bind_then_crowd(void *data)
+{
+    struct rounds *rounds = data;
+    rounds->sights[0] = look(&rounds->places, rounds->threads);
+    rounds->sights[1] = look(&rounds->places, rounds->threads + 1);
+    rounds->sights[2] = look(&rounds->places, rounds->threads);
+    return NULL;
+}
+
+/* If it failed: the threads added to a bound team would all stay on the processor of the
+ * thread that made them. */
+static void place__crowd_may_run_anywhere(void **state)
+{
+    static struct rounds rounds;
+    (void)state;
+    rounds.threads = usable(&rounds.places);
+    if (rounds.threads == TEAM_MAX) {
+        skip();
+    }
+    apart(bind_then_crowd, &rounds);
+    check_bound(&rounds.sights[0], &rounds.places);
+    assert_int_equal(rounds.sights[1].count, rounds.threads + 1);
+    for (uint32_t i = 0; i < rounds.sights[1].count; i++) {
+        assert_int_equal(rounds.sights[1].allowed[i], rounds.places.count);
+    }
+    check_bound(&rounds.sights[2], &rounds.places);
+}
+
+static void *unplaced(void *data)
+{
+    struct rounds *rounds = data;
+    rounds->sights[0] = look(NULL, rounds->threads);
+    return NULL;
+}
+
+/* If it failed: whoever asks for no places would be bound all the same. */
+static void place__without_places_nobody_is_bound(void **state)
+{
+    static struct rounds rounds;
+    (void)state;
+    rounds.threads = usable(&rounds.places);
+    apart(unplaced, &rounds);
+    for (uint32_t i = 0; i < rounds.sights[0].count; i++) {
+        assert_int_equal(rounds.sights[0].allowed[i], rounds.places.count);
+    }
+}
+
+struct stepping {
+    struct crew *crew;
+    struct eng_places places;
+    uint32_t threads;
+    struct sight sight;
+};
+
+/* A step, then a region that places nobody: the team is still where the step put it. */
+static void *step_with_places(void *data)
+{
+    struct stepping *stepping = data;
+    struct eng_step_settings settings = crew_alone(ENG_MODE_ALL);
+    struct eng_step_result result;
+    settings.threads = stepping->threads;
+    settings.places = &stepping->places;
+    eng_stage_begin(stepping->crew->scene);
+    if (eng_step(stepping->crew->scene, &settings, &result) == ENG_OK) {
+        stepping->sight = look(NULL, stepping->threads);
+    }
+    return NULL;
+}
+
+/* If it failed: a step would leave its threads where the kernel put them, or bind those
+ * of its process that it does not know. */
+static void place__steps_bind_their_team_only(void **state)
+{
+    static struct stepping stepping;
+    stepping.crew = *state;
+    stepping.threads = usable(&stepping.places);
+    int before = allowed_count();
+    apart(step_with_places, &stepping);
+    assert_int_equal(stepping.sight.count, stepping.threads);
+    check_bound(&stepping.sight, &stepping.places);
+    assert_int_equal(allowed_count(), before);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(place__each_thread_has_its_own_processor),
+        cmocka_unit_test(place__crowd_may_run_anywhere),
+        cmocka_unit_test(place__without_places_nobody_is_bound),
+        CREW_TEST(place__steps_bind_their_team_only),
+    };
+    return cmocka_run_group_tests_name("eng_place", tests, NULL, NULL);
+}
