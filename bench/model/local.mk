@@ -1,6 +1,9 @@
 # bench/model/local.mk - the scaling model: predictions for more processors than are here.
 #
-# make bench-model                         CSV and figures in bench/model/results
+# make bench-model                              all scenes; CSV and figures in
+#                                               bench/model/results of the build
+# make bench-model MODEL_ARGS=cloth-ball        one scene
+# make bench-model MODEL_ARGS=--validate-threads=2,16   compare with 16 threads too
 
 check_PROGRAMS += bench/model/model
 
@@ -20,11 +23,34 @@ bench_model_model_SOURCES = \
     bench/model/sim_paper.c \
     bench/model/sim_refit.c \
     bench/model/sim_steal.c \
+    bench/model/table.c \
+    bench/model/table.h \
     bench/model/task.c \
     bench/model/task.h \
     bench/model/walker.c \
     bench/model/walker.h \
     $(bench_engine_sources)
 bench_model_model_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/model
-bench_model_model_LDADD = $(bench_engine_libs)
 bench_model_model_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+bench_model_model_LDADD = $(bench_engine_libs)
+
+model_figures = bench/model/speedup.gp bench/model/components.gp bench/model/shares.gp
+EXTRA_DIST += bench/model/common.gp $(model_figures)
+
+TESTS += bench/model/smoke.sh
+dist_check_SCRIPTS += bench/model/smoke.sh
+
+.PHONY: bench-model
+bench-model: bench/model/model
+	@$(MKDIR_P) bench/model/results
+	@$(AM_TESTS_ENVIRONMENT) \
+	bench/model/model --into=bench/model/results $(MODEL_ARGS)
+	@for figure in $(model_figures); do for kind in svg png; do \
+	    gnuplot -e "folder='bench/model/results'; kind='$$kind'" \
+	        -e "scripts='$(srcdir)/bench/model'" $(srcdir)/$$figure || exit 1; \
+	done; done
+
+clean-local: clean-bench-model
+clean-bench-model:
+	rm -rf bench/model/results
+.PHONY: clean-bench-model

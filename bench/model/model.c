@@ -16,6 +16,7 @@
 #include "report.h"
 #include "schedule.h"
 #include "sim.h"
+#include "table.h"
 
 #define SPINCOUNT "2000" /* as the daemon's unit file sets it */
 
@@ -105,27 +106,21 @@ static void predict(struct run *run, const struct scheme *scheme,
                                 .scheduler = scheme->way.scheduler,
                                 .high_level = scheme->way.high_level,
                                 .refit = scheme->way.refit};
-    if (division->threads == 1) {
-        model_alone(&input, output);
-        run->alone = *output;
-        return;
-    }
     model_simulate(&input, output);
     check(run, output, division->threads);
+    if (division->threads == 1) { /* the engine then runs no scheduler */
+        model_alone(&input, output);
+        run->alone = *output;
+    }
 }
 
 static void print(const struct run *run, const struct scheme *scheme, uint32_t threads,
                   const struct model_output *o)
 {
-    fprintf(run->model,
-            "%s,%s,%s,%s,%u,%.4f,%.3f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,"
-            "%.4f,%.4f,%llu,%llu\n",
-            run->name, scheme->scheduler, scheme->high_level, scheme->refit, threads,
-            o->total * 1e-6, run->alone.total / o->total, o->refit * 1e-6, o->low * 1e-6,
-            o->high * 1e-6, o->merge * 1e-6, o->serial * 1e-6, o->wait * 1e-6,
-            o->refit_work * 1e-6, o->low_work * 1e-6, o->high_work * 1e-6,
-            o->critical * 1e-6, o->largest * 1e-6, o->flush * 1e-6,
-            (unsigned long long)o->hand_overs, (unsigned long long)o->naps);
+    model_table_row(run->model,
+                    &(struct model_row){run->name, scheme->scheduler, scheme->high_level,
+                                        scheme->refit, threads,
+                                        run->alone.total / o->total, o});
     if (threads == 1 || threads == 2 ||
         (threads >= 8 && (threads & (threads - 1)) == 0)) {
         printf("%-16s %-6s %3u %9.3f ms %6.2fx  refit %.3f low %.3f high %.3f merge %.3f "
@@ -177,7 +172,6 @@ static void replay(struct run *run)
             }
         }
         model_division_deinit(&division);
-        fflush(run->model);
         fflush(stdout);
     }
 }
@@ -395,10 +389,7 @@ int main(int argc, char **argv)
                        .places = &places,
                        .model = create(options.folder, "model.csv"),
                        .validation = create(options.folder, "validation.csv")};
-    fprintf(run.model,
-            "scene,scheduler,high_level,refit,p,ms,speedup,refit_ms,low_ms,high_ms,"
-            "merge_ms,serial_ms,wait_ms,refit_work_ms,low_work_ms,high_work_ms,"
-            "critical_ms,largest_ms,flush_ms,hand_overs,naps\n");
+    model_table_begin(run.model);
     fprintf(run.validation, "scene,scheduler,p,measured_ms,predicted_ms,error,"
                             "measured_speedup,predicted_speedup\n");
     model_all(&run);
