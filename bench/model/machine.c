@@ -46,7 +46,7 @@ static void measure_alone(struct model_machine *machine)
 {
     static struct eng_deque deque;
     static atomic_uint counter;
-    struct bench_samples samples[7] = {0};
+    struct bench_samples samples[6] = {0};
     pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     eng_deque_init(&deque);
     for (int repeat = 0; repeat < 21; repeat++) {
@@ -82,9 +82,6 @@ static void measure_alone(struct model_machine *machine)
             sched_yield();
         }
         bench_add(&samples[5], per(begin_ns, 100));
-        begin_ns = eng_now_ns();
-        nanosleep(&(struct timespec){0, MODEL_NAP_NS}, NULL);
-        bench_add(&samples[6], per(begin_ns, 1));
     }
     machine->local = median_of(&samples[0]);
     machine->push = median_of(&samples[1]);
@@ -92,8 +89,7 @@ static void measure_alone(struct model_machine *machine)
     machine->probe = median_of(&samples[3]);
     machine->lock = median_of(&samples[4]);
     machine->yield = median_of(&samples[5]);
-    machine->nap = median_of(&samples[6]);
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 6; i++) {
         bench_free(&samples[i]);
     }
 }
@@ -415,7 +411,6 @@ void model_machine_print(const struct model_machine *machine, FILE *out)
                 {"lock and unlock, fought for", machine->lock_fought},
                 {"signal, the caller", machine->signal},
                 {"signal to running", machine->wake},
-                {"nap", machine->nap},
                 {"yield", machine->yield},
                 {"turn of the paper's loop", machine->unit},
                 {"barrier of two", machine->barrier},

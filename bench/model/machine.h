@@ -17,8 +17,6 @@
 
 /* How long a thread sleeps that finds nobody with a node to spare: about as long as a
  * task unit near the front, after which somebody calls it. */
-#define MODEL_NAP_NS 50000
-
 struct model_machine {
     double clock;
     double local;    /* atomic read-modify-write of a line that is ours */
@@ -32,7 +30,6 @@ struct model_machine {
     double lock_fought;   /* lock and unlock, two threads taking turns without pause */
     double signal;        /* pthread_cond_signal with a sleeper: the caller's time */
     double wake;          /* from that call's begin to the sleeper running */
-    double nap;           /* nanosleep of MODEL_NAP_NS */
     double yield;         /* sched_yield with nobody waiting */
     double unit;          /* a turn of the paper's main loop besides the task unit */
     double barrier;       /* of an OpenMP team of two that arrive together */

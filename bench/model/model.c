@@ -53,6 +53,10 @@ static const struct scheme schemes[] = {
      "round-robin",
      "paper",
      {0, ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER}},
+    {"paper",
+     "disjoint",
+     "paper",
+     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_PAPER}},
     {"steal",
      "none",
      "even",
@@ -138,7 +142,8 @@ static void validate(const struct run *run, const struct scheme *scheme, uint32_
     for (uint32_t i = 0; i < run->measured_count; i++) {
         const struct model_measured *m = &run->measured[i];
         if (m->way.threads != threads ||
-            (threads > 1 && m->way.scheduler != scheme->way.scheduler)) {
+            (threads > 1 && (m->way.scheduler != scheme->way.scheduler ||
+                             m->way.high_level != scheme->way.high_level))) {
             continue;
         }
         double error = output->total / m->step - 1;

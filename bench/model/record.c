@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "clock.h"
+#include "highlevel.h"
 #include "refit.h"
 #include "report.h"
 #include "schedule.h"
@@ -134,85 +135,99 @@ static void walk_steal(const struct model_record *record, struct model_walker *w
 
 /* ---- high-level nodes, as by eng_schedule_paper ---------------------------------- */
 
-/* Refine breadth-first until there are enough pairs to deal out; they are left in
- * pairs[0 .. the number returned - 1]. */
-static uint32_t expand(struct eng_worker *worker, uint32_t node, uint32_t wanted,
-                       uint64_t *pairs)
-{
-    const struct eng_node *nodes = worker->scene->nodes;
-    uint32_t head = 0;
-    uint32_t count = 1;
-    pairs[0] = (uint64_t)nodes[node].left << 32 | nodes[node].right;
-    while (count - head > 0 && count < wanted) {
-        uint32_t n[4];
-        uint32_t m[4];
-        uint64_t pair = pairs[head++];
-        uint32_t refined =
-            eng_taskunit_refine(worker, (uint32_t)(pair >> 32), (uint32_t)pair, n, m);
-        for (uint32_t i = 0; i < refined; i++) {
-            pairs[count++] = (uint64_t)n[i] << 32 | m[i];
-        }
-    }
-    for (uint32_t i = head; i < count; i++) {
-        pairs[i - head] = pairs[i];
-    }
-    return count - head;
-}
-
-static void walk_high(struct model_division *division, const struct model_record *record,
-                      struct model_walker *walker,
-                      const struct eng_assignment *assignment, struct model_tasks *tasks)
+static void walk_round_robin(struct model_division *division,
+                             const struct model_record *record, struct eng_team *team,
+                             struct model_tasks *tasks)
 {
     static struct model_recorder recorder;
-    struct eng_worker *worker = model_walker_begin(walker);
+    struct eng_assignment *assignment = team->assignment;
+    struct eng_worker *worker = model_walker_begin(division->walker);
     tasks->count = 0;
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
-    for (uint32_t i = assignment->high_count; i-- > 0;) {
-        struct model_high *high = &division->high[assignment->high_count - 1 - i];
-        high->node = assignment->high[i];
-        uint32_t count =
-            expand(worker, high->node, ENG_PAIRS_PER_THREAD * division->threads,
-                   assignment->pairs);
-        high->expansion = model_tasks_add(tasks, 1 + count);
-        high->first_pair = high->expansion + 1;
-        high->pair_count = count;
+    for (uint32_t i = 0; i < division->high_count; i++) {
+        struct model_high *high = &division->high[i];
+        eng_highlevel_expand(team, worker, high->node);
+        high->pair_count = assignment->pair_count;
+        high->expansion = model_tasks_add(tasks, 1 + high->pair_count);
         model_record_close(&recorder, high->expansion);
-        for (uint32_t k = 0; k < count; k++) {
+        for (uint32_t k = 0; k < high->pair_count; k++) {
             eng_taskunit_pairs(worker, (uint32_t)(assignment->pairs[k] >> 32),
                                (uint32_t)assignment->pairs[k]);
-            model_record_close(&recorder, high->first_pair + k);
+            model_record_close(&recorder, high->expansion + 1 + k);
         }
     }
-    division->high_count = assignment->high_count;
     model_record_end(&recorder);
 }
 
+static void walk_disjoint(struct model_division *division,
+                          const struct model_record *record, struct model_tasks *tasks)
+{
+    static struct model_recorder recorder;
+    struct eng_worker *worker = model_walker_begin(division->walker);
+    uint32_t width = 1u << division->levels;
+    tasks->count = 0;
+    model_record_begin(&recorder, worker, tasks, record->clock_ns);
+    for (uint32_t i = 0; i < division->high_count; i++) {
+        struct model_high *high = &division->high[i];
+        high->phases = model_tasks_add(tasks, width * width);
+        for (uint32_t k = 0; k < width * width; k++) {
+            worker->thread = k % width;
+            eng_highlevel_phase(worker, high->node, k / width, division->levels);
+            model_record_close(&recorder, high->phases + k);
+        }
+    }
+    worker->thread = 0;
+    model_record_end(&recorder);
+}
+
+/* The medians of `passes` become `tasks`. */
+static bool take_medians(struct model_tasks *tasks, struct model_tasks *passes,
+                         uint32_t count)
+{
+    bool consistent = model_tasks_median(passes, count);
+    *tasks = passes[0];
+    for (uint32_t pass = 1; pass < count; pass++) {
+        model_tasks_deinit(&passes[pass]);
+    }
+    free(passes);
+    return consistent;
+}
+
+static struct model_tasks *new_passes(uint32_t count)
+{
+    struct model_tasks *passes = bench_alloc(count, sizeof *passes);
+    memset(passes, 0, count * sizeof *passes);
+    return passes;
+}
+
 static void record_high(struct model_division *division,
-                        const struct model_record *record, struct model_walker *walker)
+                        const struct model_record *record)
 {
     struct eng_assignment assignment;
-    struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
+    struct model_tasks *round_robin = new_passes(record->passes);
+    struct model_tasks *disjoint = new_passes(record->passes);
     struct eng_team team = {
         .scene = record->scene, .count = division->threads, .assignment = &assignment};
-    memset(passes, 0, record->passes * sizeof *passes);
     eng_assignment_init(&assignment);
     model_must(eng_assignment_reserve(&assignment, division->threads) == ENG_OK, "seats");
-    model_walker_begin(walker);
+    struct eng_worker *worker = model_walker_begin(division->walker);
     uint64_t begin_ns = eng_now_ns();
-    eng_schedule_paper_begin(&team, walker->worker);
+    eng_schedule_paper_begin(&team, worker);
     division->begin_ns = (double)(eng_now_ns() - begin_ns);
     for (uint32_t i = 0; i < division->threads; i++) {
         division->first_node[i] = assignment.seats[i].first_node;
     }
+    division->high_count = assignment.high_count;
+    division->levels = eng_highlevel_levels(division->threads);
+    for (uint32_t i = 0; i < division->high_count; i++) { /* the deepest first */
+        division->high[i].node = assignment.high[division->high_count - 1 - i];
+    }
     for (uint32_t pass = 0; pass < record->passes; pass++) {
-        walk_high(division, record, walker, &assignment, &passes[pass]);
+        walk_round_robin(division, record, &team, &round_robin[pass]);
+        walk_disjoint(division, record, &disjoint[pass]);
     }
-    division->consistent = model_tasks_median(passes, record->passes);
-    division->tasks = passes[0];
-    for (uint32_t pass = 1; pass < record->passes; pass++) {
-        model_tasks_deinit(&passes[pass]);
-    }
-    free(passes);
+    division->consistent = take_medians(&division->tasks, round_robin, record->passes) &
+                           take_medians(&division->disjoint, disjoint, record->passes);
     eng_assignment_deinit(&assignment);
 }
 
@@ -223,7 +238,9 @@ void model_division_init(struct model_division *division,
     memset(division, 0, sizeof *division);
     division->threads = threads;
     model_walker_init(&walker, record->scene);
-    record_high(division, record, &walker);
+    division->walker = &walker;
+    record_high(division, record);
+    division->walker = NULL;
     model_walker_deinit(&walker);
     model_refit_init(&division->refit[ENG_REFIT_EVEN], record, ENG_REFIT_EVEN, threads);
     model_merge_init(&division->merge, record, threads);
@@ -233,6 +250,7 @@ void model_division_init(struct model_division *division,
 void model_division_deinit(struct model_division *division)
 {
     model_tasks_deinit(&division->tasks);
+    model_tasks_deinit(&division->disjoint);
     model_refit_deinit(&division->refit[ENG_REFIT_EVEN]);
     model_refit_deinit(&division->refit[ENG_REFIT_PAPER]);
     memset(division, 0, sizeof *division);
@@ -244,10 +262,8 @@ void model_record_init(struct model_record *record)
     const uint32_t passes = record->passes;
     struct model_walker *walker = &record->walker;
     struct steal_stack stack = {NULL, 0, 0};
-    struct model_tasks *units = bench_alloc(passes, sizeof *units);
-    struct model_tasks *steal = bench_alloc(passes, sizeof *steal);
-    memset(units, 0, passes * sizeof *units);
-    memset(steal, 0, passes * sizeof *steal);
+    struct model_tasks *units = new_passes(passes);
+    struct model_tasks *steal = new_passes(passes);
     record->unit_of = bench_alloc(scene->node_capacity, sizeof *record->unit_of);
     memset(record->unit_of, 0xff, scene->node_capacity * sizeof *record->unit_of);
     model_walker_init(walker, scene);
@@ -256,16 +272,8 @@ void model_record_init(struct model_record *record)
         walk_units(record, walker, &units[pass]);
         walk_steal(record, walker, &steal[pass], &stack);
     }
-    record->consistent =
-        model_tasks_median(units, passes) && model_tasks_median(steal, passes);
-    record->units = units[0];
-    record->steal = steal[0];
-    for (uint32_t pass = 1; pass < passes; pass++) {
-        model_tasks_deinit(&units[pass]);
-        model_tasks_deinit(&steal[pass]);
-    }
-    free(units);
-    free(steal);
+    record->consistent = take_medians(&record->units, units, passes) &
+                         take_medians(&record->steal, steal, passes);
     free(stack.items);
     struct model_tasks again = {NULL, 0, 0};
     walk_units(record, walker, &again);

@@ -43,9 +43,11 @@ struct model_record {
 
 struct model_high {
     uint32_t node;
-    uint32_t expansion;  /* index in `tasks`: what thread 0 does alone */
-    uint32_t first_pair; /* then the pairs that are dealt out */
+    /* Round robin: in `tasks` what thread 0 does alone, then the pairs dealt out. */
+    uint32_t expansion;
     uint32_t pair_count;
+    /* Disjoint pairs: in `disjoint`, 2^levels phases of 2^levels threads. */
+    uint32_t phases;
 };
 
 /* How the tree is refitted. */
@@ -72,10 +74,13 @@ struct model_division {
     uint32_t first_node[MODEL_THREADS_MAX]; /* low-level nodes, or ENG_NO_NODE */
     uint32_t high_count;
     struct model_high high[MODEL_THREADS_MAX]; /* in the order in which they are done */
-    struct model_tasks tasks;                  /* of the high-level nodes */
-    double begin_ns;                           /* eng_schedule_paper_begin */
-    struct model_refit refit[2];               /* enum eng_refit_scheme */
+    uint32_t levels;                           /* of disjoint pairs */
+    struct model_tasks tasks;    /* of the high-level nodes, by round robin */
+    struct model_tasks disjoint; /* the same work by disjoint pairs */
+    double begin_ns;             /* eng_schedule_paper_begin */
+    struct model_refit refit[2]; /* enum eng_refit_scheme */
     struct model_merge merge;
+    struct model_walker *walker; /* while it is recorded */
     bool consistent;
 };
 

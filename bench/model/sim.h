@@ -46,7 +46,7 @@ struct model_output {
     double largest;      /* task of the scheduler, with its tests */
     double flush;        /* from the last task's end to the last chunk's */
     uint64_t hand_overs; /* nodes given, tasks stolen */
-    uint64_t naps;       /* sleeps without a request; failed rounds */
+    uint64_t sleeps;     /* sleeps without a request; failed rounds over the victims */
 };
 
 /* The step by one thread: the sum of all costs, and nothing else. */

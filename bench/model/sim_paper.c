@@ -15,7 +15,7 @@
 #include "schedule.h"
 #include "sim.h"
 
-enum doing { FREE, BUSY, CHOOSING, ASKING, ASLEEP, WOKEN, FINISHED };
+enum doing { FREE, BUSY, CHOOSING, ASKING, ASLEEP, LOUNGING, WOKEN, FINISHED };
 
 struct seat {
     enum doing doing;
@@ -40,6 +40,10 @@ struct assigning {
     struct seat *seats;
     struct sim_line active_line;
     uint32_t active;
+    /* Who sleeps because nobody has a node to spare, first in, first out. */
+    struct sim_line lounge_line;
+    uint32_t lounge[MODEL_THREADS_MAX];
+    uint32_t lounge_count;
 };
 
 static const struct eng_node *node_of(const struct assigning *s, uint32_t node)
@@ -114,6 +118,23 @@ static void serve(struct assigning *s, uint32_t thread, bool close)
     seat->takes_requests = !close;
 }
 
+/* Wake the first `count` of those who sleep in the lounge; the caller signals each. */
+static void call_lounge(struct assigning *s, uint32_t thread, uint32_t count)
+{
+    const struct model_machine *machine = s->sim->input->machine;
+    struct sim_thread *at = &s->sim->threads[thread];
+    at->now = sim_line_use(s->sim, &s->lounge_line, thread, at->now);
+    for (uint32_t i = 0; i < count; i++) {
+        struct sim_thread *sleeper = &s->sim->threads[s->lounge[i]];
+        sleeper->now = fmax(sleeper->now, at->now + machine->wake);
+        s->seats[s->lounge[i]].doing = CHOOSING;
+        at->now += machine->signal;
+    }
+    s->lounge_count -= count;
+    memmove(s->lounge, s->lounge + count, s->lounge_count * sizeof *s->lounge);
+    s->lounge_line.free_at = at->now;
+}
+
 /* Its queue is empty: the rest of perform_units. */
 static void close_seat(struct assigning *s, uint32_t thread)
 {
@@ -123,6 +144,9 @@ static void close_seat(struct assigning *s, uint32_t thread)
     serve(s, thread, true);
     s->active--;
     at->now = sim_line_use(s->sim, &s->active_line, thread, at->now);
+    if (s->active == 0) {
+        call_lounge(s, thread, s->lounge_count);
+    }
     at->now += sim_flush(s->sim, at);
     seat->doing = CHOOSING;
 }
@@ -157,6 +181,10 @@ static void end_unit(struct assigning *s, uint32_t thread)
         serve(s, thread, false);
         publish(s, seat);
     }
+    if (queued(seat) > 1 && s->lounge_count > 0) {
+        uint32_t spare = queued(seat) - 1;
+        call_lounge(s, thread, spare < s->lounge_count ? spare : s->lounge_count);
+    }
     seat->doing = FREE;
 }
 
@@ -185,8 +213,10 @@ static void choose(struct assigning *s, uint32_t thread)
     }
     at->now += machine->transfer * (s->sim->count - 1);
     if (victim == UINT32_MAX) {
-        at->now += machine->nap;
-        s->sim->output->naps++;
+        at->now = sim_line_use(s->sim, &s->lounge_line, thread, at->now);
+        s->lounge[s->lounge_count++] = thread;
+        seat->doing = LOUNGING;
+        s->sim->output->sleeps++;
     } else {
         seat->victim = victim;
         seat->doing = ASKING;
@@ -226,6 +256,7 @@ static bool next_event(struct assigning *s)
     uint32_t first = UINT32_MAX;
     for (uint32_t i = 0; i < s->sim->count; i++) {
         if (s->seats[i].doing != FINISHED && s->seats[i].doing != ASLEEP &&
+            s->seats[i].doing != LOUNGING &&
             (first == UINT32_MAX ||
              s->sim->threads[i].now < s->sim->threads[first].now)) {
             first = i;
@@ -289,21 +320,47 @@ static void perform_low(struct sim *sim)
     free(s.seats);
 }
 
+static void perform(struct sim *sim, uint32_t thread, const struct model_task *task)
+{
+    struct sim_thread *at = &sim->threads[thread];
+    at->now += sim_perform(sim, at, task);
+}
+
+static void perform_round_robin(struct sim *sim, const struct model_high *high)
+{
+    const struct model_task *tasks = sim->input->division->tasks.items;
+    perform(sim, 0, &tasks[high->expansion]);
+    sim_barrier(sim);
+    for (uint32_t k = 0; k < high->pair_count; k++) {
+        perform(sim, k % sim->count, &tasks[high->expansion + 1 + k]);
+    }
+    sim_barrier(sim);
+}
+
+static void perform_disjoint(struct sim *sim, const struct model_high *high)
+{
+    const struct model_task *tasks = sim->input->division->disjoint.items;
+    uint32_t width = 1u << sim->input->division->levels;
+    for (uint32_t phase = 0; phase < width; phase++) {
+        for (uint32_t i = 0; i < width; i++) {
+            perform(sim, i, &tasks[high->phases + phase * width + i]);
+        }
+        sim_barrier(sim);
+    }
+}
+
 static void perform_high(struct sim *sim)
 {
     const struct model_division *division = sim->input->division;
+    bool is_disjoint = sim->input->high_level == ENG_HIGH_DISJOINT;
     sim_barrier(sim);
     sim->output->low = sim->threads[0].now;
     for (uint32_t i = 0; i < division->high_count; i++) {
-        const struct model_high *high = &division->high[i];
-        sim->threads[0].now +=
-            sim_perform(sim, &sim->threads[0], &division->tasks.items[high->expansion]);
-        sim_barrier(sim);
-        for (uint32_t k = 0; k < high->pair_count; k++) {
-            struct sim_thread *at = &sim->threads[k % sim->count];
-            at->now += sim_perform(sim, at, &division->tasks.items[high->first_pair + k]);
+        if (is_disjoint) {
+            perform_disjoint(sim, &division->high[i]);
+        } else {
+            perform_round_robin(sim, &division->high[i]);
         }
-        sim_barrier(sim);
     }
 }
 
@@ -330,5 +387,7 @@ void sim_paper(struct sim *sim)
     }
     sim->output->largest = sim_largest(&sim->input->record->units);
     sim->output->low_work = low_work(sim);
-    sim->output->high_work = model_tasks_ns(&sim->input->division->tasks);
+    sim->output->high_work = model_tasks_ns(sim->input->high_level == ENG_HIGH_DISJOINT
+                                                ? &sim->input->division->disjoint
+                                                : &sim->input->division->tasks);
 }

@@ -111,7 +111,7 @@ static void end_round(struct stealing *s, uint32_t thread)
     struct stealer *stealer = &s->stealers[thread];
     s->searching--;
     stealer->doing = FREE;
-    s->sim->output->naps++;
+    s->sim->output->sleeps++;
     if (++stealer->failed_rounds % ENG_STEAL_ROUNDS == 0) {
         s->sim->threads[thread].now += s->sim->input->machine->yield;
     }
@@ -162,7 +162,7 @@ static void skip_rounds(struct stealing *s, uint32_t thread)
     if (isfinite(until) && round_ns > 0 && until - at->now > 2 * round_ns) {
         double rounds = floor((until - at->now) / round_ns) - 1;
         at->now += rounds * round_ns;
-        s->sim->output->naps += (uint64_t)rounds;
+        s->sim->output->sleeps += (uint64_t)rounds;
     }
 }
 

@@ -37,7 +37,7 @@ void model_table_begin(FILE *out)
     for (size_t i = 0; i < COLUMNS; i++) {
         fprintf(out, ",%s", columns[i].name);
     }
-    fprintf(out, ",hand_overs,naps\n");
+    fprintf(out, ",hand_overs,sleeps\n");
 }
 
 void model_table_row(FILE *out, const struct model_row *row)
@@ -50,6 +50,6 @@ void model_table_row(FILE *out, const struct model_row *row)
         fprintf(out, ",%.4f", ns * 1e-6);
     }
     fprintf(out, ",%llu,%llu\n", (unsigned long long)row->output->hand_overs,
-            (unsigned long long)row->output->naps);
+            (unsigned long long)row->output->sleeps);
     fflush(out);
 }

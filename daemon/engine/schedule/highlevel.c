@@ -45,9 +45,7 @@ static void perform_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
     eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
 }
 
-/* Refine the pair of a high-level node's children breadth-first until there are enough
- * pairs to deal out. */
-static void expand(struct eng_team *team, struct eng_worker *worker, uint32_t node)
+void eng_highlevel_expand(struct eng_team *team, struct eng_worker *worker, uint32_t node)
 {
     struct eng_assignment *assignment = team->assignment;
     const struct eng_node *opened = eng_node_open(worker, node);
@@ -92,7 +90,7 @@ static void perform_round_robin(struct eng_team *team, struct eng_worker *worker
 {
     if (worker->thread == 0) {
         uint64_t begin_ns = eng_now_ns();
-        expand(team, worker, node);
+        eng_highlevel_expand(team, worker, node);
         worker->record.high_ns += eng_now_ns() - begin_ns;
     }
     eng_worker_barrier(worker);
@@ -126,9 +124,8 @@ static bool descend(struct eng_worker *worker, uint32_t phase, uint32_t level,
     return true;
 }
 
-/* The pair of this thread in this phase. Returns their number, 0 or 1. */
-static uint32_t perform_phase(struct eng_worker *worker, uint32_t node, uint32_t phase,
-                              uint32_t levels)
+uint32_t eng_highlevel_phase(struct eng_worker *worker, uint32_t node, uint32_t phase,
+                             uint32_t levels)
 {
     const struct eng_node *opened = eng_node_open(worker, node);
     uint32_t n = opened->left;
@@ -142,18 +139,24 @@ static uint32_t perform_phase(struct eng_worker *worker, uint32_t node, uint32_t
     return 1;
 }
 
+uint32_t eng_highlevel_levels(uint32_t threads)
+{
+    uint32_t levels = 0;
+    while (2u << levels <= threads) {
+        levels++;
+    }
+    return levels;
+}
+
 static void perform_disjoint(struct eng_team *team, struct eng_worker *worker,
                              uint32_t node)
 {
-    uint32_t levels = 0;
-    while (2u << levels <= team->count) {
-        levels++;
-    }
+    uint32_t levels = eng_highlevel_levels(team->count);
     for (uint32_t phase = 0; phase < 1u << levels; phase++) {
         uint64_t begin_ns = eng_now_ns();
         uint32_t performed = 0;
         if (worker->thread < 1u << levels && !eng_worker_should_stop(worker)) {
-            performed = perform_phase(worker, node, phase, levels);
+            performed = eng_highlevel_phase(worker, node, phase, levels);
         }
         worker->record.high_ns += eng_now_ns() - begin_ns;
         eng_worker_trace(worker, ENG_TRACE_HIGH, begin_ns, node, performed);
