@@ -6,6 +6,7 @@ DETERMINISM_LDADD = libengkit.la libengine.la libtestscenes.la $(CMOCKA_LIBS) \
     $(GMP_LIBS) $(LIBM)
 
 determinism_names = \
+    tests/determinism/test_eng_fuzz \
     tests/determinism/test_eng_golden
 check_PROGRAMS += $(determinism_names)
 TESTS += $(determinism_names)
@@ -14,3 +15,9 @@ tests_determinism_test_eng_golden_SOURCES = tests/determinism/test_eng_golden.c
 tests_determinism_test_eng_golden_CPPFLAGS = $(DETERMINISM_CPPFLAGS)
 tests_determinism_test_eng_golden_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_determinism_test_eng_golden_LDADD = $(DETERMINISM_LDADD)
+
+# A short run; PCCD_FUZZ_SECONDS makes it longer.
+tests_determinism_test_eng_fuzz_SOURCES = tests/determinism/test_eng_fuzz.c
+tests_determinism_test_eng_fuzz_CPPFLAGS = $(DETERMINISM_CPPFLAGS)
+tests_determinism_test_eng_fuzz_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_determinism_test_eng_fuzz_LDADD = $(DETERMINISM_LDADD)

@@ -58,4 +58,9 @@ void play_make(struct play *play, enum play_kind kind, uint32_t triangle_count,
                uint64_t seed);
 void play_deinit(struct play *play);
 
+/* A play of up to eight objects at a time in which anything may happen; objects of at
+ * most about `triangle_count` triangles. At most 24 steps. */
+void play_wild(struct play *play, uint32_t step_count, uint32_t triangle_count,
+               uint64_t seed);
+
 #endif

@@ -9,6 +9,9 @@ libtestscenes_la_SOURCES = \
     tests/support/golden.h \
     tests/support/play.c \
     tests/support/play.h \
+    tests/support/play_actor.c \
+    tests/support/play_actor.h \
+    tests/support/play_wild.c \
     tests/support/ply.c \
     tests/support/ply.h \
     tests/support/prng.h \

@@ -112,9 +112,11 @@ static void replace(struct player *player, const struct play_act *act)
     *object = other;
 }
 
-/* What is not staged from here on stands still. */
-static void open_staging(struct player *player)
+void player_open(struct player *player)
 {
+    if (player->is_staging) {
+        return;
+    }
     for (uint32_t i = 0; i < player->object_count; i++) {
         struct player_object *object = &player->objects[i];
         memcpy(object->x0, object->x1, object->vertex_count * sizeof *object->x0);
@@ -190,9 +192,7 @@ void player_act(struct player *player, const struct play_act *act)
         replace(player, act);
         break;
     default:
-        if (!player->is_staging) {
-            open_staging(player);
-        }
+        player_open(player);
         move(player, act);
         break;
     }
@@ -201,9 +201,7 @@ void player_act(struct player *player, const struct play_act *act)
 int player_step(struct player *player, const struct eng_step_settings *settings,
                 struct eng_step_result *result)
 {
-    if (!player->is_staging) {
-        open_staging(player);
-    }
+    player_open(player);
     player->is_staging = false;
     return eng_step(player->scene, settings, result);
 }

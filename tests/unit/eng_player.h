@@ -41,6 +41,9 @@ void player_deinit(struct player *player);
 /* Perform any act but PLAY_STEP; the first motion of a step opens the staging. */
 void player_act(struct player *player, const struct play_act *act);
 
+/* Open the staging if it is not yet: what does not move from here on stands still. */
+void player_open(struct player *player);
+
 /* Step with what is staged. Returns what eng_step returns. */
 int player_step(struct player *player, const struct eng_step_settings *settings,
                 struct eng_step_result *result);

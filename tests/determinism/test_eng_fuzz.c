@@ -1,0 +1,298 @@
+/* test_eng_fuzz.c - whatever a scene has been through, it answers as one made anew.
+ *
+ * Room:     tests/determinism. May include: daemon/engine, tests/support, tests/unit.
+ * Does:     plays in which anything may happen, under settings that change at every step,
+ *           with steps in between that end early or are cut; each complete answer against
+ *           a fresh scene, one thread, default settings; each incomplete one is a part
+ *           of it.
+ * Threads:  teams of one to nine.
+ * Source:   PCCD_SEED repeats a case; PCCD_FUZZ_SECONDS goes on with new seeds for as
+ *           long.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "build.h"
+#include "clock.h"
+#include "eng_player.h"
+#include "trace.h"
+
+#define ROUNDS 15
+
+static struct {
+    uint64_t cases;
+    uint64_t steps;
+    uint64_t team_steps;
+    uint64_t early; /* steps that ended before they were complete */
+    uint64_t records;
+    uint64_t rebuilds;
+    uint64_t swaps;
+} sums;
+
+struct fuzz {
+    struct prng prng;
+    uint64_t seed; /* of the case */
+    uint32_t step;
+    uint32_t thread_max;
+    struct player player;
+    struct eng_trace trace;
+};
+
+/* Records of the reference, by mode. */
+struct answer {
+    uint64_t count;
+    uint32_t record_bytes;
+    uint64_t hash[2];
+    enum eng_verdict verdict;
+    void *records;
+};
+
+#define CHECK(fuzz, condition)                                                           \
+    do {                                                                                 \
+        if (!(condition)) {                                                              \
+            fail_msg("PCCD_SEED=%llu, step %u: not %s",                                  \
+                     (unsigned long long)(fuzz)->seed, (fuzz)->step, #condition);        \
+        }                                                                                \
+    } while (0)
+
+static uint32_t draw(struct fuzz *fuzz, uint32_t bound)
+{
+    return (uint32_t)prng_below(&fuzz->prng, bound);
+}
+
+static struct eng_scene_settings some_scene(struct fuzz *fuzz)
+{
+    static const double ratios[] = {0, 0.5, 0.9, 0.9, 1};
+    static const uint32_t regions[] = {1, 2, 8, 8, 64, 1024};
+    struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
+    made.quality = (enum eng_quality)draw(fuzz, 2);
+    made.rebuild_ratio = ratios[draw(fuzz, 5)];
+    made.rebuild_triangles_max = regions[draw(fuzz, 6)];
+    return made;
+}
+
+static struct eng_step_settings some_settings(struct fuzz *fuzz, enum eng_mode mode)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    settings.threads = 1 + draw(fuzz, fuzz->thread_max);
+    settings.scheduler = (enum eng_scheduler)draw(fuzz, 2);
+    settings.high_level = (enum eng_high_level)draw(fuzz, 2);
+    settings.refit = (enum eng_refit_scheme)draw(fuzz, 2);
+    settings.trace = draw(fuzz, 4) == 0 ? &fuzz->trace : NULL;
+    return settings;
+}
+
+/* What a fresh scene, one thread and default settings answer. */
+static void find_reference(struct fuzz *fuzz, enum eng_mode mode, struct answer *answer)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    struct player copy;
+    settings.mode = mode;
+    player_copy(&fuzz->player, NULL, &copy);
+    CHECK(fuzz, player_step(&copy, &settings, &result) == ENG_OK);
+    CHECK(fuzz, result.incomplete == ENG_COMPLETE);
+    size_t bytes = result.count * result.record_bytes;
+    answer->count = result.count;
+    answer->record_bytes = result.record_bytes;
+    answer->hash[0] = result.hash_hi;
+    answer->hash[1] = result.hash_lo;
+    answer->verdict = result.verdict;
+    answer->records = malloc(bytes + 1);
+    assert_non_null(answer->records);
+    if (bytes > 0) {
+        memcpy(answer->records, result.records, bytes);
+    }
+    player_deinit(&copy);
+}
+
+static void tally(const struct eng_step_result *result)
+{
+    sums.steps++;
+    sums.team_steps += result->threads > 1;
+    sums.early += result->incomplete != ENG_COMPLETE;
+    sums.records += result->count;
+    sums.rebuilds += result->counters.rebuilds;
+    sums.swaps += result->counters.swaps;
+}
+
+static void take_whole_step(struct fuzz *fuzz, enum eng_mode mode,
+                            const struct answer *want)
+{
+    struct eng_step_settings settings = some_settings(fuzz, mode);
+    struct eng_step_result result;
+    CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == ENG_OK);
+    tally(&result);
+    CHECK(fuzz, result.incomplete == ENG_COMPLETE);
+    CHECK(fuzz, result.verdict == want->verdict);
+    CHECK(fuzz, result.count == want->count);
+    CHECK(fuzz, result.hash_hi == want->hash[0]);
+    CHECK(fuzz, result.hash_lo == want->hash[1]);
+    CHECK(fuzz, want->count == 0 || memcmp(result.records, want->records,
+                                           want->count * want->record_bytes) == 0);
+    CHECK(fuzz, eng_tree_validate(fuzz->player.scene));
+}
+
+/* Both are sorted; what is kept must be the very records. */
+static bool is_part_of(const struct eng_step_result *result, const struct answer *whole)
+{
+    const char *have = result->records;
+    const char *from = whole->records;
+    size_t bytes = whole->record_bytes;
+    uint64_t at = 0;
+    for (uint64_t i = 0; i < result->count; i++, at++) {
+        while (at < whole->count && memcmp(have + i * bytes, from + at * bytes, bytes)) {
+            at++;
+        }
+        if (at == whole->count) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The step that is staged, in mode `all` or `pairs`, but it may not end: too late,
+ * cancelled, or too many records. */
+static void take_cut_step(struct fuzz *fuzz, enum eng_mode mode,
+                          const struct answer *whole)
+{
+    struct eng_step_settings settings = some_settings(fuzz, mode);
+    struct eng_step_result result;
+    atomic_bool cancel = true;
+    enum eng_incomplete reason = ENG_INCOMPLETE_DEADLINE;
+    uint32_t why = draw(fuzz, 3);
+    if (why == 0) {
+        settings.cancel = &cancel;
+        reason = ENG_INCOMPLETE_CANCELLED;
+    } else if (why == 1) {
+        settings.contact_max = draw(fuzz, 20);
+        reason = ENG_INCOMPLETE_CONTACT_LIMIT;
+    } else {
+        settings.deadline_ns = eng_now_ns() + draw(fuzz, 400) * 1000;
+    }
+    CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == ENG_OK);
+    tally(&result);
+    CHECK(fuzz, result.incomplete == ENG_COMPLETE || result.incomplete == reason);
+    CHECK(fuzz, result.incomplete != ENG_COMPLETE || result.count == whole->count);
+    CHECK(fuzz, result.count <= settings.contact_max);
+    CHECK(fuzz, is_part_of(&result, whole));
+    CHECK(fuzz, eng_tree_validate(fuzz->player.scene));
+}
+
+/* Everything to other places, in too little time for it. */
+static void take_detour(struct fuzz *fuzz)
+{
+    struct eng_step_settings settings = some_settings(fuzz, ENG_MODE_ALL);
+    settings.deadline_ns = eng_now_ns() + 1000000;
+    if (draw(fuzz, 2) == 0) {
+        player_scramble(&fuzz->player, &settings);
+    } else {
+        player_go_back(&fuzz->player, &settings);
+    }
+    player_stage_copies(&fuzz->player);
+}
+
+/* An object gets another's mesh, and gets its own back. */
+static void try_and_take_back(struct fuzz *fuzz)
+{
+    struct player *player = &fuzz->player;
+    player_drop(player);
+    const struct player_object *object =
+        &player->objects[draw(fuzz, player->object_count)];
+    const struct player_object *other =
+        &player->objects[draw(fuzz, player->object_count)];
+    CHECK(fuzz, eng_scene_try_replace(player->scene, object->idx, other->mesh) == ENG_OK);
+    eng_scene_take_back(player->scene);
+    CHECK(fuzz,
+          eng_scene_vertex_count(player->scene, object->idx) == object->vertex_count);
+    player_stage_copies(player);
+}
+
+static void fuzz_step(struct fuzz *fuzz)
+{
+    /* The first step is taken as the play staged it, the others from the copies. */
+    static const enum eng_mode modes[] = {ENG_MODE_ALL, ENG_MODE_FIRST, ENG_MODE_ANY,
+                                          ENG_MODE_PAIRS};
+    enum eng_mode mode = modes[draw(fuzz, 4)];
+    struct answer want;
+    player_open(&fuzz->player);
+    find_reference(fuzz, mode, &want);
+    if (fuzz->player.object_count > 0 && draw(fuzz, 8) == 0) {
+        try_and_take_back(fuzz);
+    }
+    if (draw(fuzz, 6) == 0) {
+        take_detour(fuzz);
+    }
+    if (draw(fuzz, 4) == 0 && (mode == ENG_MODE_ALL || mode == ENG_MODE_PAIRS)) {
+        take_cut_step(fuzz, mode, &want);
+        player_stage_copies(&fuzz->player);
+    }
+    take_whole_step(fuzz, mode, &want);
+    for (uint32_t again = draw(fuzz, 3); again > 0; again--) {
+        player_stage_copies(&fuzz->player);
+        take_whole_step(fuzz, mode, &want);
+    }
+    free(want.records);
+    fuzz->step++;
+}
+
+static void fuzz_case(uint64_t seed)
+{
+    struct fuzz fuzz = {.prng = {seed}, .seed = seed};
+    struct eng_scene_settings made = some_scene(&fuzz);
+    struct play play;
+    uint32_t size = draw(&fuzz, 3) == 0 ? 40 : 400;
+    fuzz.thread_max = 1 + draw(&fuzz, 9);
+    assert_int_equal(eng_trace_init(&fuzz.trace, 4, 64, 0), ENG_OK);
+    play_wild(&play, 3 + draw(&fuzz, 12), size, prng_next(&fuzz.prng));
+    player_init(&fuzz.player, &made);
+    for (uint32_t i = 0; i < play.act_count; i++) {
+        if (play.acts[i].what == PLAY_STEP) {
+            fuzz_step(&fuzz);
+        } else {
+            player_act(&fuzz.player, &play.acts[i]);
+        }
+    }
+    player_deinit(&fuzz.player);
+    eng_trace_deinit(&fuzz.trace);
+    play_deinit(&play);
+    sums.cases++;
+}
+
+/* If this failed, an answer would depend on what a scene has been through, or on how its
+ * steps are taken. */
+static void fuzz__answers_as_a_fresh_scene(void **state)
+{
+    const char *seconds = getenv("PCCD_FUZZ_SECONDS");
+    struct prng prng = {prng_seed()};
+    uint64_t end_ns = eng_now_ns();
+    (void)state;
+    end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
+    for (uint32_t i = 0; seconds ? eng_now_ns() < end_ns : i < ROUNDS; i++) {
+        fuzz_case(i == 0 ? prng.state : prng_next(&prng));
+    }
+    print_message("# %llu cases, %llu steps, %llu by a team, %llu ended early; %llu "
+                  "records, %llu subtrees rebuilt, %llu swapped\n",
+                  (unsigned long long)sums.cases, (unsigned long long)sums.steps,
+                  (unsigned long long)sums.team_steps, (unsigned long long)sums.early,
+                  (unsigned long long)sums.records, (unsigned long long)sums.rebuilds,
+                  (unsigned long long)sums.swaps);
+    if (!getenv("PCCD_SEED")) {
+        assert_true(sums.team_steps > 0 && sums.early > 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fuzz__answers_as_a_fresh_scene),
+    };
+    return cmocka_run_group_tests_name("eng_fuzz", tests, NULL, NULL);
+}
