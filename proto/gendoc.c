@@ -137,6 +137,9 @@ static void print_limits(void)
     LIMIT(PROTO_RESULT_BYTES_MIN, "bytes of a result region, at least");
     LIMIT(PROTO_COUNT_MAX, "vertices, triangles or edges of a scene");
     LIMIT(PROTO_COORDINATE_MAX, "absolute value of a coordinate");
+    LIMIT(PROTO_TRACE_EVENTS, "events kept of each thread in a recording (default)");
+    LIMIT(PROTO_TRACE_EVENTS_MAX, "events kept of each thread in a recording");
+    LIMIT(PROTO_TRACE_BYTES_MAX, "bytes of a recording");
     LIMIT(PROTO_SCENES_PER_CLIENT, "scenes of a client");
     LIMIT(PROTO_OBJECTS_PER_SCENE, "objects of a scene");
     LIMIT(PROTO_CLIENTS_PER_UID, "clients of a user (default)");

@@ -26,6 +26,11 @@
 #define PROTO_SLOT_BYTES_MIN 4096u
 #define PROTO_RESULT_BYTES_MIN 65536u
 
+/* Recordings: events of each thread, and of the loop. */
+#define PROTO_TRACE_EVENTS 65536u
+#define PROTO_TRACE_EVENTS_MAX (1u << 20)
+#define PROTO_TRACE_BYTES_MAX (256ull << 20) /* of all of them */
+
 /* Geometry. */
 #define PROTO_COUNT_MAX 2147483647u /* vertices, triangles or edges of a scene */
 #define PROTO_COORDINATE_MAX 1e18      /* |x| <= this */

@@ -1,6 +1,6 @@
 /* records.h - layout of the records in the result region, frozen.
  *
- * Room:     proto. May include: pccd_types.h.
+ * Room:     proto. May include: pccd_trace.h, pccd_types.h.
  * Does:     static asserts on size and every offset of the public records.
  */
 #ifndef PROTO_RECORDS_H
@@ -9,6 +9,7 @@
 #include <assert.h>
 #include <stddef.h>
 
+#include "pccd_trace.h"
 #include "pccd_types.h"
 
 static_assert(sizeof(struct pccd_contact) == 64, "a contact is one cache line");
@@ -23,6 +24,8 @@ static_assert(offsetof(struct pccd_contact, param) == 40, "contact.param");
 static_assert(offsetof(struct pccd_contact, normal) == 48, "contact.normal");
 static_assert(offsetof(struct pccd_contact, reserved) == 60, "contact.reserved");
 static_assert(sizeof(struct pccd_pair) == 20, "a pair has 20 bytes");
+static_assert(sizeof(struct pccd_trace_event) == 32, "an event has 32 bytes");
+static_assert(offsetof(struct pccd_trace_event, kind) == 16, "event.kind");
 static_assert(sizeof(struct pccd_edge) == 8, "an edge has 8 bytes");
 
 #endif

@@ -16,6 +16,7 @@
 #include "ctl.h"
 #include "link.h"
 #include "progress.h"
+#include "trace_file.h"
 
 #define REPEATS_MAX     1000000u
 #define THREADS_MAX     1024u
@@ -36,7 +37,10 @@ enum {
     OPTION_REPEAT,
     OPTION_TOLERANCE,
     OPTION_DEADLINE,
-    OPTION_RESULT_BYTES
+    OPTION_RESULT_BYTES,
+    OPTION_TRACE,
+    OPTION_MIN_US,
+    OPTION_EVENTS
 };
 
 struct check_options {
@@ -47,7 +51,8 @@ struct check_options {
     bool has_repeats;
     uint32_t repeats;
     const char *contacts; /* NULL = none wanted */
-    char **paths;         /* ours */
+    struct trace_options trace;
+    char **paths; /* ours */
     uint32_t path_count;
 };
 
@@ -87,6 +92,12 @@ static const struct argp_option option_list[] = {
     {"result-bytes", OPTION_RESULT_BYTES, "N", 0,
      "Size of the shared memory for answers; longer ones come in pages (default: 64 MiB)",
      0},
+    {"trace", OPTION_TRACE, "FILE", 0,
+     "Record what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
+    {"min-us", OPTION_MIN_US, "U", 0,
+     "Leave out of it what took less than U microseconds (default: 0)", 0},
+    {"events", OPTION_EVENTS, "N", 0,
+     "Keep in it the newest N events of each thread (default: 65536, or what fits)", 0},
     {0},
 };
 
@@ -144,11 +155,36 @@ static void check_usage(const struct argp_state *state,
     if (options->contacts != NULL && options->settings.mode == PCCD_MODE_ANY) {
         argp_error(state, "--contacts: mode any gives no contacts");
     }
+    if (options->trace.path != NULL && strcmp(options->trace.path, "-") == 0) {
+        argp_error(state, "--trace: the standard output is the report's");
+    }
+}
+
+/* The options of the recording. */
+static error_t parse_trace(int key, char *text, const struct argp_state *state)
+{
+    struct check_options *options = state->input;
+    switch (key) {
+    case OPTION_TRACE:
+        options->trace.path = text;
+        break;
+    case OPTION_MIN_US:
+        options->trace.min_us =
+            ctl_option_count(state, "min-us", text, 0, TRACE_MIN_US_MAX);
+        break;
+    case OPTION_EVENTS:
+        options->trace.events =
+            (uint32_t)ctl_option_count(state, "events", text, 1, TRACE_EVENTS_MAX);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
 }
 
 /* The options that choose one of several ways; none of them changes the answer but
  * --mode. */
-static error_t parse_choice(int key, const char *text, const struct argp_state *state)
+static error_t parse_choice(int key, char *text, const struct argp_state *state)
 {
     struct check_options *options = state->input;
     struct pccd_step_settings *settings = &options->settings;
@@ -183,7 +219,7 @@ static error_t parse_choice(int key, const char *text, const struct argp_state *
         break;
     }
     default:
-        return ARGP_ERR_UNKNOWN;
+        return parse_trace(key, text, state);
     }
     return 0;
 }
@@ -260,6 +296,7 @@ struct check {
     struct ctl_mesh frames[2]; /* before and after the step, by turns */
     struct report_step *steps; /* [path_count - 1] */
     struct progress progress;
+    struct trace_file trace;
     FILE *report;
 };
 
@@ -313,6 +350,26 @@ static int walk(struct check *check, struct ctl_error *error)
     return status;
 }
 
+/* The same, between the beginning and the end of a recording if one is wanted. */
+static int walk_recorded(struct check *check, struct ctl_error *error)
+{
+    struct pccd_client *client = check->run.client;
+    const struct trace_options *options = &check->options->trace;
+    if (options->path == NULL) {
+        return walk(check, error);
+    }
+    int status = trace_file_begin(&check->trace, options, client, error);
+    if (status == PCCD_OK) {
+        status = walk(check, error);
+    }
+    if (status == PCCD_OK) {
+        FILE *to = check->options->is_json ? stderr : check->report;
+        status = trace_file_end(&check->trace, client, to, error);
+    }
+    trace_file_deinit(&check->trace);
+    return status;
+}
+
 /* The two first frames are read before a daemon is asked for, so that a bad file costs
  * nothing else. */
 static int check_all(struct check *check, struct ctl_error *error)
@@ -350,10 +407,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     if (status == PCCD_OK && !options->is_json) {
         report_print_mesh(check->report, &run->mesh);
     }
-    if (status == PCCD_OK) {
-        status = walk(check, error);
-    }
-    return status;
+    return status != PCCD_OK ? status : walk_recorded(check, error);
 }
 
 static int report_all(struct check *check, struct ctl_error *error)

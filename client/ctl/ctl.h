@@ -16,6 +16,7 @@
 #define CTL_COMMANDS(X)                                                                  \
     X(ping, "measure round trips through the daemon")                                    \
     X(stats, "list the daemon's counters")                                               \
+    X(trace, "record what a daemon's threads do, for Perfetto")                          \
     X(check, "find the contacts between two or more frames of a mesh")                   \
     X(demo, "stream a falling cloth through a daemon and draw its contacts")             \
     X(version, "tell the versions of tool and library, and the daemon's process")

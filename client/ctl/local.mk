@@ -11,6 +11,7 @@ libctl_la_SOURCES = \
     client/ctl/cmd_demo.c \
     client/ctl/cmd_ping.c \
     client/ctl/cmd_stats.c \
+    client/ctl/cmd_trace.c \
     client/ctl/cmd_version.c \
     client/ctl/common.c client/ctl/ctl.h \
     client/ctl/contacts_csv.c client/ctl/contacts_csv.h \
@@ -27,7 +28,8 @@ libctl_la_SOURCES = \
     client/ctl/report.c client/ctl/report_json.c client/ctl/report.h \
     client/ctl/stats_threads.c client/ctl/stats_threads.h \
     client/ctl/statistics.c client/ctl/statistics.h \
-    client/ctl/text.c client/ctl/text.h
+    client/ctl/text.c client/ctl/text.h \
+    client/ctl/trace_file.c client/ctl/trace_file.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl -iquote $(top_srcdir)/client/lib \
     -iquote $(top_srcdir)/proto

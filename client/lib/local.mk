@@ -20,7 +20,8 @@ libpccd_la_SOURCES = \
     client/lib/scene.c \
     client/lib/stats.c \
     client/lib/step.c \
-    client/lib/step.h
+    client/lib/step.h \
+    client/lib/trace.c
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib \

@@ -1,6 +1,6 @@
 /* pccd.h - continuous collision detection of deforming triangle meshes, as a service.
  *
- * Room:     client/lib; installed. May include: pccd_types.h. Compiles as C++.
+ * Room:     client/lib; installed. May include: pccd_*.h. Compiles as C++.
  * Does:     connect to pccdd (or start a private one), register meshes, place them in
  *           scenes, stream vertex positions through shared memory, and read the contacts
  *           of a step.
@@ -35,6 +35,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pccd_trace.h"
 #include "pccd_types.h"
 
 #ifdef __cplusplus
@@ -306,6 +307,33 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                    const void *x0, const void *x1, enum pccd_format format,
                    uint32_t vertex_count, const struct pccd_step_settings *settings,
                    struct pccd_answer *answer);
+
+/* ---- recordings -------------------------------------------------------------------- */
+
+struct pccd_trace_info {
+    uint32_t threads;    /* of the team, whose events are kept */
+    uint32_t events_max; /* kept of each, and of the loop */
+    uint64_t events;     /* after the end: that can be read */
+    uint64_t lost;       /* older ones that newer ones have taken the place of */
+};
+
+/* Record what the daemon does, for all its clients: allowed to its own user and root
+ * (E_ACCESS), one recording at a time (E_BUSY: another client's; E_STATE: this one's).
+ * events: to keep of each thread, the newest; 0 = 65536, or what fits (E_LIMIT). min_ns:
+ * task units, subtrees and pairs that took less are left out. `info` may be NULL. */
+int pccd_trace_start(struct pccd_client *client, uint32_t events, uint64_t min_ns,
+                     struct pccd_trace_info *info);
+/* End it: sets info->events and lost. It can be read until the next start or close. */
+int pccd_trace_stop(struct pccd_client *client, struct pccd_trace_info *info);
+/* Call `each` with the events, some thousands at a time: those of one thread after those
+ * of the other, then the loop's and the clients', each in the order of their ends. They
+ * lie in shared memory and are gone when `each` returns. */
+typedef void (*pccd_trace_fn)(void *context, const struct pccd_trace_event *events,
+                              uint32_t count);
+int pccd_trace_dump(struct pccd_client *client, pccd_trace_fn each, void *context);
+/* "frame.submit": the method of a request in a recording; NULL: not known to this
+ * library. [any thread] */
+const char *pccd_method_name(uint32_t number);
 
 #if defined(__GNUC__)
 #pragma GCC visibility pop

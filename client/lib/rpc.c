@@ -129,6 +129,7 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
     const struct proto_fields *fields = &proto_messages[call->method].result;
     struct proto_FRAME_SUBMIT_result *answer = &call->answer;
     struct proto_MESH_EDGES_result edges;
+    struct proto_TRACE_DUMP_result dump;
     int rc;
 
     switch (call->method) {
@@ -155,6 +156,16 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
         }
         if (rc == 0 && call->result != NULL) {
             memcpy(call->result, &edges, sizeof(edges));
+        }
+        break;
+    case PROTO_METHOD_TRACE_DUMP:
+        rc = proto_decode_body(envelope, fields, &dump, error);
+        if (rc == 0) {
+            rc = cli_page_add(client, dump.offset, dump.count,
+                              sizeof(struct pccd_trace_event), dump.release, &call->page);
+        }
+        if (rc == 0 && call->result != NULL) {
+            memcpy(call->result, &dump, sizeof(dump));
         }
         break;
     default:

@@ -26,9 +26,9 @@ static int (*const handlers[PROTO_METHOD_COUNT])(struct srv_call *call) = {
 /* ---- answers ----------------------------------------------------------------------- */
 
 /* Send one answer. Takes fds over. A fatal error is the last thing the client hears. */
-static void answer(struct srv_session *session, uint32_t id, int method,
-                   const void *result, const struct proto_error *error, const int *fds,
-                   int fd_count)
+static void send_answer(struct srv_session *session, uint32_t id, int method,
+                        const void *result, const struct proto_error *error,
+                        const int *fds, int fd_count)
 {
     struct srv_loop *loop = session->loop;
     struct proto_encoder *encoder = loop->encoder;
@@ -49,6 +49,26 @@ static void answer(struct srv_session *session, uint32_t id, int method,
     }
 }
 
+/* What is answered, recorded where a recording is on. */
+struct question {
+    uint64_t arrival_ns;
+    uint32_t id;
+    int method;
+};
+
+static void answer(struct srv_session *session, const struct question *question,
+                   const void *result, const struct proto_error *error, const int *fds,
+                   int fd_count)
+{
+    struct srv_loop *loop = session->loop;
+    uint64_t begin_ns = loop->tracing != NULL ? srv_now_ns() : 0;
+    send_answer(session, question->id, question->method, result, error, fds, fd_count);
+    srv_tracing_add(loop, PCCD_TRACE_ANSWER, session, begin_ns, question->method,
+                    question->id);
+    srv_tracing_add(loop, PCCD_TRACE_REQUEST, session, question->arrival_ns,
+                    question->method, question->id);
+}
+
 void srv_dispatch_answer(struct srv_session *session, struct srv_request *request)
 {
     srv_assert_loop();
@@ -59,7 +79,8 @@ void srv_dispatch_answer(struct srv_session *session, struct srv_request *reques
         }
         return;
     }
-    answer(session, request->id, request->method, &request->result,
+    const struct question question = {request->arrival_ns, request->id, request->method};
+    answer(session, &question, &request->result,
            request->status == 0 ? NULL : &request->error, request->fds, fd_count);
 }
 
@@ -71,7 +92,7 @@ void srv_dispatch_violation(struct srv_session *session, int code, const char *t
     error.fatal = true;
     srv_log(SRV_LOG_WARN, session->id, "dropped: %s", error.text);
     session->loop->metrics.counters.sessions_dropped++;
-    answer(session, 0, -1, NULL, &error, NULL, 0);
+    send_answer(session, 0, -1, NULL, &error, NULL, 0);
 }
 
 void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text)
@@ -215,10 +236,13 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
         call.error = envelope.error;
     }
     status = handle(&call, &envelope);
+    const struct question question = {call.arrival_ns, call.id, call.method};
     if (status == 0) {
-        answer(session, call.id, call.method, &call.result, NULL, NULL, 0);
+        answer(session, &question, &call.result, NULL, NULL, 0);
     } else if (status < 0) {
         PCCD_ASSERT(call.error.code == status);
-        answer(session, call.id, call.method, NULL, &call.error, NULL, 0);
+        answer(session, &question, NULL, &call.error, NULL, 0);
     }
+    srv_tracing_add(loop, PCCD_TRACE_RECEIVE, session, call.arrival_ns, call.method,
+                    call.id);
 }

@@ -142,6 +142,7 @@ static struct eng_step_settings settings_of(struct srv_request *request)
     settings.deadline_ns = deadline_of(request);
     settings.cancel = &request->job.cancel;
     settings.contact_max = options->contacts_max;
+    settings.trace = request->session->loop->step_trace;
     settings.places =
         request->session->loop->is_pinned ? &request->session->loop->places : NULL;
     if (submit->scheduler != PCCD_SCHEDULER_DEFAULT) {

@@ -27,6 +27,7 @@ libserver_la_SOURCES = \
     daemon/server/request.c daemon/server/request.h \
     daemon/server/resource.c daemon/server/resource.h \
     daemon/server/ringio.c daemon/server/ringio.h \
+    daemon/server/tracing.c daemon/server/tracing.h \
     daemon/server/session.c daemon/server/session.h \
     daemon/server/wire.c daemon/server/wire.h
 # -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.

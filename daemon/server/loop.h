@@ -4,7 +4,7 @@
  * Does:     own uv_loop_t, the compute thread, quotas, counters and the shared buffers;
  *           run until told to stop, then stop in order.
  * Does not: know sockets (listener.h, conn.h) or messages (dispatch.h).
- * Threads:  [loop], but for `segments`.
+ * Threads:  [loop], but for `segments` and `step_trace`.
  */
 #ifndef SRV_LOOP_H
 #define SRV_LOOP_H
@@ -23,6 +23,7 @@
 #include "place.h"
 #include "quota.h"
 #include "shm.h"
+#include "tracing.h"
 
 enum srv_phase {
     SRV_PHASE_RUNNING = 0,
@@ -41,6 +42,8 @@ struct srv_loop {
     struct srv_quota quota;
     struct srv_metrics metrics;
     struct srv_laststep *last_step; /* of any session; NULL: none yet */
+    struct srv_tracing *tracing;    /* the one recording; NULL: none */
+    struct eng_trace *step_trace;   /* [compute] what steps record to; NULL: nothing */
     struct proto_decoder *decoder;  /* one message is decoded at a time */
     struct proto_encoder *encoder;  /* and one encoded */
     uint8_t *buffer;                /* PROTO_MESSAGE_BYTES_MAX: the message being read */

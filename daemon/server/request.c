@@ -80,6 +80,9 @@ static void acquire(const struct srv_plan *plan)
     if (plan->scene != NULL) {
         srv_resource_acquire(&plan->scene->resource);
     }
+    if (plan->tracing != NULL) {
+        srv_resource_acquire(&plan->tracing->resource);
+    }
 }
 
 static void release(const struct srv_plan *plan)
@@ -92,6 +95,9 @@ static void release(const struct srv_plan *plan)
     }
     if (plan->scene != NULL) {
         srv_resource_drop(&plan->scene->resource);
+    }
+    if (plan->tracing != NULL) {
+        srv_resource_drop(&plan->tracing->resource);
     }
 }
 

@@ -16,6 +16,7 @@
 struct srv_laststep;
 struct srv_replacement;
 struct srv_request;
+struct srv_tracing;
 
 /* What a handler asks for. References are taken for as long as the request lives. */
 struct srv_plan {
@@ -30,6 +31,7 @@ struct srv_plan {
     struct srv_scene *scene; /* likewise */
     struct srv_ring
         *attached;   /* a ring that is not the session's yet; no reference taken */
+    struct srv_tracing *tracing;         /* a reference is taken */
     struct srv_replacement *replacement; /* given back by `finish`; NULL: none */
     uint64_t mesh_number;                /* of the mesh that `shape` serves */
     uint32_t generation;                 /* likewise */

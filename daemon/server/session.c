@@ -94,6 +94,7 @@ static void drop_everything(struct srv_session *session)
         srv_resource_drop(&session->ring->resource);
         session->ring = NULL;
     }
+    srv_tracing_drop(session);
 }
 
 void srv_session_detach(struct srv_session *session)

@@ -16,6 +16,7 @@
 #include "shm.h"
 #include "status.h"
 #include "step.h"
+#include "trace.h"
 
 /* Records are copied to the result region as they are. */
 #define SRV_SAME(eng, wire, member)                                                      \
@@ -42,6 +43,13 @@ SRV_SAME(eng_pair, pccd_pair, object_a);
 SRV_SAME(eng_pair, pccd_pair, feature_a);
 SRV_SAME(eng_pair, pccd_pair, object_b);
 SRV_SAME(eng_pair, pccd_pair, feature_b);
+static_assert(sizeof(struct eng_trace_event) == sizeof(struct pccd_trace_event), "event");
+SRV_SAME(eng_trace_event, pccd_trace_event, begin_ns);
+SRV_SAME(eng_trace_event, pccd_trace_event, end_ns);
+SRV_SAME(eng_trace_event, pccd_trace_event, kind);
+SRV_SAME(eng_trace_event, pccd_trace_event, thread);
+SRV_SAME(eng_trace_event, pccd_trace_event, a);
+SRV_SAME(eng_trace_event, pccd_trace_event, b);
 static_assert(sizeof(struct pccd_edge) == sizeof(uint32_t[2]), "edge");
 #undef SRV_SAME
 
@@ -61,6 +69,18 @@ SRV_EQUAL(ENG_REFIT_EVEN + 1, PCCD_REFIT_EVEN);
 SRV_EQUAL(ENG_REFIT_PAPER + 1, PCCD_REFIT_PAPER);
 SRV_EQUAL(ENG_QUALITY_MEDIAN + 1, PCCD_QUALITY_MEDIAN);
 SRV_EQUAL(ENG_QUALITY_SAH + 1, PCCD_QUALITY_SAH);
+SRV_EQUAL(ENG_TRACE_STEP, PCCD_TRACE_STEP);
+SRV_EQUAL(ENG_TRACE_REFIT, PCCD_TRACE_REFIT);
+SRV_EQUAL(ENG_TRACE_UNIT, PCCD_TRACE_UNIT);
+SRV_EQUAL(ENG_TRACE_SUBTREE, PCCD_TRACE_SUBTREE);
+SRV_EQUAL(ENG_TRACE_PAIRS, PCCD_TRACE_PAIRS);
+SRV_EQUAL(ENG_TRACE_HIGH, PCCD_TRACE_HIGH);
+SRV_EQUAL(ENG_TRACE_TESTS, PCCD_TRACE_TESTS);
+SRV_EQUAL(ENG_TRACE_REBUILD, PCCD_TRACE_REBUILD);
+SRV_EQUAL(ENG_TRACE_ASIDE, PCCD_TRACE_ASIDE);
+SRV_EQUAL(ENG_TRACE_WAIT, PCCD_TRACE_WAIT);
+SRV_EQUAL(ENG_TRACE_MERGE, PCCD_TRACE_MERGE);
+SRV_EQUAL(ENG_TRACE_KINDS, PCCD_TRACE_REQUEST);
 SRV_EQUAL(ENG_VF, PCCD_VF);
 SRV_EQUAL(ENG_EE, PCCD_EE);
 SRV_EQUAL(ENG_PROVED, PCCD_PROVED);

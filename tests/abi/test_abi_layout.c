@@ -21,6 +21,11 @@
 #include "seqpacket.h"
 #include "shm.h"
 
+/* The test links nothing of ours, so the names come from the manifest. */
+#define NAME(ID, name, since, flags, text) name,
+static const char *const method_names[] = {PROTO_METHODS(NAME)};
+#undef NAME
+
 #define SIZE(type, bytes)         assert_int_equal(sizeof(struct type), bytes)
 #define AT(type, member, bytes)   assert_int_equal(offsetof(struct type, member), bytes)
 #define VALUE(constant, expected) assert_int_equal(constant, expected)
@@ -47,6 +52,13 @@ static void records__keep_their_layout(void **state)
     AT(pccd_pair, feature_a, 8);
     AT(pccd_pair, object_b, 12);
     AT(pccd_pair, feature_b, 16);
+    SIZE(pccd_trace_event, 32);
+    AT(pccd_trace_event, begin_ns, 0);
+    AT(pccd_trace_event, end_ns, 8);
+    AT(pccd_trace_event, kind, 16);
+    AT(pccd_trace_event, thread, 20);
+    AT(pccd_trace_event, a, 24);
+    AT(pccd_trace_event, b, 28);
     SIZE(pccd_edge, 8);
     AT(pccd_edge, a, 0);
     AT(pccd_edge, b, 4);
@@ -77,6 +89,11 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_mesh_info, isolated_count, 20);
     AT(pccd_mesh_info, generation, 24);
     AT(pccd_mesh_info, build_ns, 32);
+    SIZE(pccd_trace_info, 24);
+    AT(pccd_trace_info, threads, 0);
+    AT(pccd_trace_info, events_max, 4);
+    AT(pccd_trace_info, events, 8);
+    AT(pccd_trace_info, lost, 16);
     SIZE(pccd_scene_settings, 16);
     AT(pccd_scene_settings, quality, 0);
     AT(pccd_scene_settings, rebuild_triangles_max, 4);
@@ -281,6 +298,36 @@ static void enums__keep_their_values(void **state)
     VALUE(PROTO_NOTIFICATION, 2);
 }
 
+/* If this failed, a recording would name requests and work by others' names. */
+static void recordings__keep_their_numbers(void **state)
+{
+    static const char *const methods[] = {
+        "hello",       "ping",         "shm.attach",   "scene.create", "scene.destroy",
+        "mesh.create", "mesh.data",    "mesh.commit",  "mesh.edges",   "mesh.destroy",
+        "scene.add",   "scene.remove", "frame.submit", "frame.fetch",  "cancel",
+        "stats",       "mesh.replace", "stats.thread", "trace.start",  "trace.stop",
+        "trace.dump"};
+    (void)state;
+    for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
+        assert_true((size_t)i < sizeof methods / sizeof methods[0]);
+        assert_string_equal(method_names[i], methods[i]);
+    }
+    VALUE(PCCD_TRACE_STEP, 0);
+    VALUE(PCCD_TRACE_REFIT, 1);
+    VALUE(PCCD_TRACE_UNIT, 2);
+    VALUE(PCCD_TRACE_SUBTREE, 3);
+    VALUE(PCCD_TRACE_PAIRS, 4);
+    VALUE(PCCD_TRACE_HIGH, 5);
+    VALUE(PCCD_TRACE_TESTS, 6);
+    VALUE(PCCD_TRACE_REBUILD, 7);
+    VALUE(PCCD_TRACE_ASIDE, 8);
+    VALUE(PCCD_TRACE_WAIT, 9);
+    VALUE(PCCD_TRACE_MERGE, 10);
+    VALUE(PCCD_TRACE_REQUEST, 11);
+    VALUE(PCCD_TRACE_RECEIVE, 12);
+    VALUE(PCCD_TRACE_ANSWER, 13);
+}
+
 /* If this failed, peers of one protocol version would keep different limits. */
 static void limits__of_version_1_stay(void **state)
 {
@@ -298,6 +345,7 @@ static void limits__of_version_1_stay(void **state)
     VALUE(PROTO_RESULT_BYTES_MIN, 65536);
     VALUE(PROTO_COUNT_MAX, 2147483647);
     VALUE(PROTO_FDS_MAX, 2);
+    VALUE(PROTO_TRACE_EVENTS_MAX, 1048576);
 }
 
 int main(void)
@@ -310,6 +358,7 @@ int main(void)
         cmocka_unit_test(shared_memory__keeps_its_layout),
         cmocka_unit_test(status__keeps_its_number),
         cmocka_unit_test(enums__keep_their_values),
+        cmocka_unit_test(recordings__keep_their_numbers),
         cmocka_unit_test(limits__of_version_1_stay),
     };
     return cmocka_run_group_tests_name("abi_layout", tests, NULL, NULL);

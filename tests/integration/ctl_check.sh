@@ -205,6 +205,21 @@ ctl check --json --contacts whole.csv s0.ply s1.ply && whole=$(json_value hash) 
     [ "$(wc -l <whole.csv)" -gt 1600 ] && cmp -s whole.csv paged.csv
 report "an answer in pages is the same as in one piece"
 
+# is_trace FILE: one JSON object with slices of a step, the loop and a client.
+is_trace() {
+    head -c 1 "$1" | grep -q '{' && tail -n 1 "$1" | grep -qE '"lost_events":[0-9]+\}\}$' &&
+        grep -qE '^\{"ph":"X".*"name":"step","args":\{"triangles":80,"threads":1\}\},$' "$1" &&
+        grep -q '"name":"unit"' "$1" && grep -q '"name":"answer frame.submit"' "$1" &&
+        grep -q '"name":"frame.submit"' "$1" && grep -q '"args":{"name":"team 0"}' "$1"
+}
+ctl check --repeat 0 --trace trace.json s0.ply s1.ply && is_trace trace.json &&
+    [ "$(grep -c '"name":"unit"' trace.json)" = 79 ] &&
+    says '^trace +trace\.json: [0-9]+ events$' &&
+    ctl check --repeat 0 --trace trace.json --events 10 s0.ply s1.ply && says 'older ones were lost' &&
+    ctl check --json --repeat 0 --trace trace.json --min-us 1000000 s0.ply s1.ply &&
+    ! grep -q '"name":"unit"' trace.json && [ "$(json_value complete)" = true ]
+report "check --trace writes what its daemon did"
+
 # ---- what is refused ----------------------------------------------------------------
 
 sed 's/^0 1 0$/0 nan 0/' t0.ply >nan.ply
@@ -236,6 +251,10 @@ report "wrong usage is an error with exit status 1"
 [ $? -eq 1 ] && grep -qF '/dev/full: cannot write' err
 report "a full disk is told"
 
+fails '/nowhere/t.json: cannot write' check --json --trace /nowhere/t.json t0.ply t1.ply &&
+    fails 'where the recording goes' trace && fails 'exclude each other' trace -o x --steps 1 --seconds 1
+report "a recording that has nowhere to go is told"
+
 fails 'no connection' check --daemon /nowhere/pccdd t0.ply t1.ply
 report "a daemon that cannot be started is told"
 
@@ -262,6 +281,12 @@ ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
     ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 1 ] &&
     [ "$(json_value task_units)" -gt 0 ] && [ "$(json_value ns_step)" -gt 0 ]
 report "stats --threads tells what the threads of the last step did"
+
+{ sleep 0.3; "$PCCDCTL" check --url "unix:$dir/s" --repeat 0 s0.ply s1.ply >/dev/null; } &
+ctl trace --socket "$dir/s" --steps 1 -o trace.json && wait $! && is_trace trace.json &&
+    says '^trace +trace\.json: [0-9]+ events$' &&
+    ctl trace --socket "$dir/s" --seconds 0.05 -o - && head -n 1 out | grep -q '^{' && says 'lost_events'
+report "trace records what a daemon does for others"
 
 PCCD_URL="unix:$dir/s" "$PCCDCTL" version >out 2>err &&
     says '^tool +pccdctl [0-9.]+$' '^library +libpccd [0-9.]+$' "^daemon +.*$daemon_pid"
@@ -294,7 +319,7 @@ report "demo tells at once that the picture cannot be written"
 fails 'no connection' demo --daemon /nowhere/pccdd --output none.png && [ ! -e none.png ]
 report "demo leaves no empty picture behind"
 
-ctl --help && says '^  ping ' '^  stats ' '^  check ' '^  demo ' '^  version ' &&
+ctl --help && says '^  ping ' '^  stats ' '^  trace ' '^  check ' '^  demo ' '^  version ' &&
     ctl check --help && says '--contacts=FILE' '--repeat=N' && ctl --version &&
     says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 'no command "chekc"' chekc
 report "help lists every command"

@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -145,6 +146,324 @@ static void threads__records_are_of_the_session_that_asks(void **state)
     pccd_close(stranger);
 }
 
+/* ---- recordings -------------------------------------------------------------------- */
+
+#define EVENTS_MAX 400000u
+
+/* A recording in memory. */
+struct recording {
+    struct pccd_trace_event *events; /* [EVENTS_MAX] */
+    uint64_t count;
+    uint64_t of_kind[PCCD_TRACE_KIND_COUNT];
+    struct pccd_trace_info info;
+};
+
+static void collect(void *context, const struct pccd_trace_event *events, uint32_t count)
+{
+    struct recording *recording = context;
+
+    for (uint32_t i = 0; i < count; i++) {
+        assert_true(recording->count < EVENTS_MAX);
+        assert_true(events[i].kind < PCCD_TRACE_KIND_COUNT);
+        assert_true(events[i].begin_ns <= events[i].end_ns);
+        recording->of_kind[events[i].kind]++;
+        recording->events[recording->count++] = events[i];
+    }
+}
+
+static void start_recording(struct recording *recording, uint32_t events)
+{
+    memset(recording, 0, sizeof(*recording));
+    recording->events = calloc(EVENTS_MAX, sizeof(*recording->events));
+    assert_non_null(recording->events);
+    assert_int_equal(pccd_trace_start(grid.client, events, 0, &recording->info), 0);
+}
+
+static void end_recording(struct recording *recording)
+{
+    assert_int_equal(pccd_trace_stop(grid.client, &recording->info), 0);
+    assert_int_equal(pccd_trace_dump(grid.client, collect, recording), 0);
+    assert_int_equal(recording->count, recording->info.events);
+}
+
+static bool is_of_team(const struct pccd_trace_event *event)
+{
+    return event->kind < PCCD_TRACE_REQUEST;
+}
+
+/* The track of an event: a thread, or the loop. Requests have none. */
+static uint64_t track_of(const struct pccd_trace_event *event)
+{
+    return is_of_team(event) ? event->thread : UINT32_MAX;
+}
+
+static int by_track_and_begin(const void *left, const void *right)
+{
+    const struct pccd_trace_event *a = left;
+    const struct pccd_trace_event *b = right;
+
+    if (track_of(a) != track_of(b)) {
+        return track_of(a) < track_of(b) ? -1 : 1;
+    }
+    if (a->begin_ns != b->begin_ns) {
+        return a->begin_ns < b->begin_ns ? -1 : 1;
+    }
+    return a->end_ns > b->end_ns ? -1 : a->end_ns < b->end_ns;
+}
+
+/* Events of one track lie inside one another or apart. */
+static void expect_nesting(struct recording *recording)
+{
+    static uint64_t ends_ns[1000];
+    uint32_t depth = 0;
+    uint64_t track = UINT64_MAX;
+
+    qsort(recording->events, recording->count, sizeof(*recording->events),
+          by_track_and_begin);
+    for (uint64_t i = 0; i < recording->count; i++) {
+        const struct pccd_trace_event *event = &recording->events[i];
+
+        if (event->kind == PCCD_TRACE_REQUEST) {
+            continue;
+        }
+        if (track_of(event) != track) {
+            track = track_of(event);
+            depth = 0;
+        }
+        while (depth > 0 && ends_ns[depth - 1] <= event->begin_ns) {
+            depth--;
+        }
+        assert_true(depth == 0 || event->end_ns <= ends_ns[depth - 1]);
+        assert_true(depth < 1000);
+        ends_ns[depth++] = event->end_ns;
+    }
+}
+
+/* High-level units have a part for each thread that took part, and nothing whole. */
+static uint64_t count_high_nodes(const struct recording *recording)
+{
+    uint64_t count = 0;
+
+    for (uint64_t i = 0; i < recording->count; i++) {
+        const struct pccd_trace_event *event = &recording->events[i];
+        bool is_new = event->kind == PCCD_TRACE_HIGH;
+
+        for (uint64_t k = 0; k < i && is_new; k++) {
+            is_new = recording->events[k].kind != PCCD_TRACE_HIGH ||
+                     recording->events[k].a != event->a;
+        }
+        count += is_new;
+    }
+    return count;
+}
+
+/* If it failed, the picture of a step would leave out work, or show it twice. */
+static void trace__has_one_event_for_each_task_unit(void **state)
+{
+    static const enum pccd_scheduler schedulers[] = {PCCD_SCHEDULER_STEAL,
+                                                     PCCD_SCHEDULER_PAPER};
+
+    (void)state;
+    open_grid();
+    for (uint32_t threads = 1; threads <= THREADS; threads++) {
+        for (int i = 0; i < 2; i++) {
+            const struct pccd_step_settings settings = {.threads = threads,
+                                                        .scheduler = schedulers[i]};
+            struct recording recording;
+            struct pccd_answer answer;
+            uint64_t step = 0;
+
+            start_recording(&recording, 0);
+            assert_int_equal(recording.info.threads, THREADS);
+            assert_int_equal(recording.info.events_max, PROTO_TRACE_EVENTS);
+            assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
+            assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+            pccd_answer_release(grid.client, &answer);
+            end_recording(&recording);
+            assert_int_equal(recording.info.lost, 0);
+            assert_int_equal(recording.of_kind[PCCD_TRACE_STEP], 1);
+            assert_int_equal(recording.of_kind[PCCD_TRACE_UNIT] +
+                                 count_high_nodes(&recording),
+                             answer.counters.task_units);
+            assert_true(recording.of_kind[PCCD_TRACE_REFIT] >= 1);
+            assert_true(recording.of_kind[PCCD_TRACE_MERGE] >= 1);
+            for (uint64_t at = 0; at < recording.count; at++) {
+                assert_true(!is_of_team(&recording.events[at]) ||
+                            recording.events[at].thread < threads);
+            }
+            expect_nesting(&recording);
+            free(recording.events);
+        }
+    }
+    close_grid();
+}
+
+/* If it failed, nobody could tell how long a client waited for what. */
+static void trace__has_every_request_of_every_client(void **state)
+{
+    struct pccd_client *other = test_connect(test_shared.url);
+    struct test_crossing crossing;
+    struct recording recording;
+    struct pccd_answer answer;
+    uint32_t submits = 0;
+    uint32_t pings = 0;
+
+    (void)state;
+    assert_non_null(other);
+    assert_int_equal(test_crossing_make(other, &crossing), 0);
+    open_grid();
+    start_recording(&recording, 0);
+    for (int i = 0; i < 5; i++) {
+        turn(2, &answer);
+        assert_true(test_crossing_turn(&crossing));
+        assert_int_equal(pccd_ping(other, NULL), 0);
+    }
+    end_recording(&recording);
+    assert_int_equal(recording.info.lost, 0);
+    assert_int_equal(recording.of_kind[PCCD_TRACE_STEP], 10);
+    for (uint64_t i = 0; i < recording.count; i++) {
+        const struct pccd_trace_event *event = &recording.events[i];
+
+        if (event->kind == PCCD_TRACE_REQUEST) {
+            const char *name = pccd_method_name(event->a);
+
+            assert_non_null(name);
+            submits += strcmp(name, "frame.submit") == 0;
+            pings += strcmp(name, "ping") == 0;
+        }
+    }
+    assert_int_equal(submits, 10);
+    assert_int_equal(pings, 5);
+    /* trace.start was received before it was on, trace.stop answered after. */
+    assert_int_equal(recording.of_kind[PCCD_TRACE_ANSWER],
+                     recording.of_kind[PCCD_TRACE_REQUEST]);
+    assert_true(recording.of_kind[PCCD_TRACE_RECEIVE] >= 15);
+    expect_nesting(&recording);
+    free(recording.events);
+    assert_null(pccd_method_name(UINT32_MAX));
+    close_grid();
+    pccd_close(other);
+}
+
+/* If it failed, a recording would grow without bound, or pretend to be whole. */
+static void trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost(void **state)
+{
+    struct recording whole;
+    struct recording cut;
+    struct pccd_answer answer;
+    uint64_t newest = 0;
+
+    (void)state;
+    open_grid();
+    start_recording(&whole, 0);
+    turn(1, &answer);
+    end_recording(&whole);
+    start_recording(&cut, 13);
+    assert_int_equal(cut.info.events_max, 16);
+    turn(1, &answer);
+    end_recording(&cut);
+    assert_int_equal(cut.of_kind[PCCD_TRACE_STEP], 1); /* it ends last */
+    assert_int_equal(cut.count - cut.of_kind[PCCD_TRACE_REQUEST] -
+                         cut.of_kind[PCCD_TRACE_RECEIVE] - cut.of_kind[PCCD_TRACE_ANSWER],
+                     16);
+    assert_true(cut.info.lost > 1000);
+    /* The same step but for the loop's few events. */
+    assert_true(cut.info.lost + cut.count >= whole.count - 16 &&
+                cut.info.lost + cut.count <= whole.count + 16);
+    for (uint64_t i = 0; i < cut.count; i++) { /* each thread's in the order of ends */
+        if (is_of_team(&cut.events[i])) {
+            assert_true(cut.events[i].end_ns >= newest);
+            newest = cut.events[i].end_ns;
+        }
+    }
+    free(whole.events);
+    free(cut.events);
+    close_grid();
+}
+
+/* If it failed, recordings would get into each other's way, or be read half-made. */
+static void trace__is_one_at_a_time_and_of_its_session(void **state)
+{
+    struct pccd_client *other = test_connect(test_shared.url);
+    struct recording recording;
+    struct pccd_answer answer;
+    uint64_t bytes;
+    int rc = PCCD_E_BUSY;
+
+    (void)state;
+    assert_non_null(other);
+    bytes = test_stat(other, "engine_bytes_now");
+    open_grid();
+    assert_int_equal(pccd_trace_stop(grid.client, NULL), PCCD_E_STATE);
+    assert_int_equal(pccd_trace_dump(grid.client, collect, &recording), PCCD_E_STATE);
+    assert_int_equal(pccd_trace_start(grid.client, PROTO_TRACE_EVENTS_MAX + 1, 0, NULL),
+                     PCCD_E_LIMIT);
+    assert_int_equal(pccd_trace_start(grid.client, UINT32_MAX, 0, NULL), PCCD_E_LIMIT);
+    start_recording(&recording, 0);
+    assert_int_equal(pccd_trace_start(grid.client, 0, 0, NULL), PCCD_E_STATE);
+    assert_int_equal(pccd_trace_dump(grid.client, collect, &recording), PCCD_E_STATE);
+    assert_int_equal(pccd_trace_start(other, 0, 0, NULL), PCCD_E_BUSY);
+    assert_non_null(strstr(pccd_error_text(other), "is recording"));
+    assert_int_equal(pccd_trace_stop(other, NULL), PCCD_E_STATE);
+    assert_int_equal(pccd_trace_dump(other, collect, &recording), PCCD_E_STATE);
+    turn(2, &answer);
+    end_recording(&recording);
+    turn(2, &answer); /* is not recorded any more */
+    recording.count = 0;
+    end_recording(&recording);
+    assert_int_equal(pccd_trace_start(other, 0, 0, NULL), PCCD_E_BUSY);
+    /* It goes with the next one, and with its session, also while it is on. */
+    free(recording.events);
+    start_recording(&recording, 1000);
+    turn(2, &answer);
+    free(recording.events);
+    close_grid();
+    for (int i = 0; i < 1000 && rc == PCCD_E_BUSY; i++) {
+        rc = pccd_trace_start(other, 0, 0, NULL);
+        test_sleep_ms(2);
+    }
+    assert_int_equal(rc, 0);
+    pccd_close(other);
+    other = test_connect(test_shared.url);
+    assert_non_null(other);
+    assert_int_equal(test_stat_await(other, "engine_bytes_now", bytes), bytes);
+    pccd_close(other);
+}
+
+/* If it failed, a page could be asked for that is not there, or lead to nothing. */
+static void trace__pages_beyond_the_end_are_refused(void **state)
+{
+    static struct test_raw raw;
+    struct proto_TRACE_START_request begin = {.events = 1024};
+    struct proto_TRACE_STOP_request end = {.reserved = 0};
+    struct proto_TRACE_STOP_result ended;
+    struct proto_TRACE_DUMP_request dump = {.cursor = 0, .count = UINT32_MAX};
+    struct proto_TRACE_DUMP_result page;
+
+    (void)state;
+    assert_true(test_raw_open(&raw, test_shared.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_START, &begin, NULL), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_STOP, &end, &ended), 0);
+    assert_true(ended.events > 0); /* the answer to trace.start */
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
+                     PCCD_E_STATE); /* nowhere to write to */
+    assert_int_equal(test_raw_attach(&raw, 2, 65536), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page), 0);
+    assert_int_equal(page.count, ended.events);
+    assert_int_equal(page.events, ended.events);
+    dump.cursor = ended.events;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page), 0);
+    assert_int_equal(page.count, 0);
+    dump.cursor = ended.events + 1;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
+                     PCCD_E_INVAL);
+    dump.cursor = UINT64_MAX;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
+                     PCCD_E_INVAL);
+    test_raw_close(&raw);
+}
+
 /* ---- other users ------------------------------------------------------------------- */
 
 /* In a child of another user: the exit status is 0 when the daemon refuses. */
@@ -153,6 +472,7 @@ static int ask_as_nobody(void)
     static struct test_raw raw;
     struct proto_STATS_THREAD_request any = {.thread = 0, .any = true};
     struct proto_STATS_THREAD_request own = {.thread = 0, .any = false};
+    struct proto_TRACE_START_request record = {.events = 16};
     int rc = 0;
 
     if (setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
@@ -164,6 +484,9 @@ static int ask_as_nobody(void)
     }
     if (test_raw_call(&raw, PROTO_METHOD_STATS_THREAD, &own, NULL) != 0) {
         rc |= 4;
+    }
+    if (test_raw_call(&raw, PROTO_METHOD_TRACE_START, &record, NULL) != PCCD_E_ACCESS) {
+        rc |= 8;
     }
     test_raw_close(&raw);
     return rc;
@@ -202,6 +525,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads__records_add_up_to_the_answer),
         cmocka_unit_test(threads__records_are_of_the_session_that_asks),
+        cmocka_unit_test(trace__has_one_event_for_each_task_unit),
+        cmocka_unit_test(trace__has_every_request_of_every_client),
+        cmocka_unit_test(trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost),
+        cmocka_unit_test(trace__is_one_at_a_time_and_of_its_session),
+        cmocka_unit_test(trace__pages_beyond_the_end_are_refused),
         cmocka_unit_test(watch__other_users_are_refused),
     };
 

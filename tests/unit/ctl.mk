@@ -12,7 +12,8 @@ CTL_TESTS = \
     tests/unit/test_ctl_meshfile \
     tests/unit/test_ctl_malformed \
     tests/unit/test_ctl_cloth \
-    tests/unit/test_ctl_output
+    tests/unit/test_ctl_output \
+    tests/unit/test_ctl_trace
 check_PROGRAMS += $(CTL_TESTS)
 TESTS += $(CTL_TESTS)
 
@@ -31,3 +32,7 @@ tests_unit_test_ctl_cloth_LDADD = $(CTL_TEST_LDADD)
 tests_unit_test_ctl_output_SOURCES = tests/unit/test_ctl_output.c
 tests_unit_test_ctl_output_CPPFLAGS = $(CTL_TEST_CPPFLAGS) $(PNG_CFLAGS) $(JANSSON_CFLAGS)
 tests_unit_test_ctl_output_LDADD = $(CTL_TEST_LDADD) $(PNG_LIBS) $(JANSSON_LIBS)
+
+tests_unit_test_ctl_trace_SOURCES = tests/unit/test_ctl_trace.c
+tests_unit_test_ctl_trace_CPPFLAGS = $(CTL_TEST_CPPFLAGS) $(JANSSON_CFLAGS)
+tests_unit_test_ctl_trace_LDADD = libctl.la libpccd.la $(CMOCKA_LIBS) $(JANSSON_LIBS) $(LIBM)
