@@ -14,6 +14,7 @@ bench_engine_cppflags = $(bench_cppflags) $(ENGINE_CPPFLAGS) \
 bench_scenes_sources = \
     bench/scenes/bench_scene.c \
     bench/scenes/bench_scene.h \
+    bench/scenes/bodies.c \
     bench/scenes/breaking.c \
     bench/scenes/cloth.c \
     bench/scenes/exploding.c \

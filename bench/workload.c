@@ -23,6 +23,7 @@ static const struct {
     {"nothing-moves", bench_make_still, {NULL, NULL}},
     {"teleport", bench_make_teleport, {NULL, NULL}},
     {"breaking", bench_make_breaking, {NULL, NULL}},
+    {"bodies", bench_make_bodies, {NULL, NULL}},
     {"exploding", bench_make_exploding, {NULL, NULL}},
     {"cloth-ball",
      NULL,
