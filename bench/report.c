@@ -44,24 +44,53 @@ static void read_cpu(void)
     }
 }
 
-bool bench_begin(const char *program, int argc, char **argv,
-                 struct bench_options *options, int *exit_status)
+static bool usage(const char *program, unsigned takes, bool is_wrong)
 {
-    memset(options, 0, sizeof *options);
-    report.program = program;
+    fprintf(is_wrong ? stderr : stdout, "usage: %s [--json] [--smoke]%s%s [SCENE]\n",
+            program, takes & BENCH_TAKES_THREADS ? " [--threads N]" : "",
+            takes & BENCH_TAKES_CSV ? " [--csv FILE]" : "");
+    return false;
+}
+
+static bool read_options(unsigned takes, int argc, char **argv,
+                         struct bench_options *options)
+{
     for (int i = 1; i < argc; i++) {
+        bool has_value = i + 1 < argc;
         if (strcmp(argv[i], "--smoke") == 0) {
             options->smoke = true;
         } else if (strcmp(argv[i], "--json") == 0) {
             options->json = true;
+        } else if (strcmp(argv[i], "--threads") == 0 && takes & BENCH_TAKES_THREADS &&
+                   has_value) {
+            options->threads = (uint32_t)strtoul(argv[++i], NULL, 10);
+            if (options->threads < 2 || options->threads > 256) {
+                return false;
+            }
+        } else if (strcmp(argv[i], "--csv") == 0 && takes & BENCH_TAKES_CSV &&
+                   has_value) {
+            options->csv = argv[++i];
         } else if (argv[i][0] != '-' && !options->wanted) {
             options->wanted = argv[i];
         } else {
-            *exit_status = strcmp(argv[i], "--help") == 0 ? 0 : 2;
-            fprintf(*exit_status ? stderr : stdout,
-                    "usage: %s [--json] [--smoke] [SCENE]\n", program);
             return false;
         }
+    }
+    return true;
+}
+
+bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv,
+                      struct bench_options *options, int *exit_status)
+{
+    memset(options, 0, sizeof *options);
+    report.program = program;
+    if (argc == 2 && strcmp(argv[1], "--help") == 0) {
+        *exit_status = 0;
+        return usage(program, takes, false);
+    }
+    if (!read_options(takes, argc, argv, options)) {
+        *exit_status = 2;
+        return usage(program, takes, true);
     }
     report.json = options->json;
     read_cpu();
@@ -69,6 +98,12 @@ bool bench_begin(const char *program, int argc, char **argv,
         printf("%s: %s; %s; %s\n", program, COMPILER, BENCH_FLAGS, report.cpu);
     }
     return true;
+}
+
+bool bench_begin(const char *program, int argc, char **argv,
+                 struct bench_options *options, int *exit_status)
+{
+    return bench_begin_with(program, 0, argc, argv, options, exit_status);
 }
 
 int bench_end(void)

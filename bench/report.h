@@ -17,6 +17,8 @@ struct bench_options {
     bool smoke;         /* tiny scenes, a few repeats: does it still run? */
     bool json;          /* one JSON line a row instead of the table */
     const char *wanted; /* only scenes whose name contains this; NULL: all */
+    uint32_t threads;   /* --threads, at least 2; 0: not given */
+    const char *csv;    /* --csv: where to write; NULL: nowhere */
 };
 
 /* Values of one quantity in the order they came; memory grows, never shrinks. */
@@ -52,6 +54,10 @@ static inline uint64_t bench_now_ns(void)
 /* False: the program is to end with *exit_status. Sets up the report of `program`. */
 bool bench_begin(const char *program, int argc, char **argv,
                  struct bench_options *options, int *exit_status);
+/* The same for a program that takes --threads or --csv as well. */
+enum { BENCH_TAKES_THREADS = 1, BENCH_TAKES_CSV = 2 };
+bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv,
+                      struct bench_options *options, int *exit_status);
 /* The exit status: 1 when a check failed. */
 int bench_end(void);
 

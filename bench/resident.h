@@ -11,6 +11,11 @@
 #include "step.h"
 #include "workload.h"
 
+/* Call first, with main's argv: waiting threads of a team spin 2000 times and then sleep,
+ * as in the daemon. The runtime reads its environment before main, so the program starts
+ * anew with it; a GOMP_SPINCOUNT that is set already stands. */
+void bench_team_environment(char **argv);
+
 struct bench_world {
     const struct bench_scene *source;
     struct eng_scene *scene;

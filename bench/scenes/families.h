@@ -36,7 +36,9 @@ void bench_make_exploding(struct bench_scene *scene, bool small);
 /* bodies.c: hundreds of rigid and deforming bodies fall together. */
 void bench_make_bodies(struct bench_scene *scene, bool small);
 
-/* recorded.c: two frames of $PCCD_DATA with the same faces. False: they are not there. */
-bool bench_read_recorded(struct bench_scene *scene, const char *const names[2]);
+/* recorded.c: from one frame of $PCCD_DATA to another with the same faces, in `steps` of
+ * equal length. False: they are not there. */
+bool bench_read_recorded(struct bench_scene *scene, const char *const names[2],
+                         uint32_t steps);
 
 #endif
