@@ -124,8 +124,8 @@ static void keep_share(struct run *run, enum quantity quantity, double part)
 }
 
 /* One thread does not tell low-level nodes from high-level ones, so the work of the high
- * ones is what the threads say they spent on them; the rest of what one thread does is the
- * work of the low ones. */
+ * ones is what the threads say they spent on them; the rest of what one thread does is
+ * the work of the low ones. */
 static void keep(struct run *run)
 {
     const struct eng_step_times *one = &run->one.result.times;

@@ -69,6 +69,16 @@ void bench_world_deinit(struct bench_world *world)
     world->object_idx = NULL;
 }
 
+void bench_world_replace(struct bench_world *world, const struct bench_frames *frames,
+                         uint32_t object)
+{
+    struct eng_mesh *mesh = make_mesh(frames, object);
+    must(eng_scene_replace(world->scene, world->object_idx[object], mesh),
+         "eng_scene_replace");
+    eng_mesh_release(mesh);
+    world->source = frames->scene;
+}
+
 struct eng_step_settings bench_step_settings(enum eng_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
