@@ -85,7 +85,9 @@ struct eng_step_settings {
     double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
     uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0 = none */
     const atomic_bool *cancel; /* set by any thread to stop the step; may be NULL */
-    uint64_t contact_max; /* records kept at most; beyond it the answer is incomplete */
+    /* Records kept at most: of more, the first in canonical order (mode first: of those
+     * that may have been the earliest then), and the answer is incomplete. */
+    uint64_t contact_max;
     enum eng_scheduler scheduler; /* of steps by more than one thread, as the next two */
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;

@@ -224,15 +224,42 @@ static void result__limit_is_kept_and_told(void **state)
             add_empty(found);
         }
         assert_false(found->overflowed);
-        assert_null(eng_found_add(found, &no_name));
-        assert_true(found->overflowed);
-        assert_null(eng_found_add(found, &no_name));
         assert_int_equal(found->count, limits[i]);
         assert_int_equal(sort(lists), ENG_OK);
         assert_int_equal(lists->sorted.count, limits[i]);
+        assert_int_equal(lists->merge.total, limits[i]);
+        eng_found_add(found, &no_name);
+        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(lists->sorted.count, limits[i]);
+        assert_true(found->overflowed || lists->merge.total > limits[i]);
         begin(lists, sizeof(struct eng_pair), limits[i]);
         assert_false(found->overflowed); /* a new step begins afresh */
         assert_int_equal(found->count, 0);
+    }
+}
+
+/* If it failed: a list would grow without a bound, or keep what came first instead of
+ * what is first. */
+static void result__long_list_keeps_the_first_in_order(void **state)
+{
+    struct lists *lists = *state;
+    struct kit_random random = {84};
+    const uint64_t limits[] = {1, 700, 4000, 10000};
+    static struct eng_pair all[20000];
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        begin(lists, sizeof(struct eng_pair), limits[i]);
+        struct eng_found *found = &lists->found[0];
+        for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+            all[k] = random_name(&random);
+            eng_found_add(found, &all[k]);
+            assert_in_range(found->count, 0,
+                            limits[i] + limits[i] / 4 + found->per_block);
+        }
+        qsort(all, sizeof all / sizeof *all, sizeof *all, compare_pairs);
+        assert_true(found->overflowed);
+        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(lists->sorted.count, limits[i]);
+        assert_memory_equal(lists->sorted.data, all, limits[i] * sizeof *all);
     }
 }
 
@@ -276,6 +303,7 @@ int main(void)
         TEST(result__pairs_sort_canonically),
         TEST(result__nothing_sorts_to_nothing),
         TEST(result__limit_is_kept_and_told),
+        TEST(result__long_list_keeps_the_first_in_order),
         TEST(result__limit_counts_all_workers_together),
         TEST(result__memory_is_used_again),
     };

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hash.h"
+
 /* If it failed: the answer would depend on the machine or on the day. */
 static void team__same_records_for_any_number_of_threads(void **state)
 {
@@ -106,11 +108,30 @@ static void team__early_ends_end_every_thread(void **state)
         settings = crew_team(ENG_MODE_ALL, i);
         settings.deadline_ns = 1;
         assert_int_equal(crew_run(crew, settings).incomplete, ENG_INCOMPLETE_DEADLINE);
-        settings = crew_team(ENG_MODE_ALL, i);
-        settings.contact_max = 3;
-        struct eng_step_result cut = crew_run(crew, settings);
-        assert_int_equal(cut.incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
-        assert_int_equal(cut.count, 3);
+    }
+}
+
+/* If it failed: which records a cut answer holds would depend on who found them. */
+static void team__cut_answers_hold_the_first_records(void **state)
+{
+    struct crew *crew = *state;
+    for (int k = 0; k < 6; k++) {
+        enum eng_mode mode = k % 2 ? ENG_MODE_PAIRS : ENG_MODE_ALL;
+        struct eng_step_result whole = crew_run(crew, crew_alone(mode));
+        const uint64_t limits[] = {3, whole.count / 20, whole.count - 1};
+        uint64_t limit = limits[k / 2];
+        uint64_t hash[2];
+        eng_hash(whole.records, limit * whole.record_bytes, hash);
+        for (size_t i = 0; i < crew_count(); i++) {
+            struct eng_step_settings settings = crew_team(mode, i);
+            settings.contact_max = limit;
+            struct eng_step_result cut = crew_run(crew, settings);
+            assert_int_equal(cut.incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+            assert_int_equal(cut.count, limit);
+            assert_int_equal(cut.vf + cut.ee, limit);
+            assert_int_equal(cut.hash_hi, hash[0]);
+            assert_int_equal(cut.hash_lo, hash[1]);
+        }
     }
 }
 
@@ -188,6 +209,7 @@ int main(void)
         CREW_TEST(team__refit_gives_the_same_boxes),
         CREW_TEST(team__warm_steps_allocate_nothing),
         CREW_TEST(team__early_ends_end_every_thread),
+        CREW_TEST(team__cut_answers_hold_the_first_records),
     };
     return cmocka_run_group_tests_name("eng_team", tests, NULL, NULL);
 }

@@ -87,9 +87,7 @@ static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
 {
     for (uint32_t i = 0; i < chunk->count; i++) {
         struct eng_pair name = name_of(worker->scene, kind, chunk->a[i], chunk->b[i]);
-        if (!eng_found_add(&worker->found, &name)) {
-            return;
-        }
+        eng_found_add(&worker->found, &name); /* a full list says so itself */
     }
 }
 

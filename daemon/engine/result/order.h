@@ -49,6 +49,17 @@ static inline struct eng_name eng_name_of(const unsigned char *record,
     return name;
 }
 
+/* Below, equal or above zero. */
+static inline int eng_name_compare(const struct eng_name *a, const struct eng_name *b)
+{
+    for (unsigned i = 0; i < ENG_NAME_WORDS; i++) {
+        if (a->word[i] != b->word[i]) {
+            return a->word[i] < b->word[i] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
 static inline void eng_name_write(const struct eng_name *name, unsigned char *record,
                                   uint32_t record_bytes)
 {

@@ -1,7 +1,7 @@
 /* daemon/engine/result/result.c - the records of a step, as they are found.
  *
  * Room:     engine.
- * Does:     fill blocks; grow the memory of the answer.
+ * Does:     fill blocks; cut a list that is too long; grow the memory of the answer.
  * Threads:  one thread for one list.
  */
 #include "result.h"
@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "memory.h"
+#include "merge.h"
 
 static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20,
               "records");
@@ -30,7 +31,12 @@ static struct eng_block *open_block(struct eng_found *found)
     if (found->last && found->last->count < found->per_block) {
         return found->last;
     }
-    struct eng_block *block = eng_pool_take(found->pool);
+    struct eng_block *block = found->last ? found->last->next : NULL;
+    if (block) { /* a cut has emptied it */
+        found->last = block;
+        return block;
+    }
+    block = eng_pool_take(found->pool);
     if (!block) {
         return NULL;
     }
@@ -43,15 +49,66 @@ static struct eng_block *open_block(struct eng_found *found)
     return block;
 }
 
+/* Fill the blocks with `count` records from `sorted`, >= 1; the rest of them is empty. */
+static void refill(struct eng_found *found, const unsigned char *sorted, uint64_t count)
+{
+    uint64_t left = count;
+    for (struct eng_block *block = found->first; block; block = block->next) {
+        block->count = left < found->per_block ? (uint32_t)left : found->per_block;
+        memcpy(block->data, sorted, (size_t)block->count * found->record_bytes);
+        sorted += (size_t)block->count * found->record_bytes;
+        left -= block->count;
+        if (block->count > 0) {
+            found->last = block;
+        }
+    }
+    found->count = count;
+    found->cut_at = eng_name_of(sorted - found->record_bytes, found->record_bytes);
+    found->is_cut = true;
+    found->overflowed = true;
+}
+
+/* Keep the first `limit` records in order. ENG_E_NOMEM: all stay. */
+static int cut(struct eng_found *found)
+{
+    struct eng_found *const lists[1] = {found};
+    struct eng_records sorted = {0};
+    struct eng_merge merge;
+    struct eng_counts counts;
+    uint64_t hash[2];
+    eng_merge_init(&merge);
+    int status = eng_merge_begin(&merge, lists, 1, &sorted);
+    if (status == ENG_OK) {
+        status = eng_merge_end(&merge, &counts, hash);
+    }
+    if (status == ENG_OK) {
+        refill(found, sorted.data, sorted.count);
+    }
+    eng_records_deinit(&sorted);
+    eng_merge_deinit(&merge);
+    return status;
+}
+
+/* Is a record of that name kept? A list grows to a quarter more than its limit and one
+ * block before it is cut, so that cutting costs each record little. */
+static bool has_room(struct eng_found *found, const struct eng_name *name)
+{
+    bool is_full = found->count >= found->limit + found->limit / 4 + found->per_block;
+    if (found->limit == 0 || (is_full && cut(found) != ENG_OK)) {
+        return false;
+    }
+    return !found->is_cut || eng_name_compare(name, &found->cut_at) < 0;
+}
+
 void *eng_found_add(struct eng_found *found, const struct eng_pair *name)
 {
-    struct eng_block *block = found->count < found->limit ? open_block(found) : NULL;
+    struct eng_name words;
+    memcpy(&words, name, sizeof words);
+    struct eng_block *block = has_room(found, &words) ? open_block(found) : NULL;
     if (!block) {
         found->overflowed = true;
         return NULL;
     }
-    struct eng_name words;
-    memcpy(&words, name, sizeof words);
     eng_name_range_add(&found->range, &words);
     found->count++;
     unsigned char *record = block->data + (size_t)block->count++ * found->record_bytes;

@@ -15,20 +15,22 @@
 struct eng_found {
     struct eng_pool *pool;
     struct eng_block *first;
-    struct eng_block *last;
+    struct eng_block *last; /* those after it are empty */
     uint32_t record_bytes;
     uint32_t per_block;
     uint64_t count;
     struct eng_name_range range; /* of their names, or wider */
-    uint64_t limit;              /* records kept at most */
-    bool overflowed;             /* more came than could be kept */
+    uint64_t limit;              /* of the answer: of more, the first in order are kept */
+    bool is_cut;                 /* there were more; none after `cut_at` is kept */
+    struct eng_name cut_at;
+    bool overflowed; /* more came than were kept */
 };
 
 void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
                      uint32_t record_bytes, uint64_t limit);
 
-/* One more record, named, for the caller to fill in, or NULL: the limit is reached or
- * memory ran out (overflowed). */
+/* One more record, named, for the caller to fill in before the next call. NULL: it comes
+ * after `limit` others in order, or memory ran out (overflowed). */
 void *eng_found_add(struct eng_found *found, const struct eng_pair *name);
 
 /* The answer: records in one piece. Memory stays for the next step. */
