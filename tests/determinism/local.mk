@@ -7,7 +7,8 @@ DETERMINISM_LDADD = libengkit.la libengine.la libtestscenes.la $(CMOCKA_LIBS) \
 
 determinism_names = \
     tests/determinism/test_eng_fuzz \
-    tests/determinism/test_eng_golden
+    tests/determinism/test_eng_golden \
+    tests/determinism/test_eng_recorded
 check_PROGRAMS += $(determinism_names)
 TESTS += $(determinism_names)
 
@@ -21,3 +22,8 @@ tests_determinism_test_eng_fuzz_SOURCES = tests/determinism/test_eng_fuzz.c
 tests_determinism_test_eng_fuzz_CPPFLAGS = $(DETERMINISM_CPPFLAGS)
 tests_determinism_test_eng_fuzz_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_determinism_test_eng_fuzz_LDADD = $(DETERMINISM_LDADD)
+
+tests_determinism_test_eng_recorded_SOURCES = tests/determinism/test_eng_recorded.c
+tests_determinism_test_eng_recorded_CPPFLAGS = $(DETERMINISM_CPPFLAGS)
+tests_determinism_test_eng_recorded_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_determinism_test_eng_recorded_LDADD = $(DETERMINISM_LDADD)

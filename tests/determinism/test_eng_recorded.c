@@ -1,0 +1,157 @@
+/* test_eng_recorded.c - recorded scenes have the same bytes whoever computes them.
+ *
+ * Room:     tests/determinism. May include: daemon/engine, tests/support.
+ * Does:     one step of two public scenes by teams, schedulers, build qualities and
+ *           reconstruction thresholds, in a new scene and after other steps: a hash that
+ *           is written down, and as many contacts as are known to be there.
+ * Does not: look for each contact (tests/truth/test_eng_truth.c does).
+ * Threads:  up to sixteen, whatever the machine has.
+ * Source:   the README of the data folder for what is known.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "data.h"
+#include "ply.h"
+#include "step.h"
+
+struct row {
+    uint32_t threads;
+    enum eng_scheduler scheduler;
+    enum eng_high_level high_level;
+    enum eng_refit_scheme refit;
+    enum eng_quality quality;
+    double ratio;
+    uint32_t region;
+    uint32_t detours; /* steps back and forth before */
+};
+
+static const struct row rows[] = {
+    {1, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN, 0,
+     1024, 0},
+    {3, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER, ENG_QUALITY_MEDIAN, 1,
+     64, 1},
+    {4, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN, 0.9,
+     8, 1},
+    {2, ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER, ENG_QUALITY_SAH, 0.9,
+     1024, 1},
+    {8, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_SAH, 1,
+     1024, 0},
+    {16, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN, 0.9,
+     64, 0},
+};
+#define ROWS (sizeof rows / sizeof *rows)
+
+/* What is known of a scene: its contacts, and the hash of their records. */
+struct known {
+    enum data_scene_name scene;
+    size_t first_row; /* of those that it is run under */
+    uint64_t truths;
+    uint64_t hash[2];
+};
+
+static struct eng_mesh *make_mesh(const struct ply *frame)
+{
+    struct eng_mesh *mesh = NULL;
+    uint32_t bad;
+    assert_int_equal(eng_mesh_new(frame->vertex_count, frame->triangle_count, &mesh),
+                     ENG_OK);
+    assert_int_equal(
+        eng_mesh_write_vertices(mesh, ENG_F64, 0, frame->vertex_count, frame->x), ENG_OK);
+    assert_int_equal(
+        eng_mesh_write_triangles(mesh, 0, frame->triangle_count, frame->triangles, &bad),
+        ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+    return mesh;
+}
+
+static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply *from,
+                 const struct ply *to, const struct row *row,
+                 struct eng_step_result *result)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.threads = row->threads;
+    settings.scheduler = row->scheduler;
+    settings.high_level = row->high_level;
+    settings.refit = row->refit;
+    eng_stage_begin(scene);
+    assert_int_equal(
+        eng_stage_x0x1(scene, object_idx, ENG_F64, 0, from->vertex_count, from->x, to->x),
+        ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, result), ENG_OK);
+    assert_int_equal(result->threads, row->threads);
+    assert_int_equal(result->incomplete, ENG_COMPLETE);
+}
+
+static void check_row(const struct known *known, const struct ply frames[2],
+                      struct eng_mesh *mesh, const struct row *row)
+{
+    struct eng_scene_settings made = {row->quality, row->ratio, row->region};
+    struct eng_scene *scene = NULL;
+    struct eng_step_result result;
+    uint32_t object_idx;
+    assert_int_equal(eng_scene_new(&made, &scene), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), ENG_OK);
+    for (uint32_t i = 0; i < row->detours; i++) {
+        step(scene, object_idx, &frames[0], &frames[1], row, &result);
+        step(scene, object_idx, &frames[1], &frames[0], row, &result);
+    }
+    step(scene, object_idx, &frames[0], &frames[1], row, &result);
+    if (result.hash_hi != known->hash[0] || result.hash_lo != known->hash[1]) {
+        fail_msg("%u threads: %llu records, {0x%016llx, 0x%016llx}", row->threads,
+                 (unsigned long long)result.count, (unsigned long long)result.hash_hi,
+                 (unsigned long long)result.hash_lo);
+    }
+    assert_int_equal(result.count, known->truths);
+    eng_scene_free(scene);
+}
+
+static void check(const struct known *known)
+{
+    char paths[2][DATA_PATH_MAX];
+    struct ply frames[2];
+    for (int i = 0; i < 2; i++) {
+        if (!data_find(data_scenes[known->scene].frames[i], paths[i])) {
+            skip();
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_true(ply_read(paths[i], &frames[i]));
+    }
+    struct eng_mesh *mesh = make_mesh(&frames[0]);
+    for (size_t i = known->first_row; i < ROWS; i++) {
+        check_row(known, frames, mesh, &rows[i]);
+    }
+    eng_mesh_release(mesh);
+    ply_deinit(&frames[0]);
+    ply_deinit(&frames[1]);
+}
+
+/* If this failed, nearly degenerate cloth would be answered by luck. */
+static void recorded__cloth_funnel_has_the_same_bytes(void **state)
+{
+    (void)state;
+    check(&(struct known){
+        DATA_CLOTH_FUNNEL, 0, 134, {0x08bdba23e4f863fe, 0xecb453bb403e51a8}});
+}
+
+/* If this failed, a scene of ninety thousand triangles would be answered by luck. */
+static void recorded__cloth_ball_has_the_same_bytes(void **state)
+{
+    (void)state;
+    check(&(struct known){
+        DATA_CLOTH_BALL, 3, 113854, {0x6d297860a0703fb7, 0x465b8038e641082e}});
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(recorded__cloth_funnel_has_the_same_bytes),
+        cmocka_unit_test(recorded__cloth_ball_has_the_same_bytes),
+    };
+    return cmocka_run_group_tests_name("eng_recorded", tests, NULL, NULL);
+}
