@@ -8,6 +8,9 @@
  */
 #include "eng_kit.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "memory.h"
 #include "step.h"
 #include "world.h"
@@ -65,6 +68,14 @@ static uint64_t step(struct fixture *f, double z)
     return result.hash_lo;
 }
 
+static void *copy_of(const void *block, size_t bytes)
+{
+    void *copy = malloc(bytes);
+    assert_non_null(copy);
+    memcpy(copy, block, bytes);
+    return copy;
+}
+
 /* If it failed: a replaced object would answer otherwise than one made so. */
 static void replace__answers_as_a_fresh_object(void **state)
 {
@@ -117,18 +128,106 @@ static void replace__settled_releases_what_was(void **state)
     assert_int_equal(f->scene->triangle_ranges.end, 0);
 }
 
-/* If it failed: a wrong call would be taken for another. */
+/* If it failed: a client's handle would name something else after its object broke, or
+ * the others would pay for it. */
+static void replace__touches_nothing_but_its_object(void **state)
+{
+    struct fixture *f = *state;
+    step(f, -0.75);
+    const struct eng_object *other = eng_scene_object(f->scene, f->high);
+    const struct eng_object before = *other;
+    size_t node_bytes = before.nodes.count * sizeof *f->scene->nodes;
+    size_t x_bytes = before.vertices.count * sizeof *f->scene->x[0];
+    void *nodes = copy_of(f->scene->nodes + before.nodes.first, node_bytes);
+    void *x = copy_of(f->scene->x[f->scene->now] + before.vertices.first, x_bytes);
+    uint64_t builds = f->scene->builds;
+    uint32_t idx;
+    assert_int_equal(eng_scene_replace(f->scene, f->low, f->finer), ENG_OK);
+    assert_int_equal(f->scene->builds, builds + 1);
+    assert_int_equal(eng_scene_object_count(f->scene), 2);
+    assert_int_equal(eng_scene_object(f->scene, f->low)->id, 7);
+    assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 13 * 13);
+    assert_int_equal(eng_scene_add(f->scene, f->sheet, 7, &idx), ENG_E_INVAL);
+    other = eng_scene_object(f->scene, f->high);
+    assert_memory_equal(other, &before, sizeof before);
+    assert_memory_equal(f->scene->nodes + before.nodes.first, nodes, node_bytes);
+    assert_memory_equal(f->scene->x[f->scene->now] + before.vertices.first, x, x_bytes);
+    free(nodes);
+    free(x);
+}
+
+/* If it failed: an object that keeps breaking would fill the memory. */
+static void replace__a_thousand_times_grows_nothing(void **state)
+{
+    struct fixture *f = *state;
+    uint64_t bytes = 0;
+    uint64_t scene_bytes = 0;
+    uint32_t ends[4] = {0};
+    for (int i = 0; i < 1000; i++) {
+        assert_int_equal(eng_scene_replace(f->scene, i % 3 ? f->low : f->high,
+                                           i % 2 ? f->sheet : f->finer),
+                         ENG_OK);
+        if (i % 20 == 0) {
+            step(f, -0.75);
+        }
+        const uint32_t now[4] = {f->scene->vertex_ranges.end, f->scene->edge_ranges.end,
+                                 f->scene->triangle_ranges.end,
+                                 f->scene->node_ranges.end};
+        for (int k = 0; k < 4; k++) {
+            assert_true(i < 100 || now[k] <= ends[k]);
+            ends[k] = i < 100 && now[k] > ends[k] ? now[k] : ends[k];
+        }
+        bytes = i == 100 ? eng_alloc_bytes() : bytes;
+        scene_bytes = i == 100 ? eng_scene_bytes(f->scene) : scene_bytes;
+    }
+    assert_int_equal(eng_alloc_bytes(), bytes);
+    assert_int_equal(eng_scene_bytes(f->scene), scene_bytes);
+}
+
+/* If it failed: a mesh would stay in memory after the last object that had it, or go
+ * while one has it. */
+static void replace__holds_the_new_mesh_and_drops_the_old(void **state)
+{
+    struct fixture *f = *state;
+    uint64_t bytes = 0;
+    for (int i = 0; i < 8; i++) {
+        struct eng_mesh *mesh = kit_sheet(SIDE, 0);
+        assert_int_equal(eng_scene_replace(f->scene, f->low, mesh), ENG_OK);
+        eng_mesh_release(mesh); /* the scene's is the last one */
+        step(f, -0.75);
+        assert_ptr_equal(eng_scene_object(f->scene, f->low)->mesh, mesh);
+        assert_int_equal(eng_scene_replace(f->scene, f->low, mesh), ENG_OK); /* itself */
+        step(f, -0.5);
+        assert_int_equal(eng_scene_replace(f->scene, f->low, f->sheet), ENG_OK);
+        step(f, -0.25);
+        assert_true(i < 4 || eng_alloc_bytes() == bytes);
+        bytes = eng_alloc_bytes();
+    }
+}
+
+/* If it failed: a wrong call would be taken for another, or would leave something behind.
+ */
 static void replace__wrong_calls_are_refused(void **state)
 {
     struct fixture *f = *state;
+    struct fixture twin = *f;
     struct eng_mesh *empty = NULL;
+    open_scene(&twin, f->sheet, f->sheet);
+    uint64_t bytes = eng_alloc_bytes();
     assert_int_equal(eng_mesh_new(3, 1, &empty), ENG_OK);
+    assert_int_equal(eng_scene_replace(f->scene, 77, f->finer), ENG_E_INVAL);
+    assert_int_equal(eng_scene_replace(f->scene, f->low, empty), ENG_E_STATE);
     assert_int_equal(eng_scene_try_replace(f->scene, 77, f->finer), ENG_E_INVAL);
     assert_int_equal(eng_scene_try_replace(f->scene, f->low, empty), ENG_E_STATE);
     eng_stage_begin(f->scene);
     assert_int_equal(eng_scene_try_replace(f->scene, f->low, f->finer), ENG_E_STATE);
+    assert_int_equal(eng_scene_replace(f->scene, f->low, f->finer), ENG_E_STATE);
     eng_stage_abort(f->scene);
     eng_mesh_release(empty);
+    assert_int_equal(eng_alloc_bytes(), bytes);
+    assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 7 * 7);
+    assert_true(step(f, -0.75) == step(&twin, -0.75));
+    eng_scene_free(twin.scene);
 }
 
 int main(void)
@@ -138,6 +237,9 @@ int main(void)
         REPLACE_TEST(replace__answers_as_a_fresh_object),
         REPLACE_TEST(replace__taken_back_leaves_everything_as_it_was),
         REPLACE_TEST(replace__settled_releases_what_was),
+        REPLACE_TEST(replace__touches_nothing_but_its_object),
+        REPLACE_TEST(replace__a_thousand_times_grows_nothing),
+        REPLACE_TEST(replace__holds_the_new_mesh_and_drops_the_old),
         REPLACE_TEST(replace__wrong_calls_are_refused),
     };
     return cmocka_run_group_tests_name("eng_replace", tests, NULL, NULL);
