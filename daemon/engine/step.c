@@ -215,6 +215,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
         eng_stage_abort(scene);
         return status;
     }
+    uint64_t staged_ns = scene->staging ? scene->stage_ns : 0; /* without the commit */
     status = eng_stage_commit(scene);
     if (status != ENG_OK) {
         return status;
@@ -237,7 +238,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns,
                      scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count,
                      team.count);
-    r.times.step = eng_now_ns() - begin_ns + scene->stage_ns;
+    r.times.step = eng_now_ns() - begin_ns + staged_ns;
     r.counters.builds = scene->builds - builds;
     r.counters.allocs = eng_alloc_count() - allocs;
     *result = r;

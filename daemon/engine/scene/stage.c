@@ -200,6 +200,40 @@ static bool writes_overlap(struct eng_scene *scene)
     return false;
 }
 
+/* Does every vertex of the scene have a given start position? Writes do not overlap. */
+static bool starts_are_whole(const struct eng_scene *scene)
+{
+    uint64_t given = 0;
+    uint64_t all = 0;
+    for (uint32_t i = 0; i < scene->write_count; i++) {
+        given += scene->writes[i].has_start ? scene->writes[i].count : 0;
+    }
+    for (uint32_t i = 0; i < scene->object_capacity && given > 0; i++) {
+        all += scene->objects[i].mesh ? scene->objects[i].vertices.count : 0;
+    }
+    return given > 0 && given == all;
+}
+
+/* Given start positions become the current ones: by changing the buffers' roles if all
+ * are given, else by copying. */
+static void take_starts(struct eng_scene *scene)
+{
+    double(*current)[3] = scene->x[scene->now];
+    if (starts_are_whole(scene)) {
+        assert(scene->start_capacity == scene->vertex_capacity);
+        scene->x[scene->now] = scene->start;
+        scene->start = current;
+        return;
+    }
+    for (uint32_t i = 0; i < scene->write_count; i++) {
+        const struct eng_write *write = &scene->writes[i];
+        if (write->has_start) {
+            uint32_t v = scene->objects[write->object].vertices.first + write->first;
+            memcpy(current + v, scene->start + v, write->count * sizeof *current);
+        }
+    }
+}
+
 int eng_stage_commit(struct eng_scene *scene)
 {
     uint64_t begin_ns = eng_now_ns();
@@ -210,14 +244,8 @@ int eng_stage_commit(struct eng_scene *scene)
         eng_stage_abort(scene);
         return ENG_E_OVERLAP;
     }
+    take_starts(scene);
     double(*current)[3] = scene->x[scene->now];
-    for (uint32_t i = 0; i < scene->write_count; i++) {
-        const struct eng_write *write = &scene->writes[i];
-        if (write->has_start) {
-            uint32_t v = scene->objects[write->object].vertices.first + write->first;
-            memcpy(current + v, scene->start + v, write->count * sizeof *current);
-        }
-    }
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_object *object = &scene->objects[i];
         if (object->mesh && object->staged != scene->stage && !object->still) {
