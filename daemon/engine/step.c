@@ -122,7 +122,7 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
             if (by_paper) {
                 eng_schedule_paper_begin(team, worker);
             } else {
-                eng_schedule_steal_begin(team);
+                eng_schedule_steal_begin(team, worker);
             }
             team->refit_end_ns = eng_now_ns();
             eng_refit_release(team);

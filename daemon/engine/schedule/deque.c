@@ -53,7 +53,7 @@ bool eng_deque_pop(struct eng_deque *deque, uint64_t *task)
     }
     /* The last task: race the thieves for it. */
     bool won = atomic_compare_exchange_strong_explicit(
-        &deque->top, &top, top + 1, memory_order_seq_cst, memory_order_relaxed);
+        &deque->top, &top, top + 1, memory_order_seq_cst, memory_order_acquire);
     atomic_store_explicit(&deque->bottom, bottom + 1, memory_order_relaxed);
     return won;
 }

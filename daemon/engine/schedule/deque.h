@@ -33,6 +33,13 @@ bool eng_deque_push(struct eng_deque *deque, uint64_t task);
 /* The newest task; false: empty. */
 bool eng_deque_pop(struct eng_deque *deque, uint64_t *task);
 
+/* Is there a task to be stolen? A hint that writes nothing. [any] */
+static inline bool eng_deque_has_task(struct eng_deque *deque)
+{
+    return atomic_load_explicit(&deque->top, memory_order_relaxed) <
+           atomic_load_explicit(&deque->bottom, memory_order_relaxed);
+}
+
 /* The oldest task; false: empty, or another thread was faster. */
 bool eng_deque_steal(struct eng_deque *deque, uint64_t *task);
 

@@ -16,8 +16,9 @@
 #define ENG_STEAL_UNIT_GRAIN 512u
 #define ENG_STEAL_PAIR_GRAIN 1024u
 
-/* Stealing: failed rounds over all victims before the processor is offered to others. */
-#define ENG_STEAL_ROUNDS 64u
+/* Stealing: failed rounds over all victims, with a pause of up to 3 us after each, before
+ * the processor is offered to others. */
+#define ENG_STEAL_ROUNDS 16u
 
 /* Returns when no task is left or the step was stopped. `worker` is the
  * calling thread's. */
@@ -30,7 +31,7 @@ void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker);
 void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker);
 
 /* Inside the region, by one thread, before any other works: hand out the root. */
-void eng_schedule_steal_begin(struct eng_team *team);
+void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker);
 
 /* The paper's dynamic assignment, then its high-level nodes. */
 void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker);

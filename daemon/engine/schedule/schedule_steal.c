@@ -11,35 +11,44 @@
  * (rebuild.h). A worker splits depth first, so its deque holds at most three siblings for
  * each level of a pair and two for each level of a node; with ENG_LEVELS_MAX levels of
  * either that is less than half of its capacity.
+ *
+ * The end. `active` counts the workers that have tasks; nothing else is written by more
+ * than one worker as long as each has tasks of its own. A worker leaves when its deque is
+ * empty, which only it fills; a thief enters before it takes anything. So every task that
+ * is not finished belongs to a worker that is counted, and none is left when the count is
+ * zero. It may rise once more then, while a thief tries a deque that looked full to it.
+ *
+ * Who finds nothing pauses twice as long before each round, up to some 3 us: owners write
+ * the lines that thieves look at, and 63 thieves without a pause would make every push of
+ * the last owner wait for them.
  */
 #include "schedule.h"
 
 #include <sched.h>
 
 #include "rebuild.h"
+#include "relax.h"
 #include "taskunit.h"
+
+/* Of a pause, doubled from 1. */
+#define RELAXES_MAX 64u
 
 static uint64_t task_of(uint32_t n, uint32_t m)
 {
     return (uint64_t)n << 32 | m;
 }
 
-static void push(struct eng_team *team, struct eng_worker *worker, uint32_t n, uint32_t m)
+static void push(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
-    /* Relaxed: the pushing task is itself still open, so the count cannot reach zero
-     * meanwhile. */
-    atomic_fetch_add_explicit(&team->open_tasks, 1, memory_order_relaxed);
     bool pushed = eng_deque_push(&worker->deque, task_of(n, m));
     assert(pushed);
     (void)pushed;
 }
 
-void eng_schedule_steal_begin(struct eng_team *team)
+void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker)
 {
-    atomic_init(&team->open_tasks, 0);
-    if (team->scene->root != ENG_NO_NODE) {
-        push(team, team->workers[0], team->scene->root, team->scene->root);
-    }
+    push(worker, team->scene->root, team->scene->root);
+    atomic_store_explicit(&team->active, 1, memory_order_relaxed);
 }
 
 /* All task units of a small subtree. */
@@ -57,25 +66,24 @@ static void perform_subtree(struct eng_worker *worker, uint32_t node)
                      worker->scene->nodes[node].count);
 }
 
-static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint32_t n)
+static void perform_unit(struct eng_worker *worker, uint32_t n)
 {
-    if (team->scene->nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
+    if (worker->scene->nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
         perform_subtree(worker, n);
         return;
     }
     uint64_t begin_ns = eng_worker_slice(worker);
     const struct eng_node *node = eng_node_open(worker, n);
     worker->record.task_units++;
-    push(team, worker, node->left, node->left);
-    push(team, worker, node->right, node->right);
-    push(team, worker, node->left, node->right);
+    push(worker, node->left, node->left);
+    push(worker, node->right, node->right);
+    push(worker, node->left, node->right);
     eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, node->count);
 }
 
-static void perform_pair(struct eng_team *team, struct eng_worker *worker, uint32_t n,
-                         uint32_t m)
+static void perform_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
-    const struct eng_node *nodes = team->scene->nodes;
+    const struct eng_node *nodes = worker->scene->nodes;
     uint64_t begin_ns = eng_worker_slice(worker);
     if ((uint64_t)nodes[n].count + nodes[m].count <= ENG_STEAL_PAIR_GRAIN) {
         eng_taskunit_pairs(worker, n, m);
@@ -84,37 +92,54 @@ static void perform_pair(struct eng_team *team, struct eng_worker *worker, uint3
         uint32_t m_out[4];
         uint32_t count = eng_taskunit_refine(worker, n, m, n_out, m_out);
         for (uint32_t i = 0; i < count; i++) {
-            push(team, worker, n_out[i], m_out[i]);
+            push(worker, n_out[i], m_out[i]);
         }
     }
     eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
 }
 
-static void perform(struct eng_team *team, struct eng_worker *worker, uint64_t task)
+static void perform(struct eng_worker *worker, uint64_t task)
 {
     uint32_t n = (uint32_t)(task >> 32);
     uint32_t m = (uint32_t)task;
-    if (!eng_worker_should_stop(worker)) {
-        if (n == m) {
-            perform_unit(team, worker, n);
-        } else {
-            perform_pair(team, worker, n, m);
-        }
+    if (eng_worker_should_stop(worker)) {
+        return;
     }
-    /* Release, and acquire for whoever sees zero: what the task wrote is then visible. */
-    atomic_fetch_sub_explicit(&team->open_tasks, 1, memory_order_acq_rel);
+    if (n == m) {
+        perform_unit(worker, n);
+    } else {
+        perform_pair(worker, n, m);
+    }
 }
 
-/* One round over the other workers, starting behind the own place. */
+static void enter(struct eng_team *team)
+{
+    atomic_fetch_add_explicit(&team->active, 1, memory_order_relaxed);
+}
+
+static void leave(struct eng_team *team)
+{
+    /* Release: pairs with the acquire of whoever sees zero. Acquire: an owner that lost
+     * its last task to a thief has seen the thief's step, and so its entry. */
+    atomic_fetch_sub_explicit(&team->active, 1, memory_order_acq_rel);
+}
+
+/* One round over the other workers, from the one that was last robbed on: it may have
+ * more. True: *task is ours and we are counted. */
 static bool steal(struct eng_team *team, struct eng_worker *worker, uint64_t *task)
 {
     worker->record.requests++;
-    for (uint32_t i = 1; i < team->count; i++) {
-        struct eng_worker *victim = team->workers[(worker->thread + i) % team->count];
-        if (eng_deque_steal(&victim->deque, task)) {
-            worker->record.steals++;
-            return true;
+    for (uint32_t i = 0; i < team->count; i++) {
+        struct eng_worker *victim = team->workers[worker->victim];
+        if (victim != worker && eng_deque_has_task(&victim->deque)) {
+            enter(team);
+            if (eng_deque_steal(&victim->deque, task)) {
+                worker->record.steals++;
+                return true;
+            }
+            leave(team);
         }
+        worker->victim = worker->victim + 1 < team->count ? worker->victim + 1 : 0;
     }
     return false;
 }
@@ -123,10 +148,15 @@ static bool steal(struct eng_team *team, struct eng_worker *worker, uint64_t *ta
 static bool search(struct eng_team *team, struct eng_worker *worker, uint64_t *task)
 {
     uint64_t begin_ns = eng_now_ns();
+    uint32_t relaxes = 1;
     uint32_t failed_rounds = 0;
     bool found = false;
-    while (!found && atomic_load_explicit(&team->open_tasks, memory_order_acquire) > 0) {
+    while (!found && atomic_load_explicit(&team->active, memory_order_acquire) > 0) {
         found = steal(team, worker, task);
+        for (uint32_t i = 0; i < relaxes && !found; i++) {
+            eng_relax();
+        }
+        relaxes = relaxes < RELAXES_MAX ? 2 * relaxes : relaxes;
         if (!found && ++failed_rounds % ENG_STEAL_ROUNDS == 0) {
             worker->record.sleeps++;
             sched_yield();
@@ -141,10 +171,18 @@ void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
     uint64_t begin_ns = eng_now_ns();
     uint64_t waited_ns = worker->record.wait_ns;
     uint64_t task;
-    while (eng_deque_pop(&worker->deque, &task) || search(team, worker, &task)) {
-        perform(team, worker, task);
+    worker->victim = (worker->thread + 1) % team->count;
+    bool has_task = eng_deque_pop(&worker->deque, &task) || search(team, worker, &task);
+    while (has_task) {
+        perform(worker, task);
+        has_task = eng_deque_pop(&worker->deque, &task);
+        if (!has_task) {
+            leave(team);
+            /* What waits for tests would else be tested when all others have ended. */
+            eng_taskunit_flush(worker);
+            has_task = search(team, worker, &task);
+        }
     }
-    eng_taskunit_flush(worker);
     worker->record.low_ns +=
         eng_now_ns() - begin_ns - (worker->record.wait_ns - waited_ns);
 }

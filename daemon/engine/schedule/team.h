@@ -32,7 +32,7 @@ struct eng_team {
     uint64_t
         low_end_ns; /* low-level nodes done: written by thread 0; 0: there are none */
     struct eng_refit_progress refit;
-    _Alignas(128) atomic_int_fast64_t open_tasks; /* stealing: pushed and not finished */
+    _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */
 };
 
 #endif

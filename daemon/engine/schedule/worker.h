@@ -97,6 +97,7 @@ struct eng_worker {
     double time_bound;      /* the shared one as last seen */
     float box_bound;        /* the same and the tolerance, rounded up */
     struct eng_deque deque; /* work stealing: tasks that others may take */
+    uint32_t victim;        /* whom to rob next */
     struct eng_task_queue units;
     struct eng_pair_queue pairs;
     struct eng_chunk vf;
