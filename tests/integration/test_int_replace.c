@@ -183,11 +183,14 @@ static void replace__reaches_every_object_made_of_the_mesh(void **state)
     struct test_grid scenes[SCENES];
     struct test_grid other;
     struct pccd_answer answer;
-    uint64_t before = test_stat(test_witness.crossing.client, "triangles_now");
+    uint64_t before;
     uint64_t replaced = test_stat(test_witness.crossing.client, "meshes_replaced");
     uint32_t gone = 0;
 
     (void)state;
+    /* The floor and the triangle of the witness, twice each: others are gone then. */
+    before = test_stat_await(test_witness.crossing.client, "triangles_now", 4);
+    assert_int_equal(before, 4);
     open_grid(&grid);
     assert_int_equal(test_grid_make(grid.client, SIDE, &other), 0);
     assert_int_equal(pccd_scene_add(grid.client, grid.scene, grid.mesh, &gone), 0);
@@ -293,8 +296,9 @@ static void replace__without_quota_changes_nothing(void **state)
 
 /* ---- order and states, by hand ----------------------------------------------------- */
 
-static const float two_x[6][3] = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2},
-                                  {0, 0, 3}, {1, 0, 3}, {0, 1, 3}};
+/* Two triangles, and a vertex more than they have. */
+static const float two_x[7][3] = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {0, 0, 3},
+                                  {1, 0, 3}, {0, 1, 3}, {9, 9, 9}};
 static const uint32_t two[2][3] = {{0, 1, 2}, {3, 4, 5}};
 
 /* A raw session with the triangle of test_triangle_x in a scene. */
