@@ -50,9 +50,8 @@ static void hash_in_shares(const unsigned char *data, size_t bytes, uint64_t has
         eng_hash_block(data + i * ENG_HASH_BLOCK_BYTES, &sums[i]);
     }
     eng_hash_begin(&chain);
-    for (size_t i = 0; i < blocks; i++) {
-        eng_hash_add(&chain, &sums[i]);
-    }
+    eng_hash_add(&chain, sums, blocks / 2);
+    eng_hash_add(&chain, sums + blocks / 2, blocks - blocks / 2);
     eng_hash_end(&chain, data, bytes, hash);
 }
 

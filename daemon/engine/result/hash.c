@@ -109,16 +109,36 @@ void eng_hash_begin(struct eng_hash_sum *chain)
                                     PRIME32_2, PRIME64_5, PRIME32_1}};
 }
 
-void eng_hash_add(struct eng_hash_sum *chain, const struct eng_hash_sum *block)
+/* Each lane times PRIME32_1, modulo 2^64. */
+static lanes multiply_by_prime(lanes lane)
+{
+    const lanes prime = {PRIME32_1, PRIME32_1};
+#ifdef __SSE2__
+    lanes low = (lanes)_mm_mul_epu32((__m128i)lane, (__m128i)prime);
+    lanes high = (lanes)_mm_mul_epu32((__m128i)(lane >> 32), (__m128i)prime);
+    return low + (high << 32);
+#else
+    return lane * prime;
+#endif
+}
+
+void eng_hash_add(struct eng_hash_sum *chain, const struct eng_hash_sum *blocks,
+                  size_t count)
 {
     const unsigned char *keys = secret + SECRET_BYTES - STRIPE_BYTES;
-#pragma omp simd
-    for (unsigned i = 0; i < 8; i++) {
-        uint64_t lane = chain->lane[i] + block->lane[i];
-        lane ^= lane >> 47;
-        lane ^= load(keys + 8 * i);
-        chain->lane[i] = lane * PRIME32_1;
+    lanes lane[4];
+    memcpy(lane, chain, sizeof lane);
+    for (size_t block = 0; block < count; block++) {
+#pragma GCC unroll 4
+        for (unsigned i = 0; i < 4; i++) { /* side by side: each waits for itself */
+            lanes sum = lane[i];
+            sum += load_lanes((const unsigned char *)&blocks[block].lane[2 * i]);
+            sum ^= sum >> 47;
+            sum ^= load_lanes(keys + 16 * i);
+            lane[i] = multiply_by_prime(sum);
+        }
     }
+    memcpy(chain, lane, sizeof lane);
 }
 
 static uint64_t fold(uint64_t a, uint64_t b)

@@ -34,7 +34,8 @@ void eng_hash_block(const unsigned char *block, struct eng_hash_sum *sum);
 /* The same as eng_hash, for more than 240 bytes (the algorithm is another for fewer),
  * from the sums of all blocks in their order. */
 void eng_hash_begin(struct eng_hash_sum *chain);
-void eng_hash_add(struct eng_hash_sum *chain, const struct eng_hash_sum *block);
+void eng_hash_add(struct eng_hash_sum *chain, const struct eng_hash_sum *blocks,
+                  size_t count);
 void eng_hash_end(struct eng_hash_sum *chain, const void *data, size_t bytes,
                   uint64_t hash[2]);
 

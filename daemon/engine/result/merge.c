@@ -313,32 +313,32 @@ static void merge_alone(struct eng_merge *merge)
     }
 }
 
-/* From the sums of the buckets' blocks, and the blocks that lie in two of them. */
-static void chain(const struct eng_merge *merge, size_t bytes, uint64_t hash[2])
+/* Sums that no bucket has made: of the answer's blocks at .. end - 1. */
+static void fill_sums(struct eng_merge *merge, uint64_t at, uint64_t end)
 {
-    const unsigned char *data = merge->out->data;
+    for (; at < end; at++) {
+        eng_hash_block(merge->out->data + at * ENG_HASH_BLOCK_BYTES, &merge->sums[at]);
+    }
+}
+
+/* From the sums of the buckets' blocks, and the blocks that lie in two of them. */
+static void chain(struct eng_merge *merge, size_t bytes, uint64_t hash[2])
+{
     struct eng_hash_sum sum;
-    struct eng_hash_sum own;
     uint64_t at = 0;
     uint64_t all = eng_hash_blocks(bytes);
-    eng_hash_begin(&sum);
-    for (uint32_t b = 0; b <= merge->splitters.buckets && at < all; b++) {
-        uint64_t blocks[2] = {all, all};
-        if (b < merge->splitters.buckets) {
-            eng_bucket_blocks(merge, b, blocks);
-        }
-        if (blocks[0] >= blocks[1] && b < merge->splitters.buckets) {
-            continue;
-        }
-        for (; at < blocks[0]; at++) {
-            eng_hash_block(data + at * ENG_HASH_BLOCK_BYTES, &own);
-            eng_hash_add(&sum, &own);
-        }
-        for (; at < blocks[1]; at++) {
-            eng_hash_add(&sum, &merge->sums[at]);
+    for (uint32_t b = 0; b < merge->splitters.buckets; b++) {
+        uint64_t blocks[2];
+        eng_bucket_blocks(merge, b, blocks);
+        if (blocks[0] < blocks[1]) {
+            fill_sums(merge, at, blocks[0]);
+            at = blocks[1];
         }
     }
-    eng_hash_end(&sum, data, bytes, hash);
+    fill_sums(merge, at, all);
+    eng_hash_begin(&sum);
+    eng_hash_add(&sum, merge->sums, all);
+    eng_hash_end(&sum, merge->out->data, bytes, hash);
 }
 
 int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts, uint64_t hash[2])
