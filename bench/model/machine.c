@@ -19,6 +19,7 @@
 
 #include "clock.h"
 #include "deque.h"
+#include "relax.h"
 #include "report.h"
 #include "schedule.h"
 #include "task.h"
@@ -355,27 +356,30 @@ static void measure_team(struct model_machine *machine, const struct eng_places 
     bench_free(&region);
 }
 
-/* The runtime looks at the barrier's word and pauses, GOMP_SPINCOUNT times. */
-static double measure_spin(void)
+/* One turn of a waiting loop: look at a word, relax. */
+static double measure_relax(void)
 {
-    const char *text = getenv("GOMP_SPINCOUNT");
-    uint32_t count = text ? (uint32_t)strtoul(text, NULL, 10) : 0;
     struct bench_samples samples = {0};
     for (int repeat = 0; repeat < 21; repeat++) {
         uint64_t begin_ns = eng_now_ns();
-        for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t i = 0; i < LOOPS; i++) {
             if (atomic_load_explicit(&common.word, memory_order_relaxed) == UINT32_MAX) {
                 break;
             }
-#if defined(__x86_64__)
-            __builtin_ia32_pause();
-#endif
+            eng_relax();
         }
-        bench_add(&samples, (double)(eng_now_ns() - begin_ns));
+        bench_add(&samples, per(begin_ns, LOOPS));
     }
     double ns = median_of(&samples);
     bench_free(&samples);
     return ns;
+}
+
+/* The runtime looks at the barrier's word and relaxes as often as it is told. */
+static double spins(void)
+{
+    const char *text = getenv("GOMP_SPINCOUNT");
+    return text ? (double)strtoul(text, NULL, 10) : 0;
 }
 
 void model_machine_measure(struct model_machine *machine, const struct eng_places *places)
@@ -390,7 +394,8 @@ void model_machine_measure(struct model_machine *machine, const struct eng_place
     measure_wake(machine, places);
     machine->futex_each = measure_futex();
     measure_team(machine, places);
-    machine->spin = measure_spin();
+    machine->relax = measure_relax();
+    machine->spin = machine->relax * spins();
     machine->unit = model_loop_ns();
 }
 
@@ -414,6 +419,7 @@ void model_machine_print(const struct model_machine *machine, FILE *out)
                 {"yield", machine->yield},
                 {"turn of the paper's loop", machine->unit},
                 {"barrier of two", machine->barrier},
+                {"turn of a waiting loop", machine->relax},
                 {"spin before sleep", machine->spin},
                 {"region start, second thread", machine->region},
                 {"futex wake, each sleeper", machine->futex_each}};

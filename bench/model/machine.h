@@ -33,6 +33,7 @@ struct model_machine {
     double yield;         /* sched_yield with nobody waiting */
     double unit;          /* a turn of the paper's main loop besides the task unit */
     double barrier;       /* of an OpenMP team of two that arrive together */
+    double relax;         /* eng_relax */
     double spin;          /* how long the runtime spins before it sleeps */
     double region;        /* from the start of a region to the second thread running */
     double futex_each;    /* the waker's time for each sleeper of a common futex */

@@ -44,7 +44,6 @@ struct model_output {
     /* Detection cannot take less: the longest chain of tasks that wait for each other. */
     double critical;
     double largest;      /* task of the scheduler, with its tests */
-    double flush;        /* from the last task's end to the last chunk's */
     uint64_t hand_overs; /* nodes given, tasks stolen */
     uint64_t sleeps;     /* sleeps without a request; failed rounds over the victims */
 };
@@ -74,6 +73,7 @@ struct sim_thread {
 struct sim {
     const struct model_input *input;
     uint32_t count;
+    uint32_t refit_thread; /* who ended the refit, and begins the schedule */
     struct sim_thread threads[MODEL_THREADS_MAX];
     struct model_output *output;
 };

@@ -154,6 +154,11 @@ void sim_refit(struct sim *sim)
     free(r.unfinished);
     free(r.unfinished_lines);
     double end = sim_latest(sim);
+    for (uint32_t i = 0; i < sim->count; i++) {
+        if (sim->threads[i].now >= end) {
+            sim->refit_thread = i;
+        }
+    }
     if (sim->input->scheduler == ENG_SCHEDULER_PAPER) {
         end += division->begin_ns;
     }

@@ -27,7 +27,6 @@ static const struct {
     {"merge_work_ms", offsetof(struct model_output, merge_work)},
     {"critical_ms", offsetof(struct model_output, critical)},
     {"largest_ms", offsetof(struct model_output, largest)},
-    {"flush_ms", offsetof(struct model_output, flush)},
 };
 #define COLUMNS (sizeof columns / sizeof columns[0])
 
