@@ -19,6 +19,8 @@
 /* Stealing: failed rounds over all victims, with a pause of up to 3 us after each, before
  * the processor is offered to others. */
 #define ENG_STEAL_ROUNDS 16u
+/* Stealing: looks at nothing in a pause between two rounds, doubled from 1. */
+#define ENG_STEAL_RELAXES_MAX 64u
 
 /* Returns when no task is left or the step was stopped. `worker` is the
  * calling thread's. */

@@ -30,9 +30,6 @@
 #include "relax.h"
 #include "taskunit.h"
 
-/* Of a pause, doubled from 1. */
-#define RELAXES_MAX 64u
-
 static uint64_t task_of(uint32_t n, uint32_t m)
 {
     return (uint64_t)n << 32 | m;
@@ -156,7 +153,7 @@ static bool search(struct eng_team *team, struct eng_worker *worker, uint64_t *t
         for (uint32_t i = 0; i < relaxes && !found; i++) {
             eng_relax();
         }
-        relaxes = relaxes < RELAXES_MAX ? 2 * relaxes : relaxes;
+        relaxes = relaxes < ENG_STEAL_RELAXES_MAX ? 2 * relaxes : relaxes;
         if (!found && ++failed_rounds % ENG_STEAL_ROUNDS == 0) {
             worker->record.sleeps++;
             sched_yield();
