@@ -23,7 +23,7 @@
 #include "eng_player.h"
 #include "trace.h"
 
-#define ROUNDS 15
+#define ROUNDS 10
 
 static struct {
     uint64_t cases;
@@ -69,11 +69,11 @@ static uint32_t draw(struct fuzz *fuzz, uint32_t bound)
 static struct eng_scene_settings some_scene(struct fuzz *fuzz)
 {
     static const double ratios[] = {0, 0.5, 0.9, 0.9, 1};
-    static const uint32_t regions[] = {1, 2, 8, 8, 64, 1024};
+    static const uint32_t regions[] = {1, 8, 16, 20, 30, 40, 100, 1024};
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
     made.quality = (enum eng_quality)draw(fuzz, 2);
     made.rebuild_ratio = ratios[draw(fuzz, 5)];
-    made.rebuild_triangles_max = regions[draw(fuzz, 6)];
+    made.rebuild_triangles_max = regions[draw(fuzz, 8)];
     return made;
 }
 
@@ -257,7 +257,7 @@ static void fuzz_case(uint64_t seed)
     uint32_t size = draw(&fuzz, 3) == 0 ? 40 : 400;
     fuzz.thread_max = 1 + draw(&fuzz, 9);
     assert_int_equal(eng_trace_init(&fuzz.trace, 4, 64, 0), ENG_OK);
-    play_wild(&play, 3 + draw(&fuzz, 12), size, prng_next(&fuzz.prng));
+    play_wild(&play, 3 + draw(&fuzz, 20), size, prng_next(&fuzz.prng));
     player_init(&fuzz.player, &made);
     for (uint32_t i = 0; i < play.act_count; i++) {
         if (play.acts[i].what == PLAY_STEP) {

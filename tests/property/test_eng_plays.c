@@ -142,7 +142,7 @@ static void plays__golden_answers_are_exact(void **state)
 static struct eng_scene_settings some_scene(struct prng *prng)
 {
     static const double ratios[] = {0, 0.9, 0.9, 1};
-    static const uint32_t regions[] = {1, 8, 8, 100, 1024};
+    static const uint32_t regions[] = {1, 8, 16, 40, 1024};
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
     made.quality = (enum eng_quality)prng_below(prng, 2);
     made.rebuild_ratio = ratios[prng_below(prng, 4)];

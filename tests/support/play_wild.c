@@ -117,9 +117,10 @@ static void act(struct play *play, struct actor *actor, struct prng *prng)
         play_move_rigid(play, actor, way, prng);
         return;
     case 4:
+    case 5:
         burst(actor, prng);
         break;
-    case 5:
+    case 6:
         actor_shake(actor, way, 0, prng);
         break;
     default:
@@ -136,14 +137,13 @@ void play_wild(struct play *play, uint32_t step_count, uint32_t triangle_count,
     struct troupe troupe = {.triangle_count = triangle_count};
     play_begin(play);
     for (uint32_t step = 0; step < step_count; step++) {
-        if (troupe.count > 0 && prng_below(&prng, 5) == 0) {
+        if (troupe.count > 0 && prng_below(&prng, 8) == 0) {
             go(play, &troupe, &prng);
         }
-        while (troupe.count < TROUPE && prng_below(&prng, step == 0 ? 5 : 3) != 0 &&
-               troupe.count < 2 + step) {
+        while (troupe.count < TROUPE && prng_below(&prng, 1 + troupe.count) == 0) {
             come(play, &troupe, &prng);
         }
-        if (troupe.count > 0 && prng_below(&prng, 3) == 0) {
+        if (troupe.count > 0 && prng_below(&prng, 5) == 0) {
             change(play, &troupe, &prng);
         }
         for (uint32_t i = 0; i < troupe.count; i++) {
