@@ -226,8 +226,9 @@ static void record_high(struct model_division *division,
         walk_round_robin(division, record, &team, &round_robin[pass]);
         walk_disjoint(division, record, &disjoint[pass]);
     }
-    division->consistent = take_medians(&division->tasks, round_robin, record->passes) &
-                           take_medians(&division->disjoint, disjoint, record->passes);
+    bool same = take_medians(&division->tasks, round_robin, record->passes);
+    division->consistent =
+        take_medians(&division->disjoint, disjoint, record->passes) && same;
     eng_assignment_deinit(&assignment);
 }
 
@@ -272,8 +273,8 @@ void model_record_init(struct model_record *record)
         walk_units(record, walker, &units[pass]);
         walk_steal(record, walker, &steal[pass], &stack);
     }
-    record->consistent = take_medians(&record->units, units, passes) &
-                         take_medians(&record->steal, steal, passes);
+    bool same = take_medians(&record->units, units, passes);
+    record->consistent = take_medians(&record->steal, steal, passes) && same;
     free(stack.items);
     struct model_tasks again = {NULL, 0, 0};
     walk_units(record, walker, &again);
