@@ -5,6 +5,7 @@
  *           through and what there is to be found. No times: step.c has them.
  * Threads:  one.
  */
+#include <stdio.h>
 #include <string.h>
 
 #include "report.h"
@@ -100,8 +101,11 @@ static void census(const struct bench_scene *scene)
     bench_number(scene->name, "triangles", "", (double)bench_scene_triangles(scene));
     bench_number(scene->name, "steps", "", scene->frame_count - 1);
     if (scene->break_frame > 0) {
-        take(scene, "before the break", 0, scene->break_frame);
-        take(scene, "from the break on", scene->break_frame, scene->frame_count - 1);
+        char part[64];
+        snprintf(part, sizeof part, "%s, whole", scene->name);
+        take(scene, part, 0, scene->break_frame);
+        snprintf(part, sizeof part, "%s, in pieces", scene->name);
+        take(scene, part, scene->break_frame, scene->frame_count - 1);
     } else {
         take(scene, scene->name, 0, scene->frame_count - 1);
     }

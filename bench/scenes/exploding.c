@@ -1,7 +1,7 @@
 /* exploding.c - a closed surface that explodes.
  *
  * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     cut a bumpy ball into clusters of some 20 to 200 triangles, which breathe
+ * Does:     cut a bumpy ball into clusters, most of 20 to 200 triangles, which breathe
  *           together, and from one frame on fly apart: outwards, each in a direction of
  *           its own as well, turning and falling. Clusters that were neighbours end far
  *           from each other, so boxes made for the whole say nothing any more.
