@@ -95,6 +95,8 @@ libengine_la_SOURCES = \
     daemon/engine/step_memory.c \
     daemon/engine/step_memory.h \
     daemon/engine/tree/aabb.h \
+    daemon/engine/tree/aside.c \
+    daemon/engine/tree/aside.h \
     daemon/engine/tree/build.c \
     daemon/engine/tree/build.h \
     daemon/engine/tree/grow.c \

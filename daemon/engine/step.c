@@ -98,7 +98,9 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
     eng_rebuild_top(worker);
+    eng_aside_examine(&team->scene->memory->aside, worker);
     eng_schedule_serial(team, worker);
+    eng_aside_share(&team->scene->memory->aside, worker);
     uint64_t end_ns = eng_now_ns();
     times->low = end_ns - refit_ns;
     worker->record.low_ns = times->low;
@@ -119,6 +121,7 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
         if (eng_refit_by_team(team, worker)) {
             team->count = (uint32_t)omp_get_num_threads();
             eng_rebuild_top(worker);
+            eng_aside_examine(&team->scene->memory->aside, worker);
             if (by_paper) {
                 eng_schedule_paper_begin(team, worker);
             } else {
@@ -128,6 +131,9 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
             eng_refit_release(team);
         }
         eng_refit_await(team, worker);
+        if (worker->thread == team->count - 1) {
+            eng_aside_share(&team->scene->memory->aside, worker);
+        }
         if (by_paper) {
             eng_schedule_paper(team, worker);
         } else {
@@ -227,6 +233,11 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
     scene->step++;
+    if (eng_aside_swap(&scene->memory->aside, scene)) {
+        /* The same division of a tree that has changed: no more memory is needed. */
+        status = eng_refit_plan_tree(team.plan, scene, settings->refit, team.count);
+        assert(status == ENG_OK);
+    }
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
 #ifdef PCCD_VALIDATE
@@ -239,6 +250,9 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                      scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count,
                      team.count);
     r.times.step = eng_now_ns() - begin_ns + staged_ns;
+    eng_aside_end_step(&scene->memory->aside, r.times.step - staged_ns, team.count);
+    r.counters.swaps = scene->memory->aside.swaps;
+    r.counters.swapped_triangles = scene->memory->aside.swapped_triangles;
     r.counters.builds = scene->builds - builds;
     r.counters.allocs = eng_alloc_count() - allocs;
     *result = r;

@@ -18,6 +18,7 @@ struct eng_step_memory *eng_step_memory_new(void)
         eng_pool_init(&memory->pool);
         eng_merge_init(&memory->merge);
         eng_assignment_init(&memory->assignment);
+        eng_aside_init(&memory->aside);
     }
     return memory;
 }
@@ -34,6 +35,7 @@ void eng_step_memory_free(struct eng_step_memory *memory)
     eng_free(memory->records);
     eng_refit_plan_deinit(&memory->plan);
     eng_assignment_deinit(&memory->assignment);
+    eng_aside_deinit(&memory->aside);
     eng_pool_deinit(&memory->pool);
     eng_merge_deinit(&memory->merge);
     eng_records_deinit(&memory->sorted);
@@ -70,7 +72,8 @@ uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
 {
     uint64_t bytes = sizeof *memory + memory->sorted.capacity_bytes +
                      eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
-                     eng_refit_plan_bytes(&memory->plan);
+                     eng_refit_plan_bytes(&memory->plan) +
+                     eng_aside_bytes(&memory->aside);
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         const struct eng_worker *worker = memory->workers[i];
         bytes += sizeof *worker + sizeof *memory->records +

@@ -1,6 +1,6 @@
 /* daemon/engine/step_memory.h - what one step leaves for the next.
  *
- * Room:     engine. May include: merge.h, refit.h, worker.h.
+ * Room:     engine. May include: aside.h, merge.h, refit.h, worker.h.
  * Does:     keep worker, queues, records and sort scratch of a scene, so that a warm step
  *           allocates nothing.
  * Threads:  [compute].
@@ -8,6 +8,7 @@
 #ifndef ENG_STEP_MEMORY_H
 #define ENG_STEP_MEMORY_H
 
+#include "aside.h"
 #include "merge.h"
 #include "refit.h"
 #include "worker.h"
@@ -18,6 +19,7 @@ struct eng_step_memory {
     struct eng_thread_record *records; /* [worker_count] of the last step */
     struct eng_refit_plan plan;
     struct eng_assignment assignment;
+    struct eng_aside aside;
     struct eng_pool pool; /* of the workers' records */
     struct eng_merge merge;
     struct eng_records sorted; /* the last answer */

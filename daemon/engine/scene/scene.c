@@ -127,6 +127,7 @@ static void give(struct eng_ranges *ranges, struct eng_range *range)
 
 static void give_all(struct eng_scene *scene, struct eng_object *object)
 {
+    eng_aside_forget(&scene->memory->aside, object->nodes);
     give(&scene->vertex_ranges, &object->vertices);
     give(&scene->edge_ranges, &object->edges);
     give(&scene->triangle_ranges, &object->triangles);
