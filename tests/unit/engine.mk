@@ -27,6 +27,8 @@ ENG_TESTS = \
     tests/unit/test_eng_build \
     tests/unit/test_eng_refit \
     tests/unit/test_eng_rebuild \
+    tests/unit/test_eng_grow \
+    tests/unit/test_eng_aside \
     tests/unit/test_eng_stage \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_exact \
@@ -80,6 +82,14 @@ tests_unit_test_eng_refit_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_rebuild_SOURCES = tests/unit/test_eng_rebuild.c
 tests_unit_test_eng_rebuild_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_rebuild_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_grow_SOURCES = tests/unit/test_eng_grow.c
+tests_unit_test_eng_grow_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_grow_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_aside_SOURCES = tests/unit/test_eng_aside.c
+tests_unit_test_eng_aside_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_aside_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_stage_SOURCES = tests/unit/test_eng_stage.c
 tests_unit_test_eng_stage_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -14,6 +14,7 @@
 
 #include "build.h"
 #include "step.h"
+#include "step_memory.h"
 #include "world.h"
 
 #define SIDE 2u
@@ -285,11 +286,54 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
     assert_int_equal(scarce.held_blocks, 0);
 }
 
+/* Some vertices of a larger sheet in disorder: with regions of three triangles there is
+ * work aside in every step. */
+static void run_disorder(struct eng_scene *scene, struct diary *diary)
+{
+    for (int seed = 0; seed < 6; seed++) {
+        struct eng_step_result result;
+        assert_int_equal(try_step(scene, ENG_MODE_ALL, seed, &result), ENG_OK);
+        assert_true(eng_tree_validate(scene));
+        diary->hash[diary->count++] = result.hash_lo;
+    }
+}
+
+/* If it failed: a step that lacks memory for a better hierarchy would fail with it. */
+static void fault__steps_go_on_without_memory_aside(void **state)
+{
+    (void)state;
+    const struct eng_scene_settings settings = {ENG_QUALITY_SAH, 1e-9, 3};
+    struct diary reference = {.count = 0};
+    struct eng_mesh *mesh = kit_sheet(2 * SIDE, 0);
+    for (uint64_t n = 0; n <= 4; n++) { /* items, triangles, links, boxes */
+        struct diary diary = {.count = 0};
+        struct eng_scene *scene;
+        uint32_t idx;
+        assert_int_equal(eng_scene_new(&settings, &scene), ENG_OK);
+        assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), ENG_OK);
+        run_disorder(scene, &diary); /* nothing is as poor; room for contacts is made */
+        assert_int_equal(eng_aside_bytes(&scene->memory->aside), 0);
+        scene->settings.rebuild_ratio = 0.9;
+        scarce.goes_on_failing = false;
+        scarce.failures = 0;
+        scarce.countdown = n;
+        run_disorder(scene, &diary);
+        assert_int_equal(scarce.failures, n > 0);
+        assert_true(eng_aside_bytes(&scene->memory->aside) > 0);
+        reference = n == 0 ? diary : reference;
+        assert_memory_equal(&diary, &reference, sizeof diary);
+        eng_scene_free(scene);
+    }
+    eng_mesh_release(mesh);
+    assert_int_equal(scarce.held_blocks, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fault__failed_calls_leave_nothing_behind),
         cmocka_unit_test(fault__every_allocation_may_fail),
+        cmocka_unit_test(fault__steps_go_on_without_memory_aside),
     };
     return cmocka_run_group_tests_name("eng_fault", tests, NULL, NULL);
 }
