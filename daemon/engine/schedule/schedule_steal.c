@@ -45,6 +45,7 @@ static void push(struct eng_worker *worker, uint32_t n, uint32_t m)
 void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker)
 {
     push(worker, team->scene->root, team->scene->root);
+    team->first = worker;
     atomic_store_explicit(&team->active, 1, memory_order_relaxed);
 }
 
@@ -169,7 +170,13 @@ void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
     uint64_t waited_ns = worker->record.wait_ns;
     uint64_t task;
     worker->victim = (worker->thread + 1) % team->count;
-    bool has_task = eng_deque_pop(&worker->deque, &task) || search(team, worker, &task);
+    bool has_task = eng_deque_pop(&worker->deque, &task);
+    if (!has_task) {
+        if (worker == team->first) {
+            leave(team); /* it was late, and the root is another's by now */
+        }
+        has_task = search(team, worker, &task);
+    }
     while (has_task) {
         perform(worker, task);
         has_task = eng_deque_pop(&worker->deque, &task);

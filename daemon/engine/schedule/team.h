@@ -32,7 +32,8 @@ struct eng_team {
     uint64_t
         low_end_ns; /* low-level nodes done: written by thread 0; 0: there are none */
     struct eng_refit_progress refit;
-    _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */
+    struct eng_worker *first;         /* stealing: who is handed the root, .. */
+    _Alignas(128) atomic_uint active; /* .. and workers that have tasks */
 };
 
 #endif
