@@ -30,8 +30,8 @@ static void walk_units(struct model_record *record, struct model_walker *walker,
     tasks->count = 0;
     units->nodes[units->tail++ & (units->capacity - 1)] = record->scene->root;
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
-    while (units->head != units->tail) {
-        uint32_t node = units->nodes[units->head++ & (units->capacity - 1)];
+    while (eng_units_count(units) > 0) {
+        uint32_t node = eng_units_take_newest(units);
         if (nodes[node].left == ENG_LEAF) {
             continue;
         }
@@ -83,9 +83,8 @@ static void subtree(struct eng_worker *worker, uint32_t node)
 {
     struct eng_task_queue *units = &worker->units;
     eng_taskunit_perform(worker, node, true);
-    while (units->head != units->tail) {
-        eng_taskunit_perform(worker, units->nodes[units->head++ & (units->capacity - 1)],
-                             true);
+    while (eng_units_count(units) > 0) {
+        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
     }
 }
 

@@ -27,7 +27,7 @@ struct model_record {
     double clock_ns;
     uint32_t unit_grain; /* of work stealing */
     uint32_t pair_grain;
-    struct model_tasks units; /* self-CD task units, breadth-first from the root */
+    struct model_tasks units; /* self-CD task units, depth-first from the root */
     uint32_t *unit_of; /* [node_capacity] index in `units`; leaves: MODEL_NO_TASK */
     struct model_tasks steal; /* [0] is the root's; children in the order of pushing */
     double vertices_ns;       /* refit of all of them */

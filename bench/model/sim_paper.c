@@ -159,7 +159,7 @@ static void begin_unit(struct assigning *s, uint32_t thread)
         close_seat(s, thread);
         return;
     }
-    seat->node = seat->nodes[seat->head++];
+    seat->node = seat->nodes[--seat->tail];
     seat->doing = BUSY;
     uint32_t unit = s->record->unit_of[seat->node];
     if (unit != MODEL_NO_TASK) {

@@ -69,23 +69,13 @@ void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
     atomic_store_explicit(&assignment->active, count, memory_order_relaxed);
 }
 
-static uint32_t queued(const struct eng_task_queue *units)
-{
-    return units->tail - units->head;
-}
-
-static uint32_t dequeue(struct eng_task_queue *units)
-{
-    return units->nodes[units->head++ & (units->capacity - 1)];
-}
-
 /* Let others see how large the front nodes are. Relaxed: a hint; the lock decides. */
 static void publish(struct eng_seat *seat, const struct eng_worker *worker)
 {
     const struct eng_task_queue *units = &worker->units;
     for (uint32_t k = 0; k < ENG_OFFERS_MAX; k++) {
         uint32_t size = 0;
-        if (k < queued(units)) {
+        if (k < eng_units_count(units)) {
             uint32_t node = units->nodes[(units->head + k) & (units->capacity - 1)];
             size = worker->scene->nodes[node].count;
         }
@@ -110,13 +100,13 @@ static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
     struct eng_task_queue *units = &worker->units;
     pthread_mutex_lock(&seat->lock);
     uint32_t served = 0;
-    while (served < seat->request_count && (close || queued(units) > 1)) {
+    while (served < seat->request_count && (close || eng_units_count(units) > 1)) {
         struct eng_seat *asker = &assignment->seats[seat->requests[served++]];
-        if (queued(units) > 1) {
+        if (eng_units_count(units) > 1) {
             /* Counted before the asker wakes, so that `active` is not zero meanwhile. */
             atomic_fetch_add_explicit(&assignment->active, 1, memory_order_relaxed);
             worker->record.given++;
-            answer(asker, ENG_REPLY_GIVEN, dequeue(units));
+            answer(asker, ENG_REPLY_GIVEN, eng_units_take_front(units));
         } else {
             answer(asker, ENG_REPLY_DENIED, ENG_NO_NODE);
         }
@@ -137,8 +127,8 @@ static void perform_units(struct eng_team *team, struct eng_seat *seat,
 {
     struct eng_assignment *assignment = team->assignment;
     struct eng_task_queue *units = &worker->units;
-    while (queued(units) > 0 && !eng_worker_should_stop(worker)) {
-        uint32_t node = dequeue(units);
+    while (eng_units_count(units) > 0 && !eng_worker_should_stop(worker)) {
+        uint32_t node = eng_units_take_newest(units);
         eng_assignment_enter(assignment, team->count, worker->scene, worker->thread,
                              node);
         eng_taskunit_perform(worker, node, true);
@@ -149,8 +139,8 @@ static void perform_units(struct eng_team *team, struct eng_seat *seat,
             serve(assignment, seat, worker, false);
             publish(seat, worker);
         }
-        if (queued(units) > 1) {
-            eng_lounge_call(assignment, queued(units) - 1);
+        if (eng_units_count(units) > 1) {
+            eng_lounge_call(assignment, eng_units_count(units) - 1);
         }
     }
     units->head = units->tail; /* when stopped */

@@ -18,9 +18,8 @@ void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker)
         return;
     }
     eng_taskunit_perform(worker, root, true);
-    while (units->head != units->tail && !eng_stop_is_set(worker->stop)) {
-        uint32_t node = units->nodes[units->head++ & (units->capacity - 1)];
-        eng_taskunit_perform(worker, node, true);
+    while (eng_units_count(units) > 0 && !eng_stop_is_set(worker->stop)) {
+        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
     }
     eng_taskunit_flush(worker);
 }

@@ -55,9 +55,8 @@ static void perform_subtree(struct eng_worker *worker, uint32_t node)
     struct eng_task_queue *units = &worker->units;
     uint64_t begin_ns = eng_worker_slice(worker);
     eng_taskunit_perform(worker, node, true);
-    while (units->head != units->tail && !eng_stop_is_set(worker->stop)) {
-        uint32_t next = units->nodes[units->head++ & (units->capacity - 1)];
-        eng_taskunit_perform(worker, next, true);
+    while (eng_units_count(units) > 0 && !eng_stop_is_set(worker->stop)) {
+        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
     }
     units->head = units->tail;
     eng_worker_trace(worker, ENG_TRACE_SUBTREE, begin_ns, node,
