@@ -2,7 +2,8 @@
  *
  * Room:     bench; engine headers.
  * Does:     step through frames of a scene; count its triangles, what the boxes let
- *           through and what there is to be found. No times: step.c has them.
+ *           through and what there is to be found; check that frames are the same
+ *           whenever they are made. No times: step.c has them.
  * Threads:  one.
  */
 #include <stdio.h>
@@ -59,6 +60,18 @@ static void count_step(const struct bench_world *world, struct bench_swept_tree 
     bench_add(&samples[INITIAL], (double)result->initial);
 }
 
+/* A frame does not depend on how it was come by. */
+static void check_frames(const struct bench_frames *frames, const char *name)
+{
+    struct bench_frames again;
+    size_t bytes = frames->scene->vertex_count * sizeof *again.x[0];
+    bench_frames_init(&again, frames->scene, frames->from);
+    bench_check(memcmp(frames->x[0], again.x[0], bytes) == 0 &&
+                    memcmp(frames->x[1], again.x[1], bytes) == 0,
+                name, "a frame differs when it is made again");
+    bench_frames_deinit(&again);
+}
+
 /* Frames `begin` to `end`, or every few of them. */
 static void take(const struct bench_scene *scene, const char *name, uint32_t begin,
                  uint32_t end)
@@ -78,6 +91,7 @@ static void take(const struct bench_scene *scene, const char *name, uint32_t beg
         bench_world_step(&world, &frames, &settings, &result);
         bench_check(result.incomplete == ENG_COMPLETE, name, "incomplete");
         if ((from - begin) % stride == 0) {
+            check_frames(&frames, name);
             count_step(&world, &swept, &result, samples);
         }
     }
