@@ -363,8 +363,7 @@ static int walk_recorded(struct check *check, struct ctl_error *error)
         status = walk(check, error);
     }
     if (status == PCCD_OK) {
-        FILE *to = check->options->is_json ? stderr : check->report;
-        status = trace_file_end(&check->trace, client, to, error);
+        status = trace_file_end(&check->trace, client, error);
     }
     trace_file_deinit(&check->trace);
     return status;
@@ -420,6 +419,10 @@ static int report_all(struct check *check, struct ctl_error *error)
     }
     if (!check->options->is_json && step_count == 1) {
         report_print_step(check->report, &check->run.mesh, &check->steps[0]);
+    }
+    if (check->options->trace.path != NULL) {
+        trace_file_report(&check->trace,
+                          check->options->is_json ? stderr : check->report);
     }
     return PCCD_OK;
 }

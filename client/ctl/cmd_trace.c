@@ -174,7 +174,10 @@ static int record(const struct trace_command *command, struct pccd_client *clien
         wait_seconds(command->seconds > 0 ? command->seconds : SECONDS_DEFAULT);
     }
     if (status == PCCD_OK) {
-        status = trace_file_end(&trace, client, to_stdout ? stderr : stdout, error);
+        status = trace_file_end(&trace, client, error);
+    }
+    if (status == PCCD_OK) {
+        trace_file_report(&trace, to_stdout ? stderr : stdout);
     }
     trace_file_deinit(&trace);
     return status;

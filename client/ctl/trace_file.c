@@ -238,18 +238,17 @@ int trace_file_begin(struct trace_file *trace, const struct trace_options *optio
     return status == PCCD_OK ? PCCD_OK : fail(client, status, error);
 }
 
-int trace_file_end(struct trace_file *trace, struct pccd_client *client, FILE *report,
+int trace_file_end(struct trace_file *trace, struct pccd_client *client,
                    struct ctl_error *error)
 {
-    struct pccd_trace_info info = {.events = 0};
-    int status = pccd_trace_stop(client, &info);
+    int status = pccd_trace_stop(client, &trace->info);
     if (status == PCCD_OK) {
         status = pccd_trace_dump(client, trace_file_add, trace);
     }
     if (status != PCCD_OK) {
         return fail(client, status, error);
     }
-    trace_file_finish(trace, info.lost);
+    trace_file_finish(trace, trace->info.lost);
     if (trace->is_short) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the clients' requests");
     }
@@ -258,14 +257,18 @@ int trace_file_end(struct trace_file *trace, struct pccd_client *client, FILE *r
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", trace->path,
                              strerror(errno));
     }
-    fprintf(report, "trace      %s: %" PRIu64 " events\n", trace->path, info.events);
-    if (info.lost > 0) {
-        fprintf(report,
+    return PCCD_OK;
+}
+
+void trace_file_report(const struct trace_file *trace, FILE *to)
+{
+    fprintf(to, "trace      %s: %" PRIu64 " events\n", trace->path, trace->info.events);
+    if (trace->info.lost > 0) {
+        fprintf(to,
                 "           %" PRIu64 " older ones were lost: leave out more with "
                 "--min-us, or keep more with --events\n",
-                info.lost);
+                trace->info.lost);
     }
-    return PCCD_OK;
 }
 
 void trace_file_deinit(struct trace_file *trace)

@@ -32,7 +32,8 @@ struct trace_file {
     FILE *file;
     uint64_t origin_ns; /* of the file's times, CLOCK_MONOTONIC */
     uint32_t pid;       /* of the daemon */
-    uint64_t count;     /* events written */
+    uint64_t count;     /* entries written */
+    struct pccd_trace_info info;
     uint32_t threads;   /* of the team that were seen */
     bool has_loop;
     bool is_short; /* of memory: requests are missing */
@@ -44,10 +45,12 @@ struct trace_file {
 /* Begin to record, with the file open already so that a wrong name costs nothing else. */
 int trace_file_begin(struct trace_file *trace, const struct trace_options *options,
                      struct pccd_client *client, struct ctl_error *error);
-/* End the recording, write the file, and say on `report` what it holds. */
-int trace_file_end(struct trace_file *trace, struct pccd_client *client, FILE *report,
+/* End the recording and write the file. */
+int trace_file_end(struct trace_file *trace, struct pccd_client *client,
                    struct ctl_error *error);
-/* After begin, also when it failed. */
+/* After end: say what the file holds. */
+void trace_file_report(const struct trace_file *trace, FILE *to);
+/* After begin, also when it failed; leaves what report needs. */
 void trace_file_deinit(struct trace_file *trace);
 
 /* The parts of end, for tests: a page of events; what is known only after the last. */
