@@ -4,7 +4,7 @@
 # make bench BENCH_ARGS=--json      one JSON line a row
 # make bench BENCH_ARGS=cloth-20k   one scene
 
-bench_names = bench/census bench/step bench/parallel bench/rebuild bench/kernels bench/ipc
+bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild bench/kernels bench/ipc
 check_PROGRAMS += $(bench_names)
 
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
@@ -56,6 +56,10 @@ bench_step_LDADD = $(bench_engine_libs)
 bench_parallel_SOURCES = bench/parallel.c $(bench_engine_sources)
 bench_parallel_CPPFLAGS = $(bench_engine_cppflags)
 bench_parallel_LDADD = $(bench_engine_libs)
+
+bench_small_SOURCES = bench/small.c $(bench_engine_sources)
+bench_small_CPPFLAGS = $(bench_engine_cppflags)
+bench_small_LDADD = $(bench_engine_libs)
 
 bench_rebuild_SOURCES = bench/rebuild.c $(bench_engine_sources)
 bench_rebuild_CPPFLAGS = $(bench_engine_cppflags)

@@ -73,6 +73,8 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/assignment.h \
     daemon/engine/schedule/deque.c \
     daemon/engine/schedule/deque.h \
+    daemon/engine/schedule/effort.c \
+    daemon/engine/schedule/effort.h \
     daemon/engine/schedule/highlevel.c \
     daemon/engine/schedule/highlevel.h \
     daemon/engine/schedule/place.c \

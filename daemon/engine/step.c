@@ -20,10 +20,6 @@
 #include "stage.h"
 #include "step_memory.h"
 
-/* Triangles below which a step runs on the compute thread alone: waking a team costs 40
- * to 70 us, what this many triangles take is about as long. */
-#define SERIAL_TRIANGLES_MAX 1000u
-
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
     return settings->mode >= ENG_MODE_ALL && settings->mode <= ENG_MODE_PAIRS &&
@@ -40,8 +36,11 @@ static bool settings_are_valid(const struct eng_step_settings *settings)
 static uint32_t threads_for(const struct eng_scene *scene,
                             const struct eng_step_settings *settings)
 {
-    if (scene->root == ENG_NO_NODE ||
-        scene->nodes[scene->root].count < SERIAL_TRIANGLES_MAX) {
+    if (settings->threads == 1 || scene->root == ENG_NO_NODE) {
+        return 1;
+    }
+    if (!settings->team_always && !eng_effort_pays(&scene->memory->effort, settings->mode,
+                                                   scene->nodes[scene->root].count)) {
         return 1;
     }
     return settings->threads < ENG_THREADS_MAX ? settings->threads : ENG_THREADS_MAX;
@@ -54,6 +53,7 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     struct eng_step_memory *memory = scene->memory;
     int status = ENG_OK;
     if (scene->top_is_stale) {
+        eng_effort_forget(&memory->effort);
         status = eng_refit_plan_features(&memory->plan, scene);
         if (status == ENG_OK) {
             status = eng_build_top(scene);
@@ -197,8 +197,14 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory,
     eng_worker_trace(worker, ENG_TRACE_MERGE, begin_ns, 0, 0);
     divide_time(team, &result->times);
     add_counters(team, &result->counters);
+    uint64_t work_ns = 0;
     for (uint32_t i = 0; i < team->count; i++) {
-        memory->records[i] = team->workers[i]->record;
+        const struct eng_thread_record *record = &team->workers[i]->record;
+        work_ns += record->refit_ns + record->low_ns + record->high_ns + record->merge_ns;
+        memory->records[i] = *record;
+    }
+    if (result->incomplete == ENG_COMPLETE) {
+        eng_effort_learn(&memory->effort, result->mode, work_ns);
     }
     result->thread_records = memory->records;
     result->threads = team->count;

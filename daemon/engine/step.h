@@ -93,12 +93,13 @@ struct eng_step_settings {
     enum eng_refit_scheme refit;
     const struct eng_places *places; /* where threads belong (place.h); NULL: anywhere */
     struct eng_trace *trace;         /* what is recorded to (trace.h); NULL: nothing */
+    bool team_always; /* by `threads` threads however small the work: for tests */
 };
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
         ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                   \
-            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL        \
+            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL, false \
     }
 
 /* What one thread of a step did. Times in nanoseconds of that thread. */
@@ -110,7 +111,7 @@ struct eng_thread_record {
     uint64_t steals;       /* tasks taken from others; nodes received from others */
     uint64_t requests;     /* rounds over the victims; requests placed */
     uint64_t given;        /* nodes handed to others (the paper's scheduler) */
-    uint64_t sleeps;       /* times it slept for want of work */
+    uint64_t sleeps;       /* times it slept, or offered its processor, without work */
     uint64_t rebuilds;     /* subtrees reconstructed during traversal */
     uint64_t lock_waits;   /* times it waited for another's reconstruction */
     uint64_t refit_ns;

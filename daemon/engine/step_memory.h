@@ -1,6 +1,6 @@
 /* daemon/engine/step_memory.h - what one step leaves for the next.
  *
- * Room:     engine. May include: aside.h, merge.h, refit.h, worker.h.
+ * Room:     engine. May include: aside.h, effort.h, merge.h, refit.h, worker.h.
  * Does:     keep worker, queues, records and sort scratch of a scene, so that a warm step
  *           allocates nothing.
  * Threads:  [compute].
@@ -9,6 +9,7 @@
 #define ENG_STEP_MEMORY_H
 
 #include "aside.h"
+#include "effort.h"
 #include "merge.h"
 #include "refit.h"
 #include "worker.h"
@@ -20,6 +21,7 @@ struct eng_step_memory {
     struct eng_refit_plan plan;
     struct eng_assignment assignment;
     struct eng_aside aside;
+    struct eng_effort effort;
     struct eng_pool pool; /* of the workers' records */
     struct eng_merge merge;
     struct eng_records sorted; /* the last answer */

@@ -82,6 +82,7 @@ static struct eng_step_settings some_settings(struct fuzz *fuzz, enum eng_mode m
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
     settings.threads = 1 + draw(fuzz, fuzz->thread_max);
+    settings.team_always = true;
     settings.scheduler = (enum eng_scheduler)draw(fuzz, 2);
     settings.high_level = (enum eng_high_level)draw(fuzz, 2);
     settings.refit = (enum eng_refit_scheme)draw(fuzz, 2);

@@ -65,6 +65,7 @@ static struct eng_step_settings step_settings(const struct row *row)
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = (enum eng_mode)row->level[MODE];
     settings.threads = thread_counts[row->level[THREADS]];
+    settings.team_always = true;
     settings.scheduler = (enum eng_scheduler)row->level[SCHEDULER];
     settings.high_level = (enum eng_high_level)row->level[HIGH_LEVEL];
     settings.refit = (enum eng_refit_scheme)row->level[REFIT];

@@ -75,6 +75,7 @@ static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply 
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.threads = row->threads;
+    settings.team_always = true;
     settings.scheduler = row->scheduler;
     settings.high_level = row->high_level;
     settings.refit = row->refit;

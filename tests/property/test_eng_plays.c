@@ -51,6 +51,7 @@ static struct eng_step_settings some_settings(struct manner *manner)
     settings.tolerance = manner->tolerance;
     if (manner->is_random) {
         settings.threads = 1 + (uint32_t)prng_below(&manner->prng, 8);
+        settings.team_always = true;
         settings.scheduler = (enum eng_scheduler)prng_below(&manner->prng, 2);
         settings.high_level = (enum eng_high_level)prng_below(&manner->prng, 2);
         settings.refit = (enum eng_refit_scheme)prng_below(&manner->prng, 2);

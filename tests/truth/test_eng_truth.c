@@ -50,6 +50,7 @@ static struct eng_scene *run(struct eng_mesh *mesh, uint32_t vertex_count, point
     struct eng_scene *scene = NULL;
     uint32_t object_idx;
     settings.threads = threads;
+    settings.team_always = true;
     assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
     assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), ENG_OK);
     eng_stage_begin(scene);

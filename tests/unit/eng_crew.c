@@ -11,7 +11,6 @@
 
 #include "build.h"
 
-/* Large enough that a step does not stay on one thread. */
 #define SHEET_SIDE 30u
 
 static const uint32_t sizes[] = {2, 3, 4, 8, 16};
@@ -35,11 +34,10 @@ int crew_setup(void **state)
 {
     struct crew *crew = malloc(sizeof *crew);
     struct kit_random random = {97};
-    uint32_t sheet;
     assert_non_null(crew);
     assert_int_equal(eng_scene_new(NULL, &crew->scene), ENG_OK);
     struct eng_mesh *mesh = kit_sheet(SHEET_SIDE, 0.5);
-    assert_int_equal(eng_scene_add(crew->scene, mesh, 2, &sheet), ENG_OK);
+    assert_int_equal(eng_scene_add(crew->scene, mesh, 2, &crew->sheet), ENG_OK);
     eng_mesh_release(mesh);
     mesh = kit_soup(&random, CREW_SOUP_TRIANGLES);
     assert_int_equal(eng_scene_add(crew->scene, mesh, 1, &crew->soup), ENG_OK);
@@ -67,6 +65,7 @@ int crew_teardown(void **state)
 struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings settings)
 {
     struct eng_step_result result;
+    settings.team_always = true;
     eng_stage_begin(crew->scene);
     assert_int_equal(eng_stage_x0x1(crew->scene, crew->soup, ENG_F64, 0,
                                     CREW_SOUP_VERTICES, crew->x0, crew->x1),

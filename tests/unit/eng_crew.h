@@ -19,7 +19,8 @@
 
 struct crew {
     struct eng_scene *scene;
-    uint32_t soup; /* index of the object that moves */
+    uint32_t sheet; /* indices of the objects: the one that stands still, */
+    uint32_t soup;  /* the one that moves */
     double x0[CREW_SOUP_VERTICES][3];
     double x1[CREW_SOUP_VERTICES][3];
 };
@@ -27,7 +28,8 @@ struct crew {
 int crew_setup(void **state);
 int crew_teardown(void **state);
 
-/* Stage the step and run it; the tree must be a tree afterwards. */
+/* Stage the step and run it, by as many threads as the settings say, whether it pays or
+ * not; the tree must be a tree afterwards. */
 struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings settings);
 
 /* One thread. */

@@ -38,6 +38,7 @@ static uint64_t live(struct eng_mesh *mesh, enum eng_mode mode,
     uint32_t idx;
     settings.mode = mode;
     settings.threads = THREADS;
+    settings.team_always = true;
     settings.scheduler = scheduler;
     RETRY(eng_scene_new(NULL, &scene));
     RETRY(eng_scene_add(scene, mesh, 1, &idx));

@@ -166,6 +166,7 @@ static void *step_with_places(void *data)
     struct eng_step_settings settings = crew_alone(ENG_MODE_ALL);
     struct eng_step_result result;
     settings.threads = stepping->threads;
+    settings.team_always = true;
     settings.places = &stepping->places;
     eng_stage_begin(stepping->crew->scene);
     if (eng_step(stepping->crew->scene, &settings, &result) == ENG_OK) {

@@ -31,6 +31,7 @@ static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler sch
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.threads = threads;
+    settings.team_always = true;
     settings.scheduler = scheduler;
     return settings;
 }

@@ -180,6 +180,7 @@ static void team__first_is_what_all_says_it_is(void **state)
             crew_alone(threads == 0 ? ENG_MODE_ALL : ENG_MODE_FIRST);
         struct eng_step_result result;
         settings.threads = threads == 0 ? 1 : (uint32_t)threads;
+        settings.team_always = true;
         settings.tolerance = 1;
         eng_stage_begin(crew->scene);
         assert_int_equal(
@@ -200,6 +201,35 @@ static void team__first_is_what_all_says_it_is(void **state)
     }
 }
 
+/* If it failed: a team larger than its scene would hang, or lose the few pairs. */
+static void team__larger_than_its_scene(void **state)
+{
+    struct crew *crew = *state;
+    struct kit_random random = {7};
+    assert_int_equal(eng_scene_remove(crew->scene, crew->soup), ENG_OK);
+    assert_int_equal(eng_scene_remove(crew->scene, crew->sheet), ENG_OK);
+    for (uint32_t triangles = 1; triangles <= 5; triangles++) {
+        uint32_t idx;
+        struct eng_mesh *mesh = kit_soup(&random, triangles);
+        assert_int_equal(eng_scene_add(crew->scene, mesh, triangles, &idx), ENG_OK);
+        eng_mesh_release(mesh);
+        struct eng_step_settings settings = crew_alone(ENG_MODE_ALL);
+        struct eng_step_result alone;
+        assert_int_equal(eng_step(crew->scene, &settings, &alone), ENG_OK);
+        for (size_t i = 0; i < crew_count(); i++) {
+            struct eng_step_result team;
+            settings = crew_team(ENG_MODE_ALL, i);
+            settings.team_always = true;
+            assert_int_equal(eng_step(crew->scene, &settings, &team), ENG_OK);
+            assert_int_equal(team.threads, settings.threads);
+            assert_int_equal(team.counters.task_units, alone.counters.task_units);
+            assert_int_equal(team.counters.box_tests, alone.counters.box_tests);
+            assert_int_equal(team.hash_hi, alone.hash_hi);
+            assert_int_equal(team.hash_lo, alone.hash_lo);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -209,6 +239,7 @@ int main(void)
         CREW_TEST(team__refit_gives_the_same_boxes),
         CREW_TEST(team__warm_steps_allocate_nothing),
         CREW_TEST(team__early_ends_end_every_thread),
+        CREW_TEST(team__larger_than_its_scene),
         CREW_TEST(team__cut_answers_hold_the_first_records),
     };
     return cmocka_run_group_tests_name("eng_team", tests, NULL, NULL);

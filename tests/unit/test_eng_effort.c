@@ -1,0 +1,145 @@
+/* tests/unit/test_eng_effort.c - does a team pay for a step?
+ *
+ * Room:     engine (effort.h, step.h).
+ * Does:     ask about scenes small and large, at the border, and after one odd step; look
+ *           at what steps make of the answers.
+ * Threads:  up to two.
+ * Source:   daemon/engine/schedule/effort.h; design: small requests run on one thread.
+ */
+#include "eng_kit.h"
+
+#include "effort.h"
+#include "step.h"
+
+#define MS 1000000u
+
+/* If it failed: every small request would wake a team, or no large one would. */
+static void effort__unknown_scenes_go_by_their_size(void **state)
+{
+    struct eng_effort effort;
+    (void)state;
+    eng_effort_forget(&effort);
+    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 100));
+    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 10000));
+    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, UINT32_MAX));
+}
+
+/* If it failed: a scene whose triangles are far apart, or crowded, would be taken for
+ * another. */
+static void effort__known_scenes_go_by_their_work(void **state)
+{
+    struct eng_effort effort;
+    (void)state;
+    eng_effort_forget(&effort);
+    eng_effort_learn(&effort, ENG_MODE_ALL, MS / 100);
+    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, UINT32_MAX));
+    eng_effort_forget(&effort);
+    eng_effort_learn(&effort, ENG_MODE_ALL, 100 * MS);
+    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    eng_effort_learn(&effort, ENG_MODE_ANY, MS / 100);
+    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    assert_false(eng_effort_pays(&effort, ENG_MODE_ANY, 2));
+    eng_effort_forget(&effort);
+    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+}
+
+/* Work from which a team pays after steps that did or did not. */
+static uint64_t border(bool paid)
+{
+    struct eng_effort effort;
+    uint64_t work_ns = 1000;
+    eng_effort_forget(&effort);
+    do {
+        work_ns += 1000;
+        effort.paid = paid;
+        effort.work_ns[ENG_MODE_ALL] = work_ns;
+    } while (!eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    return work_ns;
+}
+
+/* If it failed: a scene at the border would be taken by one thread and by many in turn,
+ * and its times would jump. */
+static void effort__border_scenes_stay_with_the_last_answer(void **state)
+{
+    struct eng_effort effort;
+    (void)state;
+    uint64_t up = border(false);
+    uint64_t down = border(true);
+    assert_true(down > 50000 && up < 2 * MS);
+    assert_true(up >= 3 * down / 2);
+    uint64_t middle = (up + down) / 2;
+    eng_effort_forget(&effort);
+    for (uint32_t i = 0; i < 100; i++) {
+        eng_effort_learn(&effort, ENG_MODE_ALL, middle + (i % 2 ? middle / 8 : 0));
+        assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    }
+    effort.paid = true;
+    for (uint32_t i = 0; i < 100; i++) {
+        eng_effort_learn(&effort, ENG_MODE_ALL, middle - (i % 2 ? middle / 8 : 0));
+        assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    }
+}
+
+/* If it failed: a thread that lost its processor once would wake teams for a small scene
+ * from then on. */
+static void effort__one_odd_step_changes_little(void **state)
+{
+    struct eng_effort effort;
+    (void)state;
+    eng_effort_forget(&effort);
+    eng_effort_learn(&effort, ENG_MODE_ALL, 100000);
+    eng_effort_learn(&effort, ENG_MODE_ALL, 50 * MS);
+    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    eng_effort_learn(&effort, ENG_MODE_ALL, 100000);
+    assert_int_equal(effort.work_ns[ENG_MODE_ALL], 100000);
+    for (int i = 0; i < 10; i++) { /* but a change that lasts is believed */
+        eng_effort_learn(&effort, ENG_MODE_ALL, 50 * MS);
+    }
+    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    eng_effort_learn(&effort, ENG_MODE_ALL, 0);
+    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+}
+
+/* If it failed: steps would not ask, or would go on with what they knew of objects that
+ * are gone. */
+static void effort__steps_go_by_it(void **state)
+{
+    (void)state;
+    struct kit_random random = {3};
+    struct eng_scene *scene = NULL;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    uint32_t small;
+    uint32_t large;
+    settings.threads = 2;
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    struct eng_mesh *mesh = kit_soup(&random, 8);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &small), ENG_OK);
+    eng_mesh_release(mesh);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.threads, 1);
+    mesh = kit_soup(&random, 20000);
+    assert_int_equal(eng_scene_add(scene, mesh, 2, &large), ENG_OK);
+    eng_mesh_release(mesh);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        assert_int_equal(result.threads, 2);
+    }
+    assert_int_equal(eng_scene_remove(scene, large), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.threads, 1);
+    eng_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(effort__unknown_scenes_go_by_their_size),
+        cmocka_unit_test(effort__known_scenes_go_by_their_work),
+        cmocka_unit_test(effort__border_scenes_stay_with_the_last_answer),
+        cmocka_unit_test(effort__one_odd_step_changes_little),
+        cmocka_unit_test(effort__steps_go_by_it),
+    };
+    return cmocka_run_group_tests_name("eng_effort", tests, NULL, NULL);
+}
