@@ -1,20 +1,30 @@
 /* daemon/engine/tree/median.c - split a list at its median along an axis.
  *
  * Room:     engine.
- * Does:     quickselect with the median of three as pivot; a range that does not shrink
- *           as it should is sorted instead, so that no arrangement of triangles, chance
- *           or malice, costs quadratic time.
+ * Does:     quickselect with the median of three or nine as pivot; a range that does not
+ *           shrink as it should is sorted instead, so that no arrangement of triangles,
+ *           chance or malice, costs quadratic time.
  * Threads:  [any].
  */
 #include "median.h"
 
 #include <string.h>
 
-static bool is_before(const struct eng_split_item *a, const struct eng_split_item *b,
-                      int axis)
+#include "aabb.h"
+
+/* Items up to which a list is sorted: a pivot would not save anything. */
+#define SORTED_MAX 16u
+
+/* Items from which nine of them choose the pivot instead of three. */
+#define NINE_MIN 64u
+
+/* Without a branch: which way it would go cannot be foreseen. */
+static inline bool is_before(const struct eng_split_item *a,
+                             const struct eng_split_item *b, int axis)
 {
-    return a->centroid[axis] != b->centroid[axis] ? a->centroid[axis] < b->centroid[axis]
-                                                  : a->id < b->id;
+    float x = a->centroid[axis];
+    float y = b->centroid[axis];
+    return (x < y) | ((x == y) & (a->id < b->id));
 }
 
 static void swap_items(struct eng_split_item *a, struct eng_split_item *b)
@@ -56,49 +66,52 @@ static void heap_sort(struct eng_split_item *items, uint32_t count, int axis)
     }
 }
 
-/* Median of the first, middle and last item, which are put in order on the way. */
-static struct eng_split_item pivot_of(struct eng_split_item *items, uint32_t low,
-                                      uint32_t high, int axis)
+static void insertion_sort(struct eng_split_item *items, uint32_t count, int axis)
 {
-    uint32_t m = low + (high - low) / 2;
-    if (is_before(&items[m], &items[low], axis)) {
-        swap_items(&items[m], &items[low]);
+    for (uint32_t i = 1; i < count; i++) {
+        struct eng_split_item item = items[i];
+        uint32_t place = i;
+        while (place > 0 && is_before(&item, &items[place - 1], axis)) {
+            items[place] = items[place - 1];
+            place--;
+        }
+        items[place] = item;
     }
-    if (is_before(&items[high], &items[low], axis)) {
-        swap_items(&items[high], &items[low]);
-    }
-    if (is_before(&items[high], &items[m], axis)) {
-        swap_items(&items[high], &items[m]);
-    }
-    return items[m];
 }
 
-/* Divide items[low .. high] at a pivot: those up to *left are none after it, those from
- * *right on none before it. */
-static void divide(struct eng_split_item *items, uint32_t low, uint32_t high, int axis,
-                   uint32_t *left, uint32_t *right)
+/* Swap the median of three items with the last of them. */
+static void median_last(struct eng_split_item *items, uint32_t a, uint32_t b,
+                        uint32_t last, int axis)
 {
-    struct eng_split_item pivot = pivot_of(items, low, high, axis);
-    uint32_t i = low;
-    uint32_t j = high;
-    while (i <= j) {
-        while (is_before(&items[i], &pivot, axis)) {
-            i++;
-        }
-        while (is_before(&pivot, &items[j], axis)) {
-            j--;
-        }
-        if (i <= j) {
-            swap_items(&items[i], &items[j]);
-            i++;
-            if (j == 0) {
-                break;
-            }
-            j--;
-        }
+    bool ab = is_before(&items[a], &items[b], axis);
+    bool al = is_before(&items[a], &items[last], axis);
+    bool bl = is_before(&items[b], &items[last], axis);
+    swap_items(&items[ab == bl ? b : ab == al ? last : a], &items[last]);
+}
+
+/* Divide items[low .. high] at one of them, and return its place then. */
+static uint32_t divide(struct eng_split_item *items, uint32_t low, uint32_t high,
+                       int axis)
+{
+    uint32_t count = high - low + 1;
+    if (count >= NINE_MIN) {
+        uint32_t part = count / 8;
+        median_last(items, low, low + part, low + 2 * part, axis);
+        median_last(items, low + 3 * part, low + 4 * part, low + 5 * part, axis);
+        median_last(items, low + 6 * part, low + 7 * part, high, axis);
+        median_last(items, low + 2 * part, low + 5 * part, high, axis);
+    } else {
+        median_last(items, low, low + count / 2, high, axis);
     }
-    *left = j;
-    *right = i;
+    struct eng_split_item pivot = items[high];
+    uint32_t place = low;
+    for (uint32_t i = low; i < high; i++) {
+        bool before = is_before(&items[i], &pivot, axis);
+        swap_items(&items[i], &items[place]);
+        place += before;
+    }
+    swap_items(&items[high], &items[place]);
+    return place;
 }
 
 void eng_median_begin(struct eng_median *median, uint32_t count, uint32_t middle,
@@ -113,25 +126,23 @@ void eng_median_begin(struct eng_median *median, uint32_t count, uint32_t middle
 bool eng_median_round(struct eng_median *median, struct eng_split_item *items)
 {
     uint32_t low = median->low;
-    uint32_t high = median->high;
-    if (low >= high) {
+    uint32_t count = median->high - low + 1;
+    if (count <= SORTED_MAX) {
+        insertion_sort(items + low, count, median->axis);
         return true;
     }
     if (median->rounds_left-- == 0) {
-        heap_sort(items + low, high - low + 1, median->axis);
+        heap_sort(items + low, count, median->axis);
         return true;
     }
-    uint32_t left;
-    uint32_t right;
-    divide(items, low, high, median->axis, &left, &right);
-    if (median->middle <= left) {
-        median->high = left;
-    } else if (median->middle >= right) {
-        median->low = right;
+    /* Neither bound crosses the other: the median lies between them. */
+    uint32_t place = divide(items, low, median->high, median->axis);
+    if (median->middle < place) {
+        median->high = place - 1;
     } else {
-        return true;
+        median->low = place + 1;
     }
-    return false;
+    return median->middle == place;
 }
 
 void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t middle,
@@ -145,15 +156,14 @@ void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t mid
 
 int eng_median_axis(const struct eng_split_item *items, uint32_t count)
 {
-    float lo[3];
-    float hi[3];
-    memcpy(lo, items[0].centroid, sizeof lo);
-    memcpy(hi, items[0].centroid, sizeof hi);
+    eng_f4 lo; /* of the ids too, which are not looked at */
+    memcpy(&lo, &items[0], sizeof lo);
+    eng_f4 hi = lo;
     for (uint32_t i = 1; i < count; i++) {
-        for (int k = 0; k < 3; k++) {
-            lo[k] = items[i].centroid[k] < lo[k] ? items[i].centroid[k] : lo[k];
-            hi[k] = items[i].centroid[k] > hi[k] ? items[i].centroid[k] : hi[k];
-        }
+        eng_f4 item;
+        memcpy(&item, &items[i], sizeof item);
+        lo = eng_min4(lo, item);
+        hi = eng_max4(hi, item);
     }
     int axis = 0;
     for (int k = 1; k < 3; k++) {

@@ -1,6 +1,6 @@
 /* daemon/engine/tree/median.h - split a list at its median along an axis.
  *
- * Room:     engine. May include: the C library.
+ * Room:     engine. May include: the C library (median.c: aabb.h).
  * Does:     partial sort of items by one coordinate of their centroid.
  * Threads:  [any]; no allocation.
  * Source:   Hoare 1961 (selection); Musser 1997 (a bound on it for unlucky or hostile
