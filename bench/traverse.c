@@ -11,9 +11,10 @@
 #include <string.h>
 
 #include "report.h"
+#include "worker.h"
 
 #define PAIRS_MAX 512u /* as ENG_PAIRS_MAX */
-#define DEPTH_MAX 64u  /* median splits: 32 levels of an object, 17 above objects */
+#define DEPTH_MAX (2u * ENG_LEVELS_MAX) /* two wait on each level */
 
 struct walk {
     const struct eng_node *nodes;

@@ -70,6 +70,16 @@ void eng_highlevel_expand(struct eng_team *team, struct eng_worker *worker, uint
     assignment->pair_count -= head;
 }
 
+/* A part of the unit that began at `begin_ns`. */
+static void end_part(struct eng_worker *worker, uint32_t node, uint64_t begin_ns,
+                     uint32_t pairs)
+{
+    uint64_t end_ns = eng_now_ns();
+    worker->record.high_ns += end_ns - begin_ns;
+    eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_HIGH, begin_ns,
+                  end_ns, node, pairs);
+}
+
 /* This thread's share of the pairs. */
 static uint32_t perform_share(const struct eng_team *team, struct eng_worker *worker)
 {
@@ -96,8 +106,7 @@ static void perform_round_robin(struct eng_team *team, struct eng_worker *worker
     eng_worker_barrier(worker);
     uint64_t begin_ns = eng_now_ns();
     uint32_t performed = perform_share(team, worker);
-    worker->record.high_ns += eng_now_ns() - begin_ns;
-    eng_worker_trace(worker, ENG_TRACE_HIGH, begin_ns, node, performed);
+    end_part(worker, node, begin_ns, performed);
     eng_worker_barrier(worker); /* the pairs make room for the next node's */
 }
 
@@ -158,8 +167,7 @@ static void perform_disjoint(struct eng_team *team, struct eng_worker *worker,
         if (worker->thread < 1u << levels && !eng_worker_should_stop(worker)) {
             performed = eng_highlevel_phase(worker, node, phase, levels);
         }
-        worker->record.high_ns += eng_now_ns() - begin_ns;
-        eng_worker_trace(worker, ENG_TRACE_HIGH, begin_ns, node, performed);
+        end_part(worker, node, begin_ns, performed);
         eng_worker_barrier(worker); /* what comes next has nodes of all of these */
     }
 }
