@@ -272,23 +272,10 @@ static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t first
     struct proto_MESH_EDGES_request request = {
         .mesh = mesh, .first = first, .count = count};
     struct proto_MESH_EDGES_result result;
-    struct cli_call *call = NULL;
-    uint64_t deadline_ns = cli_deadline(client, -1);
     uint64_t page;
-    int rc = cli_call_send(client, PROTO_METHOD_MESH_EDGES, &request, CLI_SLOT_NONE,
-                           deadline_ns, &call);
+    int rc = cli_call_page(client, PROTO_METHOD_MESH_EDGES, &request, &result,
+                           cli_deadline(client, -1), &page);
 
-    if (rc != 0) {
-        return rc;
-    }
-    call->result = &result;
-    rc = cli_call_wait(client, call, deadline_ns);
-    if (rc != 0) {
-        cli_call_drop(client, call);
-        return rc;
-    }
-    page = call->page;
-    rc = cli_call_finish(client, call);
     if (rc == 0 && (result.count == 0 || result.count > count)) {
         rc = cli_fail(client, PCCD_E_BUSY,
                       "mesh.edges: no room in the result region: release answers first");

@@ -503,12 +503,13 @@ void cli_call_drop(struct pccd_client *client, struct cli_call *call)
     }
 }
 
-int cli_call_sync(struct pccd_client *client, int method, const void *request,
-                  void *result, uint64_t deadline_ns)
+int cli_call_page(struct pccd_client *client, int method, const void *request,
+                  void *result, uint64_t deadline_ns, uint64_t *page)
 {
     struct cli_call *call = NULL;
     int rc = cli_call_send(client, method, request, CLI_SLOT_NONE, deadline_ns, &call);
 
+    *page = 0;
     if (rc != 0) {
         return rc;
     }
@@ -519,5 +520,14 @@ int cli_call_sync(struct pccd_client *client, int method, const void *request,
         return cli_fail(client, rc, "no answer to %s in time",
                         proto_messages[method].name);
     }
+    *page = call->page;
     return cli_call_finish(client, call);
+}
+
+int cli_call_sync(struct pccd_client *client, int method, const void *request,
+                  void *result, uint64_t deadline_ns)
+{
+    uint64_t page;
+
+    return cli_call_page(client, method, request, result, deadline_ns, &page);
 }

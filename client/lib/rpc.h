@@ -28,7 +28,12 @@ int cli_call_finish(struct pccd_client *client, struct cli_call *call);
  * page it brings released. */
 void cli_call_drop(struct pccd_client *client, struct cli_call *call);
 
-/* Send, wait and finish in one; `result` may be NULL. */
+/* Send, wait and finish in one; *page is the serial of the page that the answer brought,
+ * to be released also on failure, or 0. */
+int cli_call_page(struct pccd_client *client, int method, const void *request,
+                  void *result, uint64_t deadline_ns, uint64_t *page);
+
+/* The same for a method without a page; `result` may be NULL. */
 int cli_call_sync(struct pccd_client *client, int method, const void *request,
                   void *result, uint64_t deadline_ns);
 

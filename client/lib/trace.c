@@ -54,23 +54,10 @@ static int dump_page(struct pccd_client *client, uint64_t cursor, pccd_trace_fn 
                      void *context, struct proto_TRACE_DUMP_result *result)
 {
     struct proto_TRACE_DUMP_request request = {.cursor = cursor, .count = PAGE_EVENTS};
-    struct cli_call *call = NULL;
-    uint64_t deadline_ns = cli_deadline(client, -1);
     uint64_t page;
-    int rc = cli_call_send(client, PROTO_METHOD_TRACE_DUMP, &request, CLI_SLOT_NONE,
-                           deadline_ns, &call);
+    int rc = cli_call_page(client, PROTO_METHOD_TRACE_DUMP, &request, result,
+                           cli_deadline(client, -1), &page);
 
-    if (rc != 0) {
-        return rc;
-    }
-    call->result = result;
-    rc = cli_call_wait(client, call, deadline_ns);
-    if (rc != 0) {
-        cli_call_drop(client, call);
-        return rc;
-    }
-    page = call->page;
-    rc = cli_call_finish(client, call);
     if (rc == 0 && result->count == 0 && cursor < result->events) {
         rc = cli_fail(client, PCCD_E_BUSY,
                       "trace.dump: no room in the result region: release answers first");
