@@ -17,13 +17,14 @@
 #include "surface.h"
 #include "tumble.h"
 
-#define FRAMES      60u
-#define FRAME_S     (1.0 / 30)
-#define SHAPES      4u
-#define SPACING     1.15 /* of the lattice that they start from */
-#define WIDTH       8u   /* bodies on a side of it */
-#define GROUND_SIDE 24.0
-#define BEAT        0.12 /* how far a beating body's length goes up and down */
+#define FRAMES       60u
+#define FRAME_S      (1.0 / 30)
+#define SHAPES       4u
+#define SPACING      1.15 /* of the lattice that they start from */
+#define WIDTH        8u   /* bodies on a side of it */
+#define GROUND_SIDE  24.0
+#define GROUND_WAVES 0.02
+#define BEAT         0.12 /* how far a beating body's length goes up and down */
 
 struct bodies {
     uint32_t count;
@@ -123,17 +124,6 @@ static void beat(const struct bodies *bodies, uint32_t index, uint32_t frame,
     factor[1] = factor[2] = 1 / sqrt(length);
 }
 
-static void place_ground(double (*x)[3], uint32_t side)
-{
-    for (uint32_t i = 0; i < side * side; i++) {
-        double u = (double)(i % side) / (side - 1) - 0.5;
-        double v = (double)(i / side) / (side - 1) - 0.5;
-        x[i][0] = GROUND_SIDE * u;
-        x[i][1] = GROUND_SIDE * v;
-        x[i][2] = 0.02 * sin(40 * u) * sin(33 * v);
-    }
-}
-
 static void place(const struct bench_scene *scene, uint32_t frame, double (*x)[3])
 {
     const struct bodies *bodies = scene->state;
@@ -150,7 +140,7 @@ static void place(const struct bench_scene *scene, uint32_t frame, double (*x)[3
             tumble_apply(&poses[i], from, *x++);
         }
     }
-    place_ground(x, bodies->ground);
+    surface_place_ground(x, bodies->ground, GROUND_SIDE, GROUND_WAVES);
 }
 
 static void free_state(void *state)

@@ -18,15 +18,16 @@
 #include "shards.h"
 #include "tumble.h"
 
-#define FRAMES      100u
-#define BREAK_FRAME 12u
-#define FRAME_S     (1.0 / 60)
-#define SPEED       3.0   /* of the hitting body, lengths a second */
-#define WAVE        14.0  /* speed at which the knot comes apart */
-#define THICKNESS   0.2   /* of a shard, of the knot's radius there */
-#define HAIR        0.994 /* size of a shard in its place: cracks do not touch */
-#define HIT_RADIUS  0.36
-#define GROUND_SIDE 6.0
+#define FRAMES       100u
+#define BREAK_FRAME  12u
+#define FRAME_S      (1.0 / 60)
+#define SPEED        3.0   /* of the hitting body, lengths a second */
+#define WAVE         14.0  /* speed at which the knot comes apart */
+#define THICKNESS    0.2   /* of a shard, of the knot's radius there */
+#define HAIR         0.994 /* size of a shard in its place: cracks do not touch */
+#define HIT_RADIUS   0.36
+#define GROUND_SIDE  6.0
+#define GROUND_WAVES 0.004
 
 struct sizes {
     uint32_t along; /* the knot */
@@ -242,17 +243,6 @@ static void sway(uint32_t frame, double x[3])
     x[2] += size * sin(3 * was[1] + 2 * was[0]);
 }
 
-static void place_ground(double (*x)[3], uint32_t side)
-{
-    for (uint32_t i = 0; i < side * side; i++) {
-        double u = (double)(i % side) / (side - 1) - 0.5;
-        double v = (double)(i / side) / (side - 1) - 0.5;
-        x[i][0] = GROUND_SIDE * u;
-        x[i][1] = GROUND_SIDE * v;
-        x[i][2] = 0.004 * sin(40 * u) * sin(33 * v);
-    }
-}
-
 static void place(const struct bench_scene *scene, uint32_t frame, double (*x)[3])
 {
     const struct breaking *breaking = scene->state;
@@ -272,7 +262,8 @@ static void place(const struct bench_scene *scene, uint32_t frame, double (*x)[3
             tumble_apply(&poses[1 + breaking->shards.piece_of[v]], at, x[v]);
         }
     }
-    place_ground(x + knot->vertex_count, breaking->sizes.ground);
+    surface_place_ground(x + knot->vertex_count, breaking->sizes.ground, GROUND_SIDE,
+                         GROUND_WAVES);
 }
 
 /* ---- scene --------------------------------------------------------------------- */

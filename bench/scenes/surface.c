@@ -6,6 +6,7 @@
  */
 #include "surface.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,6 +36,17 @@ void surface_sheet(struct surface *surface, uint32_t side)
             add(surface, a, a + 1, b + 1);
             add(surface, a, b + 1, b);
         }
+    }
+}
+
+void surface_place_ground(double (*x)[3], uint32_t side, double length, double height)
+{
+    for (uint32_t i = 0; i < side * side; i++) {
+        double u = (double)(i % side) / (side - 1) - 0.5;
+        double v = (double)(i / side) / (side - 1) - 0.5;
+        x[i][0] = length * u;
+        x[i][1] = length * v;
+        x[i][2] = height * sin(40 * u) * sin(33 * v);
     }
 }
 

@@ -24,6 +24,10 @@ struct surface {
 /* side x side vertices in rows, two triangles a square. */
 void surface_sheet(struct surface *surface, uint32_t side);
 
+/* Positions of a sheet as a ground of `length` by `length` around the origin, with waves
+ * of `height`. */
+void surface_place_ground(double (*x)[3], uint32_t side, double length, double height);
+
 /* 2 `rings` meridians, `rings` - 1 >= 2 parallels and two poles. */
 void surface_ball(struct surface *surface, uint32_t rings);
 /* Polar angle 0 .. pi and azimuth of vertex v of a ball. */
