@@ -416,18 +416,10 @@ int main(int argc, char **argv)
             measure_ingest(sizes[i].name, ENG_F32, sizes[i].count);
         }
     }
-    for (unsigned i = 0; i < bench_scene_total(); i++) {
-        struct bench_scene scene;
-        const char *name = bench_scene_name(i);
-        if (!bench_is_wanted(&options, name)) {
-            continue;
-        }
-        if (bench_scene_make(i, options.smoke, &scene)) {
-            measure_scene(&scene, options.smoke);
-            bench_scene_free(&scene);
-        } else {
-            bench_skip(name, options.smoke ? "too large" : "no frames in $PCCD_DATA");
-        }
+    struct bench_scene scene;
+    for (unsigned i = 0; bench_next_scene(&options, NULL, &i, &scene);) {
+        measure_scene(&scene, options.smoke);
+        bench_scene_free(&scene);
     }
     return bench_end();
 }

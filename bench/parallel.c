@@ -45,7 +45,7 @@ static const struct config configs[] = {
 /* Scenes that are measured when none is named: the paper's and the nearest to them. */
 static const char *const usual[] = {"cloth-ball", "cloth-ball-fifth", "cloth-funnel",
                                     "n-body",     "n-body-fifth",     "breaking",
-                                    "bodies"};
+                                    "bodies",     NULL};
 
 enum quantity {
     STEP_ONE,
@@ -301,15 +301,6 @@ static void measure_all(const struct bench_scene *source, uint32_t threads_max,
     }
 }
 
-static bool is_wanted(const struct bench_options *options, const char *name)
-{
-    bool is_usual = options->wanted || options->smoke;
-    for (unsigned i = 0; i < sizeof usual / sizeof usual[0]; i++) {
-        is_usual = is_usual || strcmp(name, usual[i]) == 0;
-    }
-    return is_usual && bench_is_wanted(options, name);
-}
-
 int main(int argc, char **argv)
 {
     struct bench_options options;
@@ -323,18 +314,11 @@ int main(int argc, char **argv)
     uint32_t threads = options.threads ? options.threads : 2;
     eng_places_init(&places);
     eng_places_warm_up(&places, threads);
-    for (unsigned i = 0; i < bench_scene_total(); i++) {
-        struct bench_scene scene;
-        const char *name = bench_scene_name(i);
-        if (!is_wanted(&options, name)) {
-            continue;
-        }
-        if (bench_scene_make(i, options.smoke, &scene)) {
-            measure_all(&scene, threads, &places, &options);
-            bench_scene_free(&scene);
-        } else {
-            bench_skip(name, options.smoke ? "too large" : "no frames in $PCCD_DATA");
-        }
+    const char *const *names = options.wanted || options.smoke ? NULL : usual;
+    struct bench_scene scene;
+    for (unsigned i = 0; bench_next_scene(&options, names, &i, &scene);) {
+        measure_all(&scene, threads, &places, &options);
+        bench_scene_free(&scene);
     }
     return bench_end();
 }

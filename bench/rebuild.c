@@ -364,16 +364,8 @@ static void measure_scene(const struct bench_scene *scene,
 }
 
 /* Sequences in which things change. */
-static bool is_wanted(const struct bench_options *options, const char *name)
-{
-    static const char *const usual[] = {"exploding", "breaking", "bodies",
-                                        "cloth-ball-fifth", "n-body-fifth"};
-    bool is_usual = false;
-    for (unsigned i = 0; i < sizeof usual / sizeof usual[0]; i++) {
-        is_usual = is_usual || strcmp(name, usual[i]) == 0;
-    }
-    return is_usual && bench_is_wanted(options, name);
-}
+static const char *const usual[] = {"exploding",        "breaking",     "bodies",
+                                    "cloth-ball-fifth", "n-body-fifth", NULL};
 
 static FILE *open_csv(const char *path)
 {
@@ -401,18 +393,10 @@ int main(int argc, char **argv)
     FILE *csv = options.csv ? open_csv(options.csv) : NULL;
     eng_places_init(&places);
     eng_places_warm_up(&places, threads);
-    for (unsigned i = 0; i < bench_scene_total(); i++) {
-        struct bench_scene scene;
-        const char *name = bench_scene_name(i);
-        if (!is_wanted(&options, name)) {
-            continue;
-        }
-        if (bench_scene_make(i, options.smoke, &scene)) {
-            measure_scene(&scene, &places, threads, &options, csv);
-            bench_scene_free(&scene);
-        } else {
-            bench_skip(name, options.smoke ? "too large" : "no frames in $PCCD_DATA");
-        }
+    struct bench_scene scene;
+    for (unsigned i = 0; bench_next_scene(&options, usual, &i, &scene);) {
+        measure_scene(&scene, &places, threads, &options, csv);
+        bench_scene_free(&scene);
     }
     if (csv) {
         fclose(csv);

@@ -256,20 +256,12 @@ int main(int argc, char **argv)
     if (!bench_begin("step", argc, argv, &options, &exit_status)) {
         return exit_status;
     }
-    for (unsigned i = 0; i < bench_scene_total(); i++) {
-        struct bench_scene scene;
-        const char *name = bench_scene_name(i);
-        if (!bench_is_wanted(&options, name)) {
-            continue;
-        }
-        if (bench_scene_make(i, options.smoke, &scene)) {
-            bench_heading(name);
-            bench_number(name, "vertices", "", scene.vertex_count);
-            measure(&scene, options.smoke);
-            bench_scene_free(&scene);
-        } else {
-            bench_skip(name, options.smoke ? "too large" : "no frames in $PCCD_DATA");
-        }
+    struct bench_scene scene;
+    for (unsigned i = 0; bench_next_scene(&options, NULL, &i, &scene);) {
+        bench_heading(scene.name);
+        bench_number(scene.name, "vertices", "", scene.vertex_count);
+        measure(&scene, options.smoke);
+        bench_scene_free(&scene);
     }
     return bench_end();
 }

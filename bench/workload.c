@@ -67,3 +67,28 @@ bool bench_scene_make(unsigned index, bool small, struct bench_scene *scene)
     return !small &&
            bench_read_recorded(scene, catalogue[index].frames, catalogue[index].steps);
 }
+
+static bool is_listed(const char *const *names, const char *name)
+{
+    while (*names && strcmp(*names, name) != 0) {
+        names++;
+    }
+    return *names != NULL;
+}
+
+bool bench_next_scene(const struct bench_options *options, const char *const *names,
+                      unsigned *index, struct bench_scene *scene)
+{
+    while (*index < bench_scene_total()) {
+        unsigned i = (*index)++;
+        const char *name = bench_scene_name(i);
+        if (!bench_is_wanted(options, name) || (names && !is_listed(names, name))) {
+            continue;
+        }
+        if (bench_scene_make(i, options->smoke, scene)) {
+            return true;
+        }
+        bench_skip(name, options->smoke ? "too large" : "no frames in $PCCD_DATA");
+    }
+    return false;
+}

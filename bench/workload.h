@@ -1,6 +1,6 @@
 /* bench/workload.h - the scenes that are measured.
  *
- * Room:     bench. May include: scenes/bench_scene.h.
+ * Room:     bench. May include: report.h, scenes/bench_scene.h.
  * Does:     list them by name.
  * Does not: know the engine.
  * Threads:  one.
@@ -9,6 +9,7 @@
 #define BENCH_WORKLOAD_H
 
 #include "bench_scene.h"
+#include "report.h"
 
 /* Scenes 0 .. bench_scene_total() - 1. */
 unsigned bench_scene_total(void);
@@ -17,5 +18,11 @@ const char *bench_scene_name(unsigned index);
 /* Make a scene; `small` for a run that only asks whether everything works. False: its
  * frames are not there (recorded scenes; none of them is small). */
 bool bench_scene_make(unsigned index, bool small, struct bench_scene *scene);
+
+/* Make the next scene from *index on that `options` want and, unless it is NULL, the list
+ * `names`, which NULL ends; small ones in a smoke run. The caller frees it. Those that
+ * cannot be made are reported as skipped. False: there are no more. */
+bool bench_next_scene(const struct bench_options *options, const char *const *names,
+                      unsigned *index, struct bench_scene *scene);
 
 #endif
