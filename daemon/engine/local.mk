@@ -4,10 +4,13 @@
 ENGINE_CPPFLAGS = \
     -I$(top_srcdir)/daemon/engine \
     -I$(top_srcdir)/daemon/engine/elementary \
+    -I$(top_srcdir)/daemon/engine/kernel \
     -I$(top_srcdir)/daemon/engine/result \
     -I$(top_srcdir)/daemon/engine/scene \
     -I$(top_srcdir)/daemon/engine/schedule \
     -I$(top_srcdir)/daemon/engine/tree
+
+include $(top_srcdir)/daemon/engine/kernel/local.mk
 
 noinst_LTLIBRARIES += libengine.la
 
@@ -34,6 +37,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/test.c \
     daemon/engine/elementary/test.h \
     daemon/engine/elementary/vec.h \
+    daemon/engine/kernel/choose.c \
+    daemon/engine/kernel/kernel.h \
     daemon/engine/memory.c \
     daemon/engine/memory.h \
     daemon/engine/result/answer.c \
@@ -121,6 +126,6 @@ libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.
 libengine_la_LDFLAGS = $(OPENMP_CFLAGS)
-libengine_la_LIBADD = $(XXHASH_LIBS) $(GMP_LIBS) $(LIBM)
+libengine_la_LIBADD = $(kernel_libraries) $(XXHASH_LIBS) $(GMP_LIBS) $(LIBM)
 
 EXTRA_DIST += daemon/engine/elementary/BOUNDS.md

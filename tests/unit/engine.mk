@@ -34,6 +34,7 @@ ENG_TESTS = \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_solve \
     tests/unit/test_eng_hash \
+    tests/unit/test_eng_kernel \
     tests/unit/test_eng_result \
     tests/unit/test_eng_merge \
     tests/unit/test_eng_step \
@@ -108,6 +109,9 @@ tests_unit_test_eng_solve_SOURCES = tests/unit/test_eng_solve.c
 tests_unit_test_eng_solve_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_solve_LDADD = $(ENG_TEST_LDADD)
 
+tests_unit_test_eng_kernel_SOURCES = tests/unit/test_eng_kernel.c
+tests_unit_test_eng_kernel_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_kernel_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_hash_SOURCES = tests/unit/test_eng_hash.c
 tests_unit_test_eng_hash_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_hash_LDADD = $(ENG_TEST_LDADD)

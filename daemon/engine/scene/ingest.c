@@ -8,8 +8,9 @@
  */
 #include "ingest.h"
 
-#include <math.h>
 #include <string.h>
+
+#include "kernel.h"
 
 #define BLOCK 512u /* vertices a block: 12 KiB of doubles, half of a small L1 cache */
 
@@ -20,35 +21,26 @@ static void copy_once(void *to, const void *from, size_t bytes)
     __asm__ volatile("" : : : "memory");
 }
 
-/* True if every value is within +-ENG_COORDINATE_MAX; NaN compares false. */
-static bool all_in_range(const double *x, uint32_t count)
-{
-    int bad = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        bad |= !(fabs(x[i]) <= ENG_COORDINATE_MAX);
-    }
-    return !bad;
-}
-
 int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t count,
                          const void *source)
 {
     const unsigned char *from = source;
+    const struct eng_kernels *kernels = eng_kernels();
     float block[BLOCK * 3];
     for (uint32_t done = 0; done < count;) {
         uint32_t n = count - done < BLOCK ? count - done : BLOCK;
         double *to = out[done];
+        bool good;
         if (format == ENG_F64) {
             copy_once(to, from, (size_t)n * 24u);
             from += (size_t)n * 24u;
+            good = kernels->all_within(to, n * 3u, ENG_COORDINATE_MAX);
         } else {
             copy_once(block, from, (size_t)n * 12u);
             from += (size_t)n * 12u;
-            for (uint32_t i = 0; i < n * 3u; i++) {
-                to[i] = (double)block[i];
-            }
+            good = kernels->widen_within(to, block, n * 3u, ENG_COORDINATE_MAX);
         }
-        if (!all_in_range(to, n * 3u)) {
+        if (!good) {
             return ENG_E_NOTFINITE;
         }
         done += n;
@@ -79,5 +71,6 @@ int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_cou
 int eng_ingest_transform(double out[12], const void *source)
 {
     copy_once(out, source, 12u * sizeof(double));
-    return all_in_range(out, 12) ? ENG_OK : ENG_E_NOTFINITE;
+    return eng_kernels()->all_within(out, 12, ENG_COORDINATE_MAX) ? ENG_OK
+                                                                  : ENG_E_NOTFINITE;
 }

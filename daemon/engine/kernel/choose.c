@@ -1,0 +1,77 @@
+/* daemon/engine/kernel/choose.c - which instruction set.
+ *
+ * Room:     engine.
+ * Does:     see kernel.h.
+ * Threads:  [any]: two threads that choose at a time choose the same.
+ */
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernel.h"
+
+extern const struct eng_kernels eng_scalar_kernels;
+#ifdef __x86_64__
+extern const struct eng_kernels eng_sse4_kernels;
+extern const struct eng_kernels eng_avx2_kernels;
+extern const struct eng_kernels eng_avx512_kernels;
+#endif
+#ifdef __aarch64__
+extern const struct eng_kernels eng_neon_kernels;
+#endif
+
+const struct eng_kernels *eng_kernels_of(enum eng_isa isa)
+{
+    switch (isa) {
+    case ENG_ISA_SCALAR:
+        return &eng_scalar_kernels;
+#ifdef __x86_64__
+    /* The compiler's runtime asks the processor, and whether the system saves the
+     * registers. */
+    case ENG_ISA_SSE4:
+        return __builtin_cpu_supports("sse4.2") ? &eng_sse4_kernels : NULL;
+    case ENG_ISA_AVX2:
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2")
+                   ? &eng_avx2_kernels
+                   : NULL;
+    case ENG_ISA_AVX512:
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                       __builtin_cpu_supports("avx512dq") &&
+                       __builtin_cpu_supports("avx512bw") &&
+                       __builtin_cpu_supports("bmi2")
+                   ? &eng_avx512_kernels
+                   : NULL;
+#endif
+#ifdef __aarch64__
+    case ENG_ISA_NEON:
+        return &eng_neon_kernels;
+#endif
+    default:
+        return NULL;
+    }
+}
+
+const struct eng_kernels *eng_kernels_named(const char *name)
+{
+    bool any = !name || !*name;
+    for (int isa = ENG_ISA_COUNT - 1; isa >= 0; isa--) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        if (kernels && (any || strcmp(kernels->name, name) == 0)) {
+            return kernels;
+        }
+    }
+    return NULL;
+}
+
+const struct eng_kernels *eng_kernels(void)
+{
+    static const struct eng_kernels *_Atomic chosen;
+    const struct eng_kernels *kernels =
+        atomic_load_explicit(&chosen, memory_order_relaxed);
+    if (!kernels) {
+        kernels = eng_kernels_named(getenv("PCCD_CPU"));
+        kernels = kernels ? kernels : eng_kernels_named(NULL);
+        atomic_store_explicit(&chosen, kernels, memory_order_relaxed);
+    }
+    return kernels;
+}

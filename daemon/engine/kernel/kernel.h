@@ -1,0 +1,53 @@
+/* daemon/engine/kernel/kernel.h - the inner loops, once for every instruction set.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     name the instruction sets and the functions that each of them has; choose
+ *           the set that this processor runs best, or the one that PCCD_CPU names.
+ * Does not: know meshes, scenes or threads.
+ * Threads:  [any].
+ *
+ * Every file of this folder but choose.c is compiled once for each instruction set, with
+ * its flags and with ENG_ISA and ENG_VECTOR_BYTES set (local.mk). lanes.h hides how wide
+ * a vector is. Lanes are independent and perform the same operations in the same order
+ * at every width, each rounded once, none contracted: so the set called `scalar`, one
+ * lane wide, is the reference that the others equal bit for bit.
+ */
+#ifndef ENG_KERNEL_H
+#define ENG_KERNEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum eng_isa {
+    ENG_ISA_SCALAR, /* everywhere */
+    ENG_ISA_SSE4,   /* x86-64: SSE 4.2 */
+    ENG_ISA_AVX2,   /* x86-64: AVX2, BMI2 */
+    ENG_ISA_AVX512, /* x86-64: AVX-512 F, VL, DQ, BW, BMI2 */
+    ENG_ISA_NEON,   /* AArch64 */
+    ENG_ISA_COUNT
+};
+
+struct eng_kernels {
+    enum eng_isa isa;
+    const char *name; /* as in PCCD_CPU */
+
+    /* Is each of the `count` values within +-`limit`? NaN is not. */
+    bool (*all_within)(const double *x, size_t count, double limit);
+    /* The same, of floats that are written to `out` as doubles. */
+    bool (*widen_within)(double *out, const float *x, size_t count, double limit);
+};
+
+/* The kernels of an instruction set; NULL if this processor, or this build, has none. */
+const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
+
+/* The set of that name, "scalar", "sse4", "avx2", "avx512" or "neon"; NULL or "": the
+ * best that the processor has. NULL: there is no such set here. */
+const struct eng_kernels *eng_kernels_named(const char *name);
+
+/* What PCCD_CPU names, or the best; chosen at the first call and kept. A name that
+ * this processor cannot follow counts as none: programs check it first, with
+ * eng_kernels_named, and say so. */
+const struct eng_kernels *eng_kernels(void);
+
+#endif

@@ -1,0 +1,55 @@
+# daemon/engine/kernel/local.mk - the inner loops, once for every instruction set.
+#
+# A library of its own for each: the same files with other flags. Only choose.c, which asks
+# the processor, is compiled for the least one.
+
+kernel_sources = \
+    daemon/engine/kernel/kernel.h \
+    daemon/engine/kernel/lanes.h \
+    daemon/engine/kernel/lanes_avx512.h \
+    daemon/engine/kernel/lanes_vector.h \
+    daemon/engine/kernel/table.c \
+    daemon/engine/kernel/table.h \
+    daemon/engine/kernel/within.c
+kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
+# The loops are short and everything in them is inlined: what -O3 adds is unrolling.
+kernel_cflags = $(AM_CFLAGS) -fno-trapping-math -fno-math-errno
+
+noinst_LTLIBRARIES += libkernel_scalar.la
+kernel_libraries = libkernel_scalar.la
+
+libkernel_scalar_la_SOURCES = $(kernel_sources)
+libkernel_scalar_la_CPPFLAGS = $(kernel_cppflags) \
+    -DENG_ISA=scalar -DENG_ISA_NUMBER=ENG_ISA_SCALAR -DENG_VECTOR_BYTES=8
+libkernel_scalar_la_CFLAGS = $(kernel_cflags)
+
+if X86_64
+noinst_LTLIBRARIES += libkernel_sse4.la libkernel_avx2.la libkernel_avx512.la
+kernel_libraries += libkernel_sse4.la libkernel_avx2.la libkernel_avx512.la
+
+libkernel_sse4_la_SOURCES = $(kernel_sources)
+libkernel_sse4_la_CPPFLAGS = $(kernel_cppflags) \
+    -DENG_ISA=sse4 -DENG_ISA_NUMBER=ENG_ISA_SSE4 -DENG_VECTOR_BYTES=16
+libkernel_sse4_la_CFLAGS = $(kernel_cflags) -msse4.2
+
+libkernel_avx2_la_SOURCES = $(kernel_sources)
+libkernel_avx2_la_CPPFLAGS = $(kernel_cppflags) \
+    -DENG_ISA=avx2 -DENG_ISA_NUMBER=ENG_ISA_AVX2 -DENG_VECTOR_BYTES=32
+libkernel_avx2_la_CFLAGS = $(kernel_cflags) -mavx2 -mbmi -mbmi2
+
+libkernel_avx512_la_SOURCES = $(kernel_sources)
+libkernel_avx512_la_CPPFLAGS = $(kernel_cppflags) \
+    -DENG_ISA=avx512 -DENG_ISA_NUMBER=ENG_ISA_AVX512 -DENG_VECTOR_BYTES=64
+libkernel_avx512_la_CFLAGS = $(kernel_cflags) -mavx512f -mavx512vl -mavx512dq -mavx512bw \
+    -mbmi -mbmi2 -mprefer-vector-width=512
+endif
+
+if AARCH64
+noinst_LTLIBRARIES += libkernel_neon.la
+kernel_libraries += libkernel_neon.la
+
+libkernel_neon_la_SOURCES = $(kernel_sources)
+libkernel_neon_la_CPPFLAGS = $(kernel_cppflags) \
+    -DENG_ISA=neon -DENG_ISA_NUMBER=ENG_ISA_NEON -DENG_VECTOR_BYTES=16
+libkernel_neon_la_CFLAGS = $(kernel_cflags)
+endif
