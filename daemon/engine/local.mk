@@ -16,6 +16,8 @@ noinst_LTLIBRARIES += libengine.la
 
 libengine_la_SOURCES = \
     daemon/engine/clock.h \
+    daemon/engine/elementary/batch.c \
+    daemon/engine/elementary/batch.h \
     daemon/engine/elementary/closest.c \
     daemon/engine/elementary/closest.h \
     daemon/engine/elementary/direction.c \

@@ -33,6 +33,7 @@ ENG_TESTS = \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_solve \
+    tests/unit/test_eng_batch \
     tests/unit/test_eng_hash \
     tests/unit/test_eng_kernel \
     tests/unit/test_eng_result \
@@ -112,6 +113,10 @@ tests_unit_test_eng_solve_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_kernel_SOURCES = tests/unit/test_eng_kernel.c
 tests_unit_test_eng_kernel_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_kernel_LDADD = $(ENG_TEST_LDADD)
+tests_unit_test_eng_batch_SOURCES = tests/unit/test_eng_batch.c
+tests_unit_test_eng_batch_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_batch_LDADD = $(ENG_TEST_LDADD)
+
 tests_unit_test_eng_hash_SOURCES = tests/unit/test_eng_hash.c
 tests_unit_test_eng_hash_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_hash_LDADD = $(ENG_TEST_LDADD)

@@ -28,6 +28,15 @@ enum eng_isa {
     ENG_ISA_COUNT
 };
 
+/* One vertex at both ends of the step, one cache line. The words are free for the owner;
+ * kernels do not look at them. */
+struct eng_point {
+    _Alignas(64) double x0[3];
+    uint64_t word0;
+    double x1[3];
+    uint64_t word1;
+};
+
 struct eng_kernels {
     enum eng_isa isa;
     const char *name; /* as in PCCD_CPU */

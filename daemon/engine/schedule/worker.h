@@ -1,7 +1,7 @@
 /* daemon/engine/schedule/worker.h - what one thread of a step owns.
  *
- * Room:     engine. May include: clock.h, deque.h, exact.h, filter.h, result.h, trace.h,
- *           world.h.
+ * Room:     engine. May include: batch.h, clock.h, deque.h, exact.h, filter.h, result.h,
+ *           trace.h, world.h.
  * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
  *           scratch of reconstruction and solver and the records found: the one interface
  *           through which schedule, traversal, filter, solver and results meet. A step's
@@ -11,6 +11,7 @@
 #ifndef ENG_WORKER_H
 #define ENG_WORKER_H
 
+#include "batch.h"
 #include "clock.h"
 #include "deque.h"
 #include "exact.h"
@@ -21,11 +22,8 @@
 
 #define ENG_THREADS_MAX 256u /* of one step */
 
-/* Candidates of one kind on their way from traversal to tests: 8 KiB, so that a chunk and
- * what its queries touch stay in the cache. Global indices; VF: vertex and triangle, EE:
- * two edges, the one that records name first in front. */
-#define ENG_CHUNK_MAX 1024u
-
+/* Candidates of one kind on their way from traversal to tests. Global indices; VF: vertex
+ * and triangle, EE: two edges, the one that records name first in front. */
 struct eng_chunk {
     uint32_t count;
     uint32_t a[ENG_CHUNK_MAX];

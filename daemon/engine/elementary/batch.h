@@ -1,0 +1,38 @@
+/* daemon/engine/elementary/batch.h - elementary tests of many pairs at once.
+ *
+ * Room:     engine. May include: kernel.h, solve.h.
+ * Does:     decide a chunk of pairs of one kind, with the same answers as eng_solve, bit
+ *           for bit, whatever the instruction set.
+ * Threads:  one thread for one scratch.
+ */
+#ifndef ENG_BATCH_H
+#define ENG_BATCH_H
+
+#include "kernel.h"
+#include "solve.h"
+
+/* Pairs of one kind that are tested together: what they touch stays in the cache. */
+#define ENG_CHUNK_MAX 1024u
+
+/* Answers to a chunk, and what the owner wants to be asked meanwhile. 56 KiB. */
+struct eng_batch {
+    /* Set by the owner; NULL: never. Called after each query that needed exact
+     * arithmetic (up to 0.3 s for coordinates of very different size); true: the rest of
+     * the chunk is left out. */
+    bool (*should_stop)(void *owner);
+    void *owner;
+    uint32_t survivors;            /* pairs that no filter rejected */
+    uint32_t index[ENG_CHUNK_MAX]; /* of the pairs with a contact, in no order */
+    struct eng_hit hits[ENG_CHUNK_MAX];
+};
+
+/* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`; VF: vertex,
+ * corners 0 1 2; EE: a0 a1 b0 b1. `tolerance` and `t_end` as for eng_solve. Returns how
+ * many pairs have a contact that begins before or at t_end: batch->index[i] is the pair,
+ * batch->hits[i] its hit. */
+uint32_t eng_batch_test(const struct eng_kernels *kernels, enum eng_kind kind,
+                        const struct eng_point *points, const uint32_t (*quads)[4],
+                        uint32_t count, double tolerance, double t_end,
+                        struct eng_exact *exact, struct eng_batch *batch);
+
+#endif
