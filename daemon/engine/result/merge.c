@@ -227,8 +227,7 @@ static void find_buckets(struct eng_merge *merge, const struct eng_merge_share *
             uint32_t n = left < ENG_SPLIT_GROUP ? left : ENG_SPLIT_GROUP;
             for (uint32_t k = 0; k < n; k++) {
                 const unsigned char *record = block->data + (size_t)(i + k) * bytes;
-                struct eng_name name = eng_name_of(record, bytes);
-                key[k] = eng_order_key(&merge->order, &name);
+                key[k] = eng_order_key_of(&merge->order, record, bytes);
                 *item++ = (struct eng_radix_key){key[k], (uintptr_t)record};
             }
             eng_splitters_find(&merge->splitters, key, found);

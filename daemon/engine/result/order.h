@@ -9,6 +9,8 @@
 #ifndef ENG_ORDER_H
 #define ENG_ORDER_H
 
+#include <assert.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -20,6 +22,12 @@
 struct eng_name {
     uint32_t word[ENG_NAME_WORDS];
 };
+
+/* A contact has its flags between kind and objects. */
+static_assert(offsetof(struct eng_contact, object_a) == 8 &&
+                  offsetof(struct eng_contact, feature_b) == 20 &&
+                  offsetof(struct eng_pair, feature_b) == 16,
+              "names");
 
 /* Of each word the smallest and the largest value. */
 struct eng_name_range {
@@ -35,16 +43,22 @@ struct eng_order {
     uint32_t words;                /* of a key: 1 to 3 */
 };
 
-/* The words of an eng_pair or eng_contact record, wherever it keeps them. */
+/* A word of the name of an eng_pair or eng_contact record, wherever it keeps it. */
+static inline uint32_t eng_name_word(const unsigned char *record, uint32_t record_bytes,
+                                     unsigned word)
+{
+    uint32_t value;
+    bool has_flags = record_bytes != sizeof(struct eng_pair) && word > 0;
+    memcpy(&value, record + 4 * (word + (has_flags ? 1 : 0)), sizeof value);
+    return value;
+}
+
 static inline struct eng_name eng_name_of(const unsigned char *record,
                                           uint32_t record_bytes)
 {
     struct eng_name name;
-    if (record_bytes == sizeof(struct eng_pair)) {
-        memcpy(&name, record, sizeof name);
-    } else {
-        memcpy(&name.word[0], record + offsetof(struct eng_contact, kind), 4);
-        memcpy(&name.word[1], record + offsetof(struct eng_contact, object_a), 16);
+    for (unsigned i = 0; i < ENG_NAME_WORDS; i++) {
+        name.word[i] = eng_name_word(record, record_bytes, i);
     }
     return name;
 }
@@ -102,6 +116,25 @@ static inline uint64_t eng_order_key(const struct eng_order *order,
 #pragma GCC unroll 5
     for (unsigned i = 0; i < ENG_NAME_WORDS; i++) {
         key |= (uint64_t)(name->word[i] - order->low.word[i]) << order->shift[i];
+    }
+    return key;
+}
+
+/* The same from a record, whose words go into registers: a name put together in memory
+ * and read at once would wait for the parts to arrive there. */
+static inline uint64_t eng_order_key_of(const struct eng_order *order,
+                                        const unsigned char *record,
+                                        uint32_t record_bytes)
+{
+    if (order->words > 1) {
+        struct eng_name name = eng_name_of(record, record_bytes);
+        return eng_order_wide_key(order, &name, 0);
+    }
+    uint64_t key = 0;
+#pragma GCC unroll 5
+    for (unsigned i = 0; i < ENG_NAME_WORDS; i++) {
+        uint32_t word = eng_name_word(record, record_bytes, i);
+        key |= (uint64_t)(word - order->low.word[i]) << order->shift[i];
     }
     return key;
 }
