@@ -9,9 +9,10 @@ set -u
 work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 cd "$top_srcdir" || exit 99
-mapfile -t sources < <(find proto daemon client bench tests -name '*.[ch]' | LC_ALL=C sort)
+mapfile -t sources < <(find proto daemon client bench tests \( -name '*.[ch]' -o -name '*.cc' \) |
+    LC_ALL=C sort)
 mapfile -t texts < <(find proto daemon client bench tests \
-    \( -name '*.[ch]' -o -name '*.def' -o -name '*.mk' -o -name '*.sh' -o -name '*.md' \
+    \( -name '*.[ch]' -o -name '*.cc' -o -name '*.def' -o -name '*.mk' -o -name '*.sh' -o -name '*.md' \
     -o -name '*.map' \) | LC_ALL=C sort)
 [ ${#sources[@]} -gt 0 ] || exit 99
 
@@ -36,7 +37,7 @@ check files__have_at_most_600_lines
 
 # If this failed, a header would not be read as a whole any more.
 for header in "${sources[@]}"; do
-    case $header in *.c) continue ;; esac
+    case $header in *.c | *.cc) continue ;; esac
     lines=$(wc -l <"$header")
     if [ "$lines" -gt 200 ] && ! printf '%s' "$long_headers" | grep -q "^$header "; then
         echo "$header has $lines lines"

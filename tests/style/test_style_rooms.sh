@@ -28,6 +28,7 @@ client/examples     client/lib+
 bench/scenes        tests/support
 bench               proto daemon/engine client/lib+ tests/support bench/scenes
 bench/model         bench daemon/engine bench/scenes
+bench/peers         bench daemon/engine bench/scenes
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/oracle
@@ -47,6 +48,11 @@ daemon/server       uv.h
 client/ctl          jansson.h png.h
 bench               omp.h
 bench/model         omp.h
+bench/peers         embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h
+bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/config.h
+bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
+bench/peers         CGAL/Box_intersection_d/Box_d.h CGAL/box_intersection_d.h CGAL/version.h
+bench/peers         atomic cstdio cstdlib memory string vector
 tests               cmocka.h gmp.h jansson.h omp.h png.h xxhash.h
 '
 
@@ -61,7 +67,7 @@ c_library='argp.h assert.h ctype.h dirent.h errno.h fcntl.h fenv.h float.h getop
 engine_not='dirent.h fcntl.h poll.h sys/eventfd.h sys/mman.h sys/socket.h sys/un.h
     sys/wait.h spawn.h glob.h'
 
-find proto daemon client bench tests -name '*.[ch]' | LC_ALL=C sort >"$work/paths"
+find proto daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
 # The engine's folders are one room, in which every name is given once.
 one_room='s|^daemon/engine/[a-z]*/|daemon/engine/|'
 engine_folders=$(find daemon/engine -type d | LC_ALL=C sort)
