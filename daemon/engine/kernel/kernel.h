@@ -1,6 +1,6 @@
 /* daemon/engine/kernel/kernel.h - the inner loops, once for every instruction set.
  *
- * Room:     engine. May include: the C library.
+ * Room:     engine. May include: boxes.h, the C library.
  * Does:     name the instruction sets and the functions that each of them has; choose
  *           the set that this processor runs best, or the one that PCCD_CPU names.
  * Does not: know meshes, scenes or threads.
@@ -18,6 +18,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include "boxes.h"
 
 enum eng_isa {
     ENG_ISA_SCALAR, /* everywhere */
@@ -45,6 +47,31 @@ struct eng_kernels {
     bool (*all_within)(const double *x, size_t count, double limit);
     /* The same, of floats that are written to `out` as doubles. */
     bool (*widen_within)(double *out, const float *x, size_t count, double limit);
+
+    /* The box of each point, rounded outward; `swept`: at both ends the one around both.
+     * |x| <= 1e18. */
+    void (*box_points)(const struct eng_point *points, uint32_t count, bool swept,
+                       struct eng_extents *boxes);
+    /* Blocks of boxes[block_count][ENG_WIDE], and the box around each block. */
+    void (*box_fold)(const struct eng_extents *boxes, uint32_t block_count,
+                     struct eng_wide_block *blocks, struct eng_extents *around);
+    /* The same of features, each the union of points[corner[0 .. 2][feature]]; corner[2]
+     * NULL: of two. */
+    void (*box_unite)(const struct eng_extents *points, const uint32_t *const corner[3],
+                      uint32_t block_count, struct eng_wide_block *blocks,
+                      struct eng_extents *around);
+
+    /* The pairs that the boxes of block n of job->a and block m of job->b make, which may
+     * meet in the step: written to out_a and out_b [ENG_JOIN_MAX + ENG_JOIN_SPARE];
+     * returns how many. `self`: the lists are one and n == m; no pair twice or turned
+     * round. Nodes: self-pairs too, unless there is no box; edges and faces (against
+     * vertices, which are a): none, and none that share a vertex. */
+    uint32_t (*join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
+                           uint32_t *out_a, uint32_t *out_b);
+    uint32_t (*join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
+                           uint32_t *out_a, uint32_t *out_b);
+    uint32_t (*join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
+                           uint32_t *out_a, uint32_t *out_b);
 };
 
 /* The kernels of an instruction set; NULL if this processor, or this build, has none. */

@@ -4,9 +4,13 @@
 # the processor, is compiled for the least one.
 
 kernel_sources = \
+    daemon/engine/kernel/boxes.c \
+    daemon/engine/kernel/boxes.h \
+    daemon/engine/kernel/join.c \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lanes.h \
     daemon/engine/kernel/lanes_avx512.h \
+    daemon/engine/kernel/lanes_pack.h \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \

@@ -16,4 +16,10 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .name = TEXT(ENG_ISA),
     .all_within = ENG_KERNEL(all_within),
     .widen_within = ENG_KERNEL(widen_within),
+    .box_points = ENG_KERNEL(box_points),
+    .box_fold = ENG_KERNEL(box_fold),
+    .box_unite = ENG_KERNEL(box_unite),
+    .join_nodes = ENG_KERNEL(join_nodes),
+    .join_edges = ENG_KERNEL(join_edges),
+    .join_faces = ENG_KERNEL(join_faces),
 };

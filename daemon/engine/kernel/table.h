@@ -13,4 +13,19 @@
 bool ENG_KERNEL(all_within)(const double *x, size_t count, double limit);
 bool ENG_KERNEL(widen_within)(double *out, const float *x, size_t count, double limit);
 
+void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool swept,
+                            struct eng_extents *boxes);
+void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
+                          struct eng_wide_block *blocks, struct eng_extents *around);
+void ENG_KERNEL(box_unite)(const struct eng_extents *points,
+                           const uint32_t *const corner[3], uint32_t block_count,
+                           struct eng_wide_block *blocks, struct eng_extents *around);
+
+uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
+                                uint32_t *out_a, uint32_t *out_b);
+uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
+                                uint32_t *out_a, uint32_t *out_b);
+uint32_t ENG_KERNEL(join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
+                                uint32_t *out_a, uint32_t *out_b);
+
 #endif

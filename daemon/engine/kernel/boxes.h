@@ -1,0 +1,57 @@
+/* daemon/engine/kernel/boxes.h - moving boxes in rows of sixteen.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     name the two forms of a box at both ends of a step, and what two blocks of
+ *           boxes are joined with.
+ * Threads:  [any].
+ *
+ * A bound is kept as its distance outward: minus the lower, plus the upper. So a union is
+ * a maximum everywhere, and two boxes are apart along an axis, one below the other, where
+ * -lower(a) + upper(b) < 0: the sign of a sum is exact, whatever it was rounded to.
+ */
+#ifndef ENG_BOXES_H
+#define ENG_BOXES_H
+
+#include <stdint.h>
+
+/* Boxes of a block, for every instruction set: 2^ENG_WIDE_BITS. */
+#define ENG_WIDE      16u
+#define ENG_WIDE_BITS 4u
+
+/* The sides of a moving box. */
+enum eng_side { ENG_LOW0, ENG_LOW1, ENG_HIGH0, ENG_HIGH1, ENG_SIDES };
+
+/* Outward distances of no box: |x| <= 1e18 < 2^60. It meets none, itself included, and is
+ * neutral to unions. */
+#define ENG_NOWHERE (-0x1p100f)
+
+/* One box: [side][axis], the fourth of each side is not looked at. A cache line. */
+struct eng_extents {
+    _Alignas(64) float side[ENG_SIDES][4];
+};
+
+/* Sixteen boxes: [side][axis][lane]. */
+struct eng_wide_block {
+    _Alignas(64) float row[ENG_SIDES][3][ENG_WIDE];
+};
+
+/* Two lists of blocks whose boxes are tested against each other. Pairs of boxes are named
+ * by ENG_WIDE times the block plus the lane. */
+struct eng_join {
+    const struct eng_wide_block *a;
+    const struct eng_wide_block *b;
+    const struct eng_extents *b_boxes; /* around each block of b */
+    /* Of features: three (faces) or two (edges) arrays of the vertices of each; vertices
+     * stand for themselves: NULL. Pairs that share one are left out. */
+    const uint32_t *a_corner[3];
+    const uint32_t *b_corner[3];
+    float t_end;    /* < 1: pairs that certainly do not meet up to then are left out */
+    uint64_t tests; /* counts: one box against a block */
+};
+
+/* Pairs that the boxes of two blocks make at most, and the places behind the last one
+ * that a kernel may write to. */
+#define ENG_JOIN_MAX   (ENG_WIDE * ENG_WIDE)
+#define ENG_JOIN_SPARE ENG_WIDE
+
+#endif

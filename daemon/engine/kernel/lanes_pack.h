@@ -1,0 +1,88 @@
+/* daemon/engine/kernel/lanes_pack.h - integers in lanes, and lanes into lists.
+ *
+ * Room:     engine. May include: lanes.h, immintrin.h.
+ * Does:     signs and equality as bits; write the numbers of the set bits one after the
+ *           other.
+ * Threads:  [any]; inline only. Included by files of this folder alone.
+ */
+#ifndef ENG_LANES_PACK_H
+#define ENG_LANES_PACK_H
+
+#include "lanes.h"
+
+ENG_INLINE eng_fi eng_fi_load(const uint32_t *x)
+{
+    eng_fi v;
+    memcpy(&v, x, sizeof v);
+    return v;
+}
+
+ENG_INLINE eng_fi eng_fi_all(uint32_t x)
+{
+    return (int32_t)x - (eng_fi){0};
+}
+
+/* Bit i: lane i is negative. */
+ENG_INLINE uint32_t eng_fi_signs(eng_fi v)
+{
+#if ENG_VECTOR_BYTES == 64
+    return _mm512_movepi32_mask((__m512i)v);
+#else
+    return eng_fm_bits(v >> 31);
+#endif
+}
+
+/* Bit i: lane i of both is equal. */
+ENG_INLINE uint32_t eng_fi_equal(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 64
+    return _mm512_cmpeq_epi32_mask((__m512i)a, (__m512i)b);
+#else
+    return eng_fm_bits(a == b);
+#endif
+}
+
+/* base + i for every set bit i of `bits` < 2^16, ascending. 16 places are written to.
+ * Returns how many bits are set. */
+ENG_INLINE uint32_t eng_pack16(uint32_t *out, uint32_t bits, uint32_t base)
+{
+#if ENG_VECTOR_BYTES == 64
+    const __m512i lanes =
+        _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    __m512i all = _mm512_add_epi32(lanes, _mm512_set1_epi32((int)base));
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32((__mmask16)bits, all));
+    return (uint32_t)__builtin_popcount(bits);
+#elif ENG_VECTOR_BYTES == 32
+    /* Eight numbers of four bits, those of the set bits first. */
+    uint32_t count = 0;
+    for (uint32_t half = 0; half < 16; half += 8) {
+        uint64_t set = bits >> half & 0xff;
+        uint32_t spread = (uint32_t)_pdep_u64(set, 0x11111111u) * 0xf;
+        uint32_t order = _pext_u32(0x76543210u, spread);
+        __m256i lanes = _mm256_srlv_epi32(_mm256_set1_epi32((int)order),
+                                          _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
+        lanes = _mm256_and_si256(lanes, _mm256_set1_epi32(0xf));
+        __m256i all = _mm256_add_epi32(lanes, _mm256_set1_epi32((int)(base + half)));
+        _mm256_storeu_si256((__m256i *)(void *)(out + count), all);
+        count += (uint32_t)__builtin_popcountll(set);
+    }
+    return count;
+#else
+    uint32_t count = 0;
+    for (; bits != 0; bits &= bits - 1) {
+        out[count++] = base + (uint32_t)__builtin_ctz(bits);
+    }
+    return count;
+#endif
+}
+
+/* `x` to 16 places. */
+ENG_INLINE void eng_fill16(uint32_t *out, uint32_t x)
+{
+    for (uint32_t i = 0; i < 16; i += ENG_F_LANES) {
+        eng_fi v = eng_fi_all(x);
+        memcpy(out + i, &v, sizeof v);
+    }
+}
+
+#endif

@@ -1,0 +1,305 @@
+/* tests/unit/test_eng_boxes.c - the box kernels of every instruction set.
+ *
+ * Room:     engine (kernel.h, aabb.h).
+ * Does:     compare each with plain code: rounding, unions, joins of two blocks.
+ * Threads:  one.
+ */
+#include "eng_kit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "aabb.h"
+#include "kernel.h"
+
+#define BLOCKS  4u
+#define BOXES   (BLOCKS * ENG_WIDE)
+#define ROUNDS  40u
+#define NOT_SET 0xdeadbeefu
+
+struct lists {
+    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t count;
+};
+
+struct fixture {
+    struct eng_extents boxes[BOXES];
+    struct eng_wide_block blocks[BLOCKS];
+    struct eng_extents around[BLOCKS];
+    uint32_t corner[3][BOXES];
+};
+
+/* A box as other code keeps it. */
+static struct eng_box plain(const struct eng_extents *box)
+{
+    struct eng_box out;
+    memset(&out, 0, sizeof out);
+    for (int k = 0; k < 3; k++) {
+        out.lo0[k] = -box->side[ENG_LOW0][k];
+        out.lo1[k] = -box->side[ENG_LOW1][k];
+        out.hi0[k] = box->side[ENG_HIGH0][k];
+        out.hi1[k] = box->side[ENG_HIGH1][k];
+    }
+    return out;
+}
+
+/* Boxes of which about a third meet: some touch exactly, some are nowhere. */
+static void fill(struct fixture *f, struct kit_random *random)
+{
+    for (uint32_t i = 0; i < BOXES; i++) {
+        for (int end = 0; end < 2; end++) {
+            for (int k = 0; k < 4; k++) {
+                float lo = (float)kit_integer(random, 12);
+                float size = (float)kit_below(random, 10);
+                f->boxes[i].side[ENG_LOW0 + end][k] = -lo;
+                f->boxes[i].side[ENG_HIGH0 + end][k] = lo + size;
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            f->corner[k][i] = kit_below(random, BOXES);
+        }
+        if (i % 11 == 5) {
+            float *bound = &f->boxes[i].side[0][0];
+            for (int k = 0; k < 16; k++) {
+                bound[k] = ENG_NOWHERE;
+            }
+        }
+    }
+    eng_kernels_of(ENG_ISA_SCALAR)->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
+}
+
+/* If a box were rounded inward by one set, it would miss contacts; outward by more, mode
+ * pairs would name other pairs than the method paper. */
+static void boxes__of_points_are_rounded_as_everywhere(void **state)
+{
+    (void)state;
+    struct kit_random random = {11};
+    for (uint32_t round = 0; round < ROUNDS * 50; round++) {
+        struct eng_point point = {.word0 = 1, .word1 = UINT64_MAX};
+        double scale = ldexp(1, (int)kit_below(&random, 160) - 100);
+        for (int k = 0; k < 3; k++) {
+            point.x0[k] = scale * kit_between(&random, -1, 1);
+            point.x1[k] = round % 3 ? (double)(float)(scale * kit_integer(&random, 9))
+                                    : 1e18 * kit_integer(&random, 1);
+        }
+        struct eng_box expected;
+        eng_box_of_point(&expected, point.x0, point.x1);
+        for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            struct eng_extents box;
+            if (!kernels) {
+                continue;
+            }
+            kernels->box_points(&point, 1, false, &box);
+            struct eng_box found = plain(&box);
+            assert_memory_equal(found.lo0, expected.lo0, sizeof found.lo0);
+            assert_memory_equal(found.hi0, expected.hi0, sizeof found.hi0);
+            assert_memory_equal(found.lo1, expected.lo1, sizeof found.lo1);
+            assert_memory_equal(found.hi1, expected.hi1, sizeof found.hi1);
+            kernels->box_points(&point, 1, true, &box);
+            found = plain(&box);
+            for (int k = 0; k < 3; k++) {
+                assert_true(found.lo0[k] == fminf(expected.lo0[k], expected.lo1[k]));
+                assert_true(found.hi1[k] == fmaxf(expected.hi0[k], expected.hi1[k]));
+                assert_true(found.lo1[k] == found.lo0[k] && found.hi0[k] == found.hi1[k]);
+            }
+        }
+    }
+}
+
+/* If a row were in another lane, or a union too small, a pair would be lost. */
+static void boxes__go_into_blocks_and_unions(void **state)
+{
+    (void)state;
+    static struct fixture f;
+    static struct eng_wide_block blocks[BLOCKS];
+    struct eng_extents around[BLOCKS];
+    struct kit_random random = {12};
+    fill(&f, &random);
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        for (uint32_t arity = 1; kernels && arity <= 3; arity++) {
+            const uint32_t *const corner[3] = {f.corner[0], f.corner[1],
+                                               arity == 3 ? f.corner[2] : NULL};
+            if (arity == 1) {
+                kernels->box_fold(f.boxes, BLOCKS, blocks, around);
+            } else {
+                kernels->box_unite(f.boxes, corner, BLOCKS, blocks, around);
+            }
+            for (uint32_t i = 0; i < 12 * BOXES; i++) {
+                uint32_t box = i / 12;
+                uint32_t side = i % 4;
+                uint32_t axis = i / 4 % 3;
+                float most = -INFINITY;
+                for (uint32_t k = 0; k < arity; k++) {
+                    uint32_t from = arity == 1 ? box : f.corner[k][box];
+                    most = fmaxf(most, f.boxes[from].side[side][axis]);
+                }
+                float found = blocks[box / ENG_WIDE].row[side][axis][box % ENG_WIDE];
+                assert_true(found == most);
+                assert_true(around[box / ENG_WIDE].side[side][axis] >= most);
+            }
+            for (uint32_t i = 0; i < BLOCKS; i++) { /* no larger than need be */
+                for (int axis = 0; axis < 3; axis++) {
+                    const float *row = blocks[i].row[ENG_HIGH1][axis];
+                    float most = row[0];
+                    for (uint32_t lane = 1; lane < ENG_WIDE; lane++) {
+                        most = fmaxf(most, row[lane]);
+                    }
+                    assert_true(around[i].side[ENG_HIGH1][axis] == most);
+                }
+            }
+        }
+    }
+}
+
+enum which { NODES, EDGES, FACES };
+
+static void run(const struct eng_kernels *kernels, struct fixture *f, enum which which,
+                uint32_t n, uint32_t m, float t_end, struct lists *out)
+{
+    struct eng_join job = {.a = f->blocks,
+                           .b = f->blocks,
+                           .b_boxes = f->around,
+                           .b_corner = {f->corner[0], f->corner[1], f->corner[2]},
+                           .t_end = t_end};
+    for (uint32_t i = 0; i < ENG_JOIN_MAX + ENG_JOIN_SPARE; i++) {
+        out->a[i] = out->b[i] = NOT_SET;
+    }
+    if (which == NODES) {
+        out->count = kernels->join_nodes(&job, n, m, n == m, out->a, out->b);
+    } else if (which == EDGES) {
+        job.a_corner[0] = f->corner[0];
+        job.a_corner[1] = f->corner[1];
+        out->count = kernels->join_edges(&job, n, m, n == m, out->a, out->b);
+    } else {
+        out->count = kernels->join_faces(&job, n, m, false, out->a, out->b);
+    }
+    assert_in_range(job.tests, 1, 1 + ENG_WIDE);
+}
+
+/* Is the pair wanted, whatever the boxes? */
+static bool is_wanted(const struct fixture *f, enum which which, bool self, uint32_t a,
+                      uint32_t b)
+{
+    if (which == NODES) {
+        return !self || a <= b;
+    }
+    bool shares = false;
+    for (int k = 0; k < (which == FACES ? 3 : 2); k++) {
+        shares |= which == FACES ? f->corner[k][b] == a
+                                 : f->corner[0][a] == f->corner[k][b] ||
+                                       f->corner[1][a] == f->corner[k][b];
+    }
+    return !shares && (which == FACES || !self || a < b);
+}
+
+/* If a pair of touching boxes were missing a contact would be; if one were there twice,
+ * or shared a vertex, the answer would be another. */
+static void boxes__of_two_blocks_are_joined_as_one_by_one(void **state)
+{
+    (void)state;
+    static struct fixture f;
+    static struct lists out;
+    struct kit_random random = {13};
+    uint64_t pairs = 0;
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        fill(&f, &random);
+        uint32_t n = kit_below(&random, BLOCKS);
+        uint32_t m = round % 2 ? n : kit_below(&random, BLOCKS);
+        for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            for (enum which which = NODES; kernels && which <= FACES; which++) {
+                uint32_t count = 0;
+                run(kernels, &f, which, n, m, 1, &out);
+                for (uint32_t i = 0; i < ENG_JOIN_MAX; i++) {
+                    uint32_t a = n * ENG_WIDE + i / ENG_WIDE;
+                    uint32_t b = m * ENG_WIDE + i % ENG_WIDE;
+                    struct eng_box box_a = plain(&f.boxes[a]);
+                    struct eng_box box_b = plain(&f.boxes[b]);
+                    if (is_wanted(&f, which, n == m, a, b) &&
+                        eng_box_overlap(&box_a, &box_b)) {
+                        assert_int_equal(out.a[count], a);
+                        assert_int_equal(out.b[count], b);
+                        count++;
+                    }
+                }
+                assert_int_equal(out.count, count);
+                pairs += count;
+            }
+        }
+    }
+    assert_true(pairs > 1000);
+}
+
+/* Certainly apart up to t_end along some axis: decided without rounding, for the bounds
+ * are small integers and t_end is a multiple of 2^-8. */
+static bool is_apart_until(const struct eng_box *a, const struct eng_box *b, double t)
+{
+    for (int k = 0; k < 3; k++) {
+        double up0 = (double)a->lo0[k] - (double)b->hi0[k];
+        double up1 = (double)a->lo1[k] - (double)b->hi1[k];
+        double down0 = (double)b->lo0[k] - (double)a->hi0[k];
+        double down1 = (double)b->lo1[k] - (double)a->hi1[k];
+        if ((up0 > 0 && (1 - t) * up0 + t * up1 > 0) ||
+            (down0 > 0 && (1 - t) * down0 + t * down1 > 0)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* If a pair that meets before the bound were left out, mode first would miss the first
+ * contact; if the sets differed, so would the counters of two machines. */
+static void boxes__are_joined_up_to_a_time(void **state)
+{
+    (void)state;
+    static struct fixture f;
+    static struct lists whole;
+    static struct lists expected;
+    static struct lists out;
+    struct kit_random random = {14};
+    uint64_t left_out = 0;
+    uint64_t apart = 0;
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        fill(&f, &random);
+        double t = ldexp((double)kit_below(&random, 256), -8);
+        enum which which = (enum which)(round % 3);
+        run(eng_kernels_of(ENG_ISA_SCALAR), &f, which, 0, round % 2, 1, &whole);
+        run(eng_kernels_of(ENG_ISA_SCALAR), &f, which, 0, round % 2, (float)t, &expected);
+        uint32_t kept = 0;
+        for (uint32_t i = 0; i < whole.count; i++) {
+            struct eng_box a = plain(&f.boxes[whole.a[i]]);
+            struct eng_box b = plain(&f.boxes[whole.b[i]]);
+            bool is_kept = kept < expected.count && expected.a[kept] == whole.a[i] &&
+                           expected.b[kept] == whole.b[i];
+            kept += is_kept;
+            left_out += !is_kept;
+            apart += is_apart_until(&a, &b, t);
+            assert_true(is_kept || is_apart_until(&a, &b, t));
+        }
+        assert_int_equal(kept, expected.count);
+        for (int isa = 1; isa < ENG_ISA_COUNT; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            if (kernels) {
+                run(kernels, &f, which, 0, round % 2, (float)t, &out);
+                assert_int_equal(out.count, expected.count);
+                assert_memory_equal(out.a, expected.a, out.count * sizeof *out.a);
+                assert_memory_equal(out.b, expected.b, out.count * sizeof *out.b);
+            }
+        }
+    }
+    assert_true(left_out > 100 && left_out >= apart * 9 / 10);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boxes__of_points_are_rounded_as_everywhere),
+        cmocka_unit_test(boxes__go_into_blocks_and_unions),
+        cmocka_unit_test(boxes__of_two_blocks_are_joined_as_one_by_one),
+        cmocka_unit_test(boxes__are_joined_up_to_a_time),
+    };
+    return cmocka_run_group_tests_name("eng_boxes", tests, NULL, NULL);
+}
