@@ -8,7 +8,8 @@ ENGINE_CPPFLAGS = \
     -I$(top_srcdir)/daemon/engine/result \
     -I$(top_srcdir)/daemon/engine/scene \
     -I$(top_srcdir)/daemon/engine/schedule \
-    -I$(top_srcdir)/daemon/engine/tree
+    -I$(top_srcdir)/daemon/engine/tree \
+    -I$(top_srcdir)/daemon/engine/wide
 
 include $(top_srcdir)/daemon/engine/kernel/local.mk
 
@@ -123,7 +124,18 @@ libengine_la_SOURCES = \
     daemon/engine/tree/sah.h \
     daemon/engine/tree/subtree.c \
     daemon/engine/tree/subtree.h \
-    daemon/engine/tree/validate.c
+    daemon/engine/tree/validate.c \
+    daemon/engine/wide/wide.c \
+    daemon/engine/wide/wide.h \
+    daemon/engine/wide/wide_join.c \
+    daemon/engine/wide/wide_join.h \
+    daemon/engine/wide/wide_order.c \
+    daemon/engine/wide/wide_order.h \
+    daemon/engine/wide/wide_refit.c \
+    daemon/engine/wide/wide_sweep.c \
+    daemon/engine/wide/wide_sweep.h \
+    daemon/engine/wide/wide_test.c \
+    daemon/engine/wide/wide_test.h
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.

@@ -19,12 +19,13 @@
 #include "schedule.h"
 #include "stage.h"
 #include "step_memory.h"
+#include "wide_test.h"
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
     return settings->mode >= ENG_MODE_ALL && settings->mode <= ENG_MODE_PAIRS &&
            settings->method >= ENG_METHOD_DEFAULT &&
-           settings->method <= ENG_METHOD_PAPER && settings->threads >= 1 &&
+           settings->method <= ENG_METHOD_WIDE && settings->threads >= 1 &&
            settings->scheduler >= ENG_SCHEDULER_STEAL &&
            settings->scheduler <= ENG_SCHEDULER_PAPER &&
            settings->high_level >= ENG_HIGH_ROUND_ROBIN &&
@@ -33,10 +34,16 @@ static bool settings_are_valid(const struct eng_step_settings *settings)
            settings->tolerance >= 1e-12 && settings->tolerance <= 1;
 }
 
+static enum eng_method method_of(const struct eng_step_settings *settings)
+{
+    return settings->method == ENG_METHOD_DEFAULT ? ENG_METHOD_PAPER : settings->method;
+}
+
 static uint32_t threads_for(const struct eng_scene *scene,
                             const struct eng_step_settings *settings)
 {
-    if (settings->threads == 1 || scene->root == ENG_NO_NODE) {
+    if (settings->threads == 1 || scene->root == ENG_NO_NODE ||
+        method_of(settings) == ENG_METHOD_WIDE) {
         return 1;
     }
     if (!settings->team_always && !eng_effort_pays(&scene->memory->effort, settings->mode,
@@ -59,6 +66,10 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
             status = eng_build_top(scene);
         }
     }
+    if (status == ENG_OK && method_of(settings) == ENG_METHOD_WIDE &&
+        scene->wide.is_stale) {
+        status = eng_wide_assemble(&scene->wide, scene);
+    }
     team->scene = scene;
     team->workers = memory->workers;
     team->count = threads_for(scene, settings);
@@ -67,7 +78,7 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     team->low_end_ns = 0;
     eng_refit_begin(team);
     if (status == ENG_OK) {
-        status = eng_step_memory_reserve(memory, team->count);
+        status = eng_step_memory_reserve(memory, team->count, method_of(settings));
     }
     if (status == ENG_OK) {
         status = eng_refit_plan_tree(&memory->plan, scene, settings->refit, team->count);
@@ -91,16 +102,29 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
 static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
 {
     struct eng_worker *worker = team->workers[0];
+    bool is_wide = method_of(worker->settings) == ENG_METHOD_WIDE;
     uint64_t begin_ns = eng_now_ns();
-    eng_refit(team->scene);
+    if (is_wide) {
+        eng_wide_refit(&team->scene->wide, team->scene, false);
+    } else {
+        eng_refit(team->scene);
+    }
     uint64_t refit_ns = eng_now_ns();
     eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
-    eng_rebuild_top(worker);
-    eng_aside_examine(&team->scene->memory->aside, worker);
-    eng_schedule_serial(team, worker);
-    eng_aside_share(&team->scene->memory->aside, worker);
+    if (is_wide) {
+        uint32_t top = team->scene->wide.level_count - 1;
+        eng_wide_work_begin(worker);
+        eng_wide_join_nodes(&worker->wide->join, ENG_VF, top, 0, 0);
+        eng_wide_join_nodes(&worker->wide->join, ENG_EE, top, 0, 0);
+        eng_wide_work_end(worker);
+    } else {
+        eng_rebuild_top(worker);
+        eng_aside_examine(&team->scene->memory->aside, worker);
+        eng_schedule_serial(team, worker);
+        eng_aside_share(&team->scene->memory->aside, worker);
+    }
     uint64_t end_ns = eng_now_ns();
     times->low = end_ns - refit_ns;
     worker->record.low_ns = times->low;
@@ -233,7 +257,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
         return status;
     }
     struct eng_step_result r = {.mode = settings->mode,
-                                .method = ENG_METHOD_PAPER,
+                                .method = method_of(settings),
                                 .verdict = ENG_VERDICT_NONE,
                                 .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};

@@ -23,7 +23,12 @@ enum eng_mode {
     ENG_MODE_ANY = 2,
     ENG_MODE_PAIRS = 3
 };
-enum eng_method { ENG_METHOD_DEFAULT = 0, ENG_METHOD_PAPER = 1 };
+/* How candidates are found. The answer does not depend on it. */
+enum eng_method {
+    ENG_METHOD_DEFAULT = 0, /* paper */
+    ENG_METHOD_PAPER = 1,   /* binary tree over triangles, rebuilt in part on the way */
+    ENG_METHOD_WIDE = 2     /* wide trees over vertices, edges and faces */
+};
 /* Who performs which task unit. The answer does not depend on it. */
 enum eng_scheduler {
     ENG_SCHEDULER_STEAL = 0, /* work stealing over task units and pairs */

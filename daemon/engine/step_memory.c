@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "memory.h"
+#include "wide_test.h"
 
 struct eng_step_memory *eng_step_memory_new(void)
 {
@@ -42,8 +43,10 @@ void eng_step_memory_free(struct eng_step_memory *memory)
     eng_free(memory);
 }
 
-int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
+                            enum eng_method method)
 {
+    int status = ENG_OK;
     if (threads > memory->worker_count) {
         struct eng_thread_record *records =
             eng_realloc(memory->records, threads, sizeof *records);
@@ -60,7 +63,11 @@ int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
         eng_worker_init(worker);
         memory->workers[memory->worker_count++] = worker;
     }
-    return ENG_OK;
+    for (uint32_t i = 0; i < threads && method == ENG_METHOD_WIDE && status == ENG_OK;
+         i++) {
+        status = eng_wide_work_reserve(memory->workers[i]);
+    }
+    return status;
 }
 
 void eng_step_memory_forget(struct eng_step_memory *memory)
@@ -78,7 +85,8 @@ uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
         const struct eng_worker *worker = memory->workers[i];
         bytes += sizeof *worker + sizeof *memory->records +
                  worker->units.capacity * sizeof *worker->units.nodes +
-                 worker->split_capacity * sizeof *worker->split_items;
+                 worker->split_capacity * sizeof *worker->split_items +
+                 (worker->wide ? sizeof *worker->wide : 0);
     }
     return bytes;
 }

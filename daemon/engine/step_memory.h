@@ -1,6 +1,7 @@
 /* daemon/engine/step_memory.h - what one step leaves for the next.
  *
- * Room:     engine. May include: aside.h, effort.h, merge.h, refit.h, worker.h.
+ * Room:     engine. May include: aside.h, effort.h, merge.h, refit.h, step.h,
+ *           worker.h.
  * Does:     keep worker, queues, records and sort scratch of a scene, so that a warm step
  *           allocates nothing.
  * Threads:  [compute].
@@ -12,6 +13,7 @@
 #include "effort.h"
 #include "merge.h"
 #include "refit.h"
+#include "step.h"
 #include "worker.h"
 
 struct eng_step_memory {
@@ -30,9 +32,10 @@ struct eng_step_memory {
 struct eng_step_memory *eng_step_memory_new(void); /* NULL: no memory */
 void eng_step_memory_free(struct eng_step_memory *memory);
 
-/* Workers for that many threads, 1 .. ENG_THREADS_MAX. ENG_E_NOMEM: those at
- * hand stay. */
-int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads);
+/* Workers for that many threads, 1 .. ENG_THREADS_MAX, with what the method needs.
+ * ENG_E_NOMEM: those at hand stay. */
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
+                            enum eng_method method);
 
 /* Drop the last answer: its names may no longer mean the same. */
 void eng_step_memory_forget(struct eng_step_memory *memory);

@@ -54,8 +54,8 @@ static struct eng_pair name_of(const struct eng_scene *scene, enum eng_kind kind
                              object_b->id, b - object_b->edges.first};
 }
 
-static void keep(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint32_t b,
-                 const struct eng_hit *hit)
+void eng_test_keep(struct eng_worker *worker, const struct eng_pair *name,
+                   const struct eng_hit *hit)
 {
     if (worker->settings->mode == ENG_MODE_ANY) {
         if (hit->flags & ENG_PROVED) {
@@ -69,8 +69,7 @@ static void keep(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint
     if (worker->settings->mode == ENG_MODE_FIRST && (hit->flags & ENG_PROVED)) {
         eng_worker_tighten(worker, hit->toi_hi);
     }
-    struct eng_pair name = name_of(worker->scene, kind, a, b);
-    struct eng_contact *contact = eng_found_add(&worker->found, &name);
+    struct eng_contact *contact = eng_found_add(&worker->found, name);
     if (!contact) {
         return;
     }
@@ -117,7 +116,9 @@ static void test_lanes(struct eng_worker *worker, enum eng_kind kind,
         uint64_t exact_queries = worker->exact.queries;
         if (eng_solve(&queries[lane], worker->settings->tolerance, worker->time_bound,
                       &worker->exact, &hit)) {
-            keep(worker, kind, chunk->a[first + lane], chunk->b[first + lane], &hit);
+            struct eng_pair name = name_of(worker->scene, kind, chunk->a[first + lane],
+                                           chunk->b[first + lane]);
+            eng_test_keep(worker, &name, &hit);
         }
         /* Coordinates of very different size take exact arithmetic up to 0.3 s a test. */
         if (worker->exact.queries != exact_queries) {

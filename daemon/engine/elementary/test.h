@@ -1,16 +1,21 @@
 /* daemon/engine/elementary/test.h - elementary tests of a chunk of candidates.
  *
- * Room:     engine. May include: worker.h.
+ * Room:     engine. May include: solve.h, worker.h.
  * Does:     filter, solve, record; or record the candidates themselves (mode pairs).
  * Threads:  [team].
  */
 #ifndef ENG_TEST_H
 #define ENG_TEST_H
 
+#include "solve.h"
 #include "worker.h"
 
 /* Test and empty one of the worker's chunks. */
 void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind);
+
+/* Keep what a test has found, as the mode of the step wants it. */
+void eng_test_keep(struct eng_worker *worker, const struct eng_pair *name,
+                   const struct eng_hit *hit);
 
 /* The query of a candidate: global indices as in struct eng_chunk. */
 void eng_query_load(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,

@@ -42,6 +42,7 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
     eng_ranges_init(&s->triangle_ranges, ENG_COUNT_MAX);
     eng_ranges_init(&s->node_ranges, UINT32_MAX - 1);
     s->root = ENG_NO_NODE;
+    eng_wide_init(&s->wide);
     s->memory = eng_step_memory_new();
     if (!s->memory) {
         eng_free(s);
@@ -58,7 +59,9 @@ void eng_scene_free(struct eng_scene *scene)
     }
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         eng_mesh_release(scene->objects[i].mesh);
+        eng_free(scene->objects[i].order);
     }
+    eng_wide_deinit(&scene->wide);
     eng_step_memory_free(scene->memory);
     eng_ranges_deinit(&scene->vertex_ranges);
     eng_ranges_deinit(&scene->edge_ranges);
@@ -132,11 +135,14 @@ static void give_all(struct eng_scene *scene, struct eng_object *object)
     give(&scene->edge_ranges, &object->edges);
     give(&scene->triangle_ranges, &object->triangles);
     give(&scene->node_ranges, &object->nodes);
+    eng_free(object->order);
+    object->order = NULL;
 }
 
 static int take_all(struct eng_scene *scene, struct eng_object *object,
-                    const struct eng_mesh_info *info)
+                    const struct eng_mesh *mesh)
 {
+    const struct eng_mesh_info *info = &mesh->info;
     int status = take(&scene->vertex_ranges, info->vertex_count, &object->vertices);
     if (status == ENG_OK) {
         status = take(&scene->edge_ranges, info->edge_count, &object->edges);
@@ -150,6 +156,9 @@ static int take_all(struct eng_scene *scene, struct eng_object *object,
     }
     if (status == ENG_OK) {
         status = eng_world_reserve(scene);
+    }
+    if (status == ENG_OK) {
+        status = eng_wide_order_new(mesh, (const double(*)[3])mesh->x, &object->order);
     }
     if (status != ENG_OK) {
         give_all(scene, object);
@@ -199,9 +208,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
                  uint32_t object_id)
 {
     struct eng_object object = {.id = object_id, .still = true};
-    struct eng_mesh_info info;
-    eng_mesh_get_info(mesh, &info);
-    int status = take_all(scene, &object, &info);
+    int status = take_all(scene, &object, mesh);
     if (status != ENG_OK) {
         return status;
     }
@@ -220,6 +227,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
     eng_regions_mark(scene, object.nodes);
     eng_rebuild_note(scene, object.nodes);
     scene->top_is_stale = true;
+    scene->wide.is_stale = true;
     eng_step_memory_forget(scene->memory);
     return ENG_OK;
 }
@@ -323,6 +331,7 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
     object->mesh = NULL;
     scene->object_count--;
     scene->top_is_stale = true;
+    scene->wide.is_stale = true;
     eng_step_memory_forget(scene->memory);
     return ENG_OK;
 }
@@ -340,7 +349,14 @@ uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_i
 
 uint64_t eng_scene_bytes(const struct eng_scene *scene)
 {
-    return sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +
+    uint64_t orders = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh) {
+            orders += eng_wide_order_bytes(scene->objects[i].order);
+        }
+    }
+    return orders + eng_wide_bytes(&scene->wide) + sizeof *scene +
+           (uint64_t)scene->object_capacity * sizeof *scene->objects +
            (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
            (uint64_t)scene->vertex_capacity *
                (2 * sizeof *scene->x[0] + sizeof *scene->vertices) +

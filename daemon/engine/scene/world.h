@@ -1,6 +1,7 @@
 /* daemon/engine/scene/world.h - the inside of a scene: flat arrays over all its objects.
  *
- * Room:     engine. May include: aabb.h, median.h, range.h, scene.h, topology.h.
+ * Room:     engine. May include: aabb.h, median.h, range.h, scene.h, topology.h,
+ *           wide.h.
  * Does:     show struct eng_scene to the phases of a step: build, merge, refit,
  *           traversal, filter, solver, results.
  * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
@@ -20,6 +21,7 @@
 #include "range.h"
 #include "scene.h"
 #include "topology.h"
+#include "wide.h"
 
 #define ENG_LEAF    UINT32_MAX /* in eng_node.left */
 #define ENG_NO_NODE UINT32_MAX /* root of an empty scene */
@@ -91,6 +93,7 @@ struct eng_object {
     struct eng_range vertices;
     struct eng_range edges;
     struct eng_range triangles;
+    struct eng_wide_order *order; /* of its features in the trees of the method wide */
     struct eng_range nodes; /* pre-order: a parent precedes its children; first = root */
     bool still;             /* x[0] and x[1] hold the same positions of this object */
     uint64_t staged;        /* stage number that last wrote to it */
@@ -152,6 +155,8 @@ struct eng_scene {
     struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */
     uint32_t top_item_capacity;
     uint32_t step; /* number of the step; goes round */
+
+    struct eng_wide wide; /* the trees of the method wide */
 
     /* Staging. */
     bool staging;

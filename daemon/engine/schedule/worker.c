@@ -30,6 +30,8 @@ void eng_worker_deinit(struct eng_worker *worker)
     eng_exact_deinit(&worker->exact);
     eng_free(worker->units.nodes);
     eng_free(worker->split_items);
+    eng_free(worker->wide);
+    worker->wide = NULL;
     worker->units.nodes = NULL;
     worker->split_items = NULL;
 }

@@ -105,6 +105,8 @@ static inline bool eng_stop_is_set(const struct eng_stop *stop)
     return atomic_load_explicit(&stop->stopped, memory_order_relaxed);
 }
 
+struct eng_wide_work; /* wide_test.h */
+
 struct eng_worker {
     struct eng_scene *scene; /* written to only behind gates (rebuild.h) */
     const struct eng_step_settings *settings;
@@ -118,6 +120,7 @@ struct eng_worker {
     struct eng_pair_queue pairs;
     struct eng_chunk vf;
     struct eng_chunk ee;
+    struct eng_wide_work *wide; /* method wide; NULL until a step needs it */
     struct eng_found found;
     struct eng_exact exact;
     struct eng_split_item *split_items; /* [split_capacity] to reconstruct a region */

@@ -1,0 +1,310 @@
+/* daemon/engine/wide/wide.c - the trees of the method `wide`, put together.
+ *
+ * Room:     engine.
+ * Does:     order the objects in space, give each its slots, copy what the features are.
+ * Threads:  [compute].
+ */
+#include "wide.h"
+
+#include <string.h>
+
+#include "memory.h"
+#include "world.h"
+
+void eng_wide_init(struct eng_wide *wide)
+{
+    memset(wide, 0, sizeof *wide);
+    wide->is_stale = true;
+}
+
+void eng_wide_deinit(struct eng_wide *wide)
+{
+    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        eng_free(tree->blocks);
+        eng_free(tree->boxes);
+        eng_free(tree->keys);
+        for (int k = 0; k < 3; k++) {
+            eng_free(tree->corner[k]);
+        }
+    }
+    eng_free(wide->points);
+    eng_free(wide->point_boxes);
+    eng_free(wide->slot_of);
+    eng_free(wide->items);
+}
+
+static uint32_t corner_count(enum eng_wide_kind kind)
+{
+    return kind == ENG_WIDE_FACES ? 3 : kind == ENG_WIDE_EDGES ? 2 : 0;
+}
+
+uint64_t eng_wide_bytes(const struct eng_wide *wide)
+{
+    uint64_t bytes = (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
+                     (uint64_t)wide->item_capacity * sizeof *wide->items +
+                     (uint64_t)wide->trees[ENG_WIDE_VERTICES].slot_capacity *
+                         (sizeof *wide->points + sizeof *wide->point_boxes);
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        const struct eng_wide_tree *tree = &wide->trees[kind];
+        bytes +=
+            (uint64_t)tree->block_capacity * (sizeof *tree->blocks + sizeof *tree->boxes);
+        if (kind != ENG_WIDE_VERTICES) {
+            bytes += (uint64_t)tree->slot_capacity *
+                     (corner_count(kind) * sizeof *tree->corner[0] + sizeof *tree->keys);
+        }
+    }
+    return bytes;
+}
+
+static uint32_t round_up(uint64_t count, uint32_t multiple)
+{
+    return (uint32_t)((count + multiple - 1) / multiple * multiple);
+}
+
+/* Where a list of `count` begins: at a multiple of this, so that its groups are groups of
+ * the whole, for less than an eighth of its size in slots that nobody takes. */
+static uint32_t alignment(uint32_t count)
+{
+    uint32_t multiple = ENG_WIDE;
+    while (multiple < (1u << 24) && multiple * ENG_WIDE <= count / 8) {
+        multiple *= ENG_WIDE;
+    }
+    return multiple;
+}
+
+/* The centre of an object's box where it stands. */
+static struct eng_split_item item_of(const struct eng_scene *scene, uint32_t object_idx)
+{
+    const struct eng_object *object = &scene->objects[object_idx];
+    const double(*x)[3] =
+        (const double(*)[3])scene->x[scene->now] + object->vertices.first;
+    struct eng_split_item item = {.id = object_idx};
+    for (int k = 0; k < 3; k++) {
+        double lo = x[0][k];
+        double hi = x[0][k];
+        for (uint32_t i = 1; i < object->vertices.count; i++) {
+            lo = x[i][k] < lo ? x[i][k] : lo;
+            hi = x[i][k] > hi ? x[i][k] : hi;
+        }
+        item.centroid[k] = (float)(lo + hi);
+    }
+    return item;
+}
+
+/* The objects in their order. */
+static int order_objects(struct eng_wide *wide, const struct eng_scene *scene)
+{
+    if (scene->object_count > wide->item_capacity) {
+        uint32_t capacity = eng_world_grown(wide->item_capacity, scene->object_count);
+        int status = eng_world_grow(&wide->items, capacity, sizeof *wide->items);
+        if (status != ENG_OK) {
+            return status;
+        }
+        wide->item_capacity = capacity;
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh) {
+            wide->items[count++] = item_of(scene, i);
+        }
+    }
+    if (count > 1) {
+        eng_wide_sort(wide->items, count, 1);
+    }
+    return ENG_OK;
+}
+
+/* Slots of a tree over all objects. The last vertex slot is nobody's: that of features
+ * which are nowhere. */
+static uint64_t count_slots(const struct eng_wide *wide, const struct eng_scene *scene,
+                            enum eng_wide_kind kind)
+{
+    uint64_t end = 0;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        uint32_t count = scene->objects[wide->items[i].id].order->count[kind];
+        end = (end + alignment(count) - 1) / alignment(count) * alignment(count);
+        end += count;
+    }
+    end += kind == ENG_WIDE_VERTICES;
+    return end > ENG_WIDE ? end : ENG_WIDE;
+}
+
+/* Blocks of a tree of that many slots, with as many as a full block of the next level
+ * needs. */
+static uint32_t count_blocks(uint32_t slot_count, uint32_t level_count,
+                             struct eng_wide_tree *tree)
+{
+    uint32_t blocks = slot_count / ENG_WIDE;
+    uint32_t first = 0;
+    for (uint32_t level = 0; level < level_count; level++) {
+        if (tree) {
+            tree->first[level] = first;
+            tree->block_count[level] = blocks;
+        }
+        first += round_up(blocks, ENG_WIDE);
+        blocks = (blocks + ENG_WIDE - 1) / ENG_WIDE;
+    }
+    return first;
+}
+
+static int reserve_slots(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t count)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    if (count <= tree->slot_capacity) {
+        return ENG_OK;
+    }
+    uint32_t capacity = eng_world_grown(tree->slot_capacity, count);
+    int status = ENG_OK;
+    if (kind == ENG_WIDE_VERTICES) {
+        status = eng_world_grow(&wide->points, capacity, sizeof *wide->points);
+        if (status == ENG_OK) {
+            status =
+                eng_world_grow(&wide->point_boxes, capacity, sizeof *wide->point_boxes);
+        }
+    } else {
+        status = eng_world_grow(&tree->keys, capacity, sizeof *tree->keys);
+    }
+    for (uint32_t k = 0; k < corner_count(kind) && status == ENG_OK; k++) {
+        status = eng_world_grow(&tree->corner[k], capacity, sizeof *tree->corner[k]);
+    }
+    tree->slot_capacity = status == ENG_OK ? capacity : tree->slot_capacity;
+    return status;
+}
+
+static int reserve_blocks(struct eng_wide_tree *tree, uint32_t count)
+{
+    if (count <= tree->block_capacity) {
+        return ENG_OK;
+    }
+    uint32_t capacity = eng_world_grown(tree->block_capacity, count);
+    int status = eng_world_grow(&tree->blocks, capacity, sizeof *tree->blocks);
+    if (status == ENG_OK) {
+        status = eng_world_grow(&tree->boxes, capacity, sizeof *tree->boxes);
+    }
+    tree->block_capacity = status == ENG_OK ? capacity : tree->block_capacity;
+    return status;
+}
+
+/* Room for everything. */
+static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
+                   const uint32_t slots[ENG_WIDE_KINDS], uint32_t level_count)
+{
+    int status = ENG_OK;
+    if (scene->vertex_capacity > wide->slot_of_capacity) {
+        status =
+            eng_world_grow(&wide->slot_of, scene->vertex_capacity, sizeof *wide->slot_of);
+        wide->slot_of_capacity =
+            status == ENG_OK ? scene->vertex_capacity : wide->slot_of_capacity;
+    }
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS && status == ENG_OK; kind++) {
+        status = reserve_slots(wide, kind, slots[kind]);
+        if (status == ENG_OK) {
+            status = reserve_blocks(&wide->trees[kind],
+                                    count_blocks(slots[kind], level_count, NULL));
+        }
+    }
+    return status;
+}
+
+/* Slots from `first` up to `end` belong to nobody. */
+static void clear(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t first,
+                  uint32_t end)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    for (uint32_t slot = first; slot < end; slot++) {
+        if (kind == ENG_WIDE_VERTICES) {
+            memset(&wide->points[slot], 0, sizeof wide->points[slot]);
+            wide->points[slot].word0 = ENG_WIDE_NOBODY;
+            continue;
+        }
+        tree->keys[slot] = ENG_WIDE_NOBODY;
+        for (uint32_t k = 0; k < corner_count(kind); k++) {
+            tree->corner[k][slot] = wide->trees[ENG_WIDE_VERTICES].slot_count - 1;
+        }
+    }
+}
+
+/* The features of one object into its slots. */
+static void fill(struct eng_wide *wide, const struct eng_object *object,
+                 enum eng_wide_kind kind, uint32_t first)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    const struct eng_mesh *mesh = object->mesh;
+    const uint32_t *slot_of = wide->slot_of + object->vertices.first;
+    for (uint32_t i = 0; i < object->order->count[kind]; i++) {
+        uint32_t feature = object->order->feature[kind][i];
+        uint32_t slot = first + i;
+        eng_wide_key key = (uint64_t)object->id << 32 | feature;
+        if (kind == ENG_WIDE_VERTICES) {
+            uint32_t vertex = object->vertices.first + feature;
+            memset(&wide->points[slot], 0, sizeof wide->points[slot]);
+            wide->points[slot].word0 = vertex;
+            wide->points[slot].word1 = key;
+            wide->slot_of[vertex] = slot;
+            continue;
+        }
+        const uint32_t *corners =
+            kind == ENG_WIDE_EDGES ? mesh->edges[feature] : mesh->triangles[feature].v;
+        tree->keys[slot] = key;
+        for (uint32_t k = 0; k < corner_count(kind); k++) {
+            tree->corner[k][slot] = slot_of[corners[k]];
+        }
+    }
+}
+
+static void set_nowhere(struct eng_extents *boxes, uint32_t count)
+{
+    float *bound = &boxes[0].side[0][0];
+    for (size_t i = 0; i < (size_t)count * sizeof *boxes / sizeof *bound; i++) {
+        bound[i] = ENG_NOWHERE;
+    }
+}
+
+static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
+                         const uint32_t slots[ENG_WIDE_KINDS])
+{
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t end = 0;
+        tree->slot_count = slots[kind];
+        set_nowhere(tree->boxes, count_blocks(tree->slot_count, wide->level_count, tree));
+        for (uint32_t i = 0; i < scene->object_count; i++) {
+            const struct eng_object *object = &scene->objects[wide->items[i].id];
+            uint32_t count = object->order->count[kind];
+            uint32_t first = round_up(end, alignment(count));
+            clear(wide, kind, end, first);
+            fill(wide, object, kind, first);
+            end = first + count;
+        }
+        clear(wide, kind, end, tree->slot_count);
+    }
+    set_nowhere(wide->point_boxes, wide->trees[ENG_WIDE_VERTICES].slot_count);
+}
+
+int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
+{
+    int status = order_objects(wide, scene);
+    if (status != ENG_OK) {
+        return status;
+    }
+    uint32_t slots[ENG_WIDE_KINDS];
+    uint32_t level_count = 1;
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        uint64_t count = count_slots(wide, scene, kind);
+        if (count > UINT32_MAX - ENG_WIDE) {
+            return ENG_E_NOMEM;
+        }
+        slots[kind] = round_up(count, ENG_WIDE);
+        while ((uint64_t)ENG_WIDE << (level_count - 1) * ENG_WIDE_BITS < slots[kind]) {
+            level_count++;
+        }
+    }
+    status = reserve(wide, scene, slots, level_count);
+    if (status == ENG_OK) {
+        wide->level_count = level_count;
+        put_together(wide, scene, slots);
+        wide->is_stale = false;
+    }
+    return status;
+}

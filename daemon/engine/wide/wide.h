@@ -1,0 +1,93 @@
+/* daemon/engine/wide/wide.h - the trees of the method `wide`.
+ *
+ * Room:     engine. May include: kernel.h, wide_order.h.
+ * Does:     hold three trees over all objects of a scene: vertices, edges, faces. Slot i
+ *           of a tree is one feature, in an order in which neighbours are near; block i
+ *           of level 0 holds the boxes of slots 16 i .. 16 i + 15, block i of level k
+ *           those of blocks 16 i .. of level k - 1: no pointers.
+ * Does not: change within a step but for the boxes.
+ * Threads:  [compute]; inside a step the team reads it, and writes boxes of its own.
+ *
+ * Objects start at a multiple of 16 slots, large ones at one of 256 or more, so that
+ * their groups stay together; slots between them are nowhere. All trees have the same
+ * number of levels, the highest with one block.
+ */
+#ifndef ENG_WIDE_TREES_H
+#define ENG_WIDE_TREES_H
+
+#include "kernel.h"
+#include "wide_order.h"
+
+struct eng_object;
+struct eng_scene;
+
+/* 16^8 = 2^32 slots. */
+#define ENG_WIDE_LEVELS_MAX 8u
+
+#define ENG_WIDE_NOBODY UINT64_MAX /* in eng_point.word0 */
+
+/* Of a feature: object id << 32 | local index. Records are in the order of the keys. */
+typedef uint64_t eng_wide_key;
+
+struct eng_wide_tree {
+    uint32_t slot_count; /* a multiple of 16, at least 16 */
+    uint32_t slot_capacity;
+    uint32_t block_capacity;
+    uint32_t block_count[ENG_WIDE_LEVELS_MAX];
+    uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
+    struct eng_wide_block *blocks;       /* [block_capacity] */
+    struct eng_extents *boxes;           /* [block_capacity] around each block */
+    uint32_t *corner[3]; /* edges 2, faces 3: [slot_capacity], vertex slots */
+    eng_wide_key *keys;  /* edges and faces: [slot_capacity] */
+};
+
+struct eng_wide {
+    struct eng_wide_tree trees[ENG_WIDE_KINDS];
+    uint32_t level_count; /* of each tree */
+    /* Vertices, by slot: word0 is the vertex's index in the scene's arrays, or
+     * ENG_WIDE_NOBODY, word1 its key. */
+    struct eng_point *points;
+    struct eng_extents *point_boxes;
+    uint32_t *slot_of; /* [slot_of_capacity] of the vertices in the scene's arrays */
+    uint32_t slot_of_capacity;
+    struct eng_split_item *items; /* [item_capacity] scratch: the objects */
+    uint32_t item_capacity;
+    bool is_stale; /* objects came or went since it was put together */
+};
+
+void eng_wide_init(struct eng_wide *wide);
+void eng_wide_deinit(struct eng_wide *wide);
+uint64_t eng_wide_bytes(const struct eng_wide *wide);
+
+/* Put the trees of all objects together, from their orders (eng_object.order). Boxes are
+ * not up to date afterwards. O(features); ENG_E_NOMEM: as before, and still stale. */
+int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
+
+/* Boxes from x[1 - now] (t = 0) and x[now] (t = 1) of the scene, by one thread. `swept`:
+ * both ends get the box around both, so that the same traversal finds the pairs of plain
+ * swept boxes (for comparisons; the next step makes them anew). */
+void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool swept);
+
+/* Of that: vertices and the blocks over slots first .. first + count - 1, multiples of
+ * 16; features likewise, when all vertices are done; the levels above from `level` >= 1
+ * on. [team] */
+void eng_wide_refit_vertices(struct eng_wide *wide, const struct eng_scene *scene,
+                             uint32_t first, uint32_t count, bool swept);
+void eng_wide_refit_features(struct eng_wide *wide, enum eng_wide_kind kind,
+                             uint32_t first, uint32_t count);
+void eng_wide_refit_levels(struct eng_wide *wide, enum eng_wide_kind kind,
+                           uint32_t level);
+
+static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree *tree,
+                                                     uint32_t level)
+{
+    return tree->blocks + tree->first[level];
+}
+
+static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tree,
+                                                 uint32_t level)
+{
+    return tree->boxes + tree->first[level];
+}
+
+#endif

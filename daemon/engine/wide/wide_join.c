@@ -1,0 +1,130 @@
+/* daemon/engine/wide/wide_join.c - from two nodes to the pairs of features below them.
+ *
+ * Room:     engine.
+ * Does:     see wide_join.h. Each level has a list of pairs that wait; one is refined
+ *           into the list of the level below, at most 256, before the next is taken.
+ * Threads:  wide_join.h.
+ */
+#include "wide_join.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* Joins of two blocks between two looks: some 200 us. */
+#define JOINS_PER_LOOK 1024u
+
+void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide)
+{
+    static const enum eng_wide_kind tree_of[ENG_KINDS][2] = {
+        [ENG_VF] = {ENG_WIDE_VERTICES, ENG_WIDE_FACES},
+        [ENG_EE] = {ENG_WIDE_EDGES, ENG_WIDE_EDGES}};
+    join->kernels = eng_kernels();
+    join->stopped = false;
+    join->looked = 0;
+    join->pairs = 0;
+    memset(join->jobs, 0, sizeof join->jobs);
+    for (int kind = 0; kind < ENG_KINDS; kind++) {
+        const struct eng_wide_tree *a = &wide->trees[tree_of[kind][0]];
+        const struct eng_wide_tree *b = &wide->trees[tree_of[kind][1]];
+        join->chunks[kind].count = 0;
+        for (uint32_t level = 0; level < wide->level_count; level++) {
+            struct eng_join *job = &join->jobs[kind][level];
+            *job = (struct eng_join){.a = eng_wide_blocks(a, level),
+                                     .b = eng_wide_blocks(b, level),
+                                     .b_boxes = eng_wide_boxes(b, level),
+                                     .t_end = 1};
+            for (int k = 0; k < 3; k++) {
+                job->a_corner[k] = a->corner[k];
+                job->b_corner[k] = b->corner[k];
+            }
+        }
+    }
+    for (uint32_t level = 0; level < wide->level_count; level++) {
+        join->lists[level].count = 0;
+    }
+}
+
+void eng_wide_join_until(struct eng_wide_join *join, float t_end)
+{
+    for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
+        join->jobs[ENG_VF][level].t_end = t_end;
+        join->jobs[ENG_EE][level].t_end = t_end;
+    }
+}
+
+static void flush(struct eng_wide_join *join, enum eng_kind kind)
+{
+    join->flush(join->owner, kind, &join->chunks[kind]);
+    assert(join->chunks[kind].count == 0);
+}
+
+static void join_features(struct eng_wide_join *join, enum eng_kind kind, uint32_t n,
+                          uint32_t m)
+{
+    struct eng_wide_chunk *chunk = &join->chunks[kind];
+    if (chunk->count > ENG_CHUNK_MAX - ENG_JOIN_MAX) {
+        flush(join, kind);
+    }
+    struct eng_join *job = &join->jobs[kind][0];
+    uint32_t *a = chunk->a + chunk->count;
+    uint32_t *b = chunk->b + chunk->count;
+    chunk->count += kind == ENG_VF ? join->kernels->join_faces(job, n, m, false, a, b)
+                                   : join->kernels->join_edges(job, n, m, n == m, a, b);
+}
+
+void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+                          uint32_t n, uint32_t m)
+{
+    struct eng_wide_list *below = &join->lists[level - 1];
+    assert(below->count == 0);
+    below->count = join->kernels->join_nodes(
+        &join->jobs[kind][level], n, m, kind == ENG_EE && n == m, below->a, below->b);
+    join->pairs++;
+}
+
+void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+                         uint32_t n, uint32_t m)
+{
+    uint32_t top = level;
+    if (level == 0) {
+        join_features(join, kind, n, m);
+        return;
+    }
+    eng_wide_join_refine(join, kind, level--, n, m);
+    while (level < top && !join->stopped) {
+        struct eng_wide_list *list = &join->lists[level];
+        if (list->count == 0) {
+            level++;
+            continue;
+        }
+        if (++join->looked % JOINS_PER_LOOK == 0) {
+            join->look(join->owner);
+        }
+        list->count--;
+        n = list->a[list->count];
+        m = list->b[list->count];
+        if (level == 0) {
+            join_features(join, kind, n, m);
+        } else {
+            eng_wide_join_refine(join, kind, level--, n, m);
+        }
+    }
+    for (; level < top; level++) {
+        join->lists[level].count = 0;
+    }
+}
+
+void eng_wide_join_flush(struct eng_wide_join *join)
+{
+    flush(join, ENG_VF);
+    flush(join, ENG_EE);
+}
+
+uint64_t eng_wide_join_tests(const struct eng_wide_join *join)
+{
+    uint64_t tests = 0;
+    for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
+        tests += join->jobs[ENG_VF][level].tests + join->jobs[ENG_EE][level].tests;
+    }
+    return tests;
+}

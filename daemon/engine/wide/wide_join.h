@@ -1,0 +1,70 @@
+/* daemon/engine/wide/wide_join.h - from two nodes to the pairs of features below them.
+ *
+ * Room:     engine. May include: batch.h, step.h, wide.h.
+ * Does:     go down two trees together, depth first, and collect the pairs of features
+ *           whose moving boxes overlap in chunks, which the owner empties.
+ * Does not: know what becomes of a pair (wide_test.h), or who does what (wide_task.h).
+ * Threads:  one thread for one join; the trees are only read.
+ */
+#ifndef ENG_WIDE_JOIN_H
+#define ENG_WIDE_JOIN_H
+
+#include "batch.h"
+#include "step.h"
+#include "wide.h"
+
+#define ENG_KINDS 2 /* enum eng_kind */
+
+/* Pairs of slots: VF vertex and face, EE two edges in any order. */
+struct eng_wide_chunk {
+    uint32_t count;
+    uint32_t a[ENG_CHUNK_MAX + ENG_JOIN_SPARE];
+    uint32_t b[ENG_CHUNK_MAX + ENG_JOIN_SPARE];
+};
+
+/* Pairs of nodes of one level that wait. */
+struct eng_wide_list {
+    uint32_t count;
+    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+};
+
+struct eng_wide_join {
+    const struct eng_kernels *kernels;
+    void *owner;
+    /* Called when a chunk has no room for all that two blocks may add: takes the pairs
+     * and sets the count to 0. */
+    void (*flush)(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk);
+    /* Called now and then: may set stopped, or t_end by eng_wide_join_until. */
+    void (*look)(void *owner);
+    bool stopped;    /* the join ends early */
+    uint32_t looked; /* joins since the last look */
+    uint64_t pairs;  /* pairs of nodes refined */
+    struct eng_join jobs[ENG_KINDS][ENG_WIDE_LEVELS_MAX];
+    struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
+    struct eng_wide_chunk chunks[ENG_KINDS];
+};
+
+/* Get ready for the trees as they are; owner, flush and look are set by the caller. */
+void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide);
+
+/* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1. */
+void eng_wide_join_until(struct eng_wide_join *join, float t_end);
+
+/* All pairs that nodes n and m of a level lead to: of the vertex and the face tree, or of
+ * the edge tree, where n == m stands for all pairs below one node. */
+void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+                         uint32_t n, uint32_t m);
+
+/* Refine nodes n and m of a level >= 1 once: what it leads to is in join->lists[level -
+ * 1], which must be empty before and after. */
+void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+                          uint32_t n, uint32_t m);
+
+/* Hand over what is left in the chunks. */
+void eng_wide_join_flush(struct eng_wide_join *join);
+
+/* Boxes tested against a block so far. */
+uint64_t eng_wide_join_tests(const struct eng_wide_join *join);
+
+#endif

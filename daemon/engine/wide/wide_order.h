@@ -1,0 +1,34 @@
+/* daemon/engine/wide/wide_order.h - the order in which an object's features are stored.
+ *
+ * Room:     engine. May include: median.h, mesh.h.
+ * Does:     put features that are near each other next to each other, so that every
+ *           aligned group of 16, 256, .. of them has a tight box.
+ * Threads:  [any]; one thread for one order.
+ */
+#ifndef ENG_WIDE_ORDER_H
+#define ENG_WIDE_ORDER_H
+
+#include "median.h"
+#include "mesh.h"
+
+/* The three trees of the method `wide`. */
+enum eng_wide_kind { ENG_WIDE_VERTICES, ENG_WIDE_EDGES, ENG_WIDE_FACES, ENG_WIDE_KINDS };
+
+/* Local indices, first to last; vertices in no triangle are left out. One allocation. */
+struct eng_wide_order {
+    uint32_t count[ENG_WIDE_KINDS];
+    uint32_t *feature[ENG_WIDE_KINDS]; /* [count] */
+};
+
+/* Of a committed mesh, at the positions `x` of its vertices. Freed with eng_free.
+ * ENG_E_NOMEM. O(n log n). */
+int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
+                       struct eng_wide_order **order);
+
+uint64_t eng_wide_order_bytes(const struct eng_wide_order *order);
+
+/* Sort items[count] by splits at the median of the longest axis, each at a multiple of
+ * the largest power of 16 below its range; down to ranges of `least`, 1 or 16. */
+void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least);
+
+#endif

@@ -1,0 +1,160 @@
+/* daemon/engine/wide/wide_test.c - what a worker needs to find contacts in wide trees.
+ *
+ * Room:     engine.
+ * Does:     name pairs, gather the vertices of their features, test them.
+ * Threads:  [team].
+ */
+#include "wide_test.h"
+
+#include "memory.h"
+#include "test.h"
+
+int eng_wide_work_reserve(struct eng_worker *worker)
+{
+    if (!worker->wide) {
+        worker->wide = eng_alloc(1, sizeof *worker->wide);
+    }
+    return worker->wide ? ENG_OK : ENG_E_NOMEM;
+}
+
+/* The order of keys is the order in which records name two edges. */
+static bool is_in_order(const struct eng_wide *wide, uint32_t a, uint32_t b)
+{
+    const eng_wide_key *keys = wide->trees[ENG_WIDE_EDGES].keys;
+    return keys[a] < keys[b];
+}
+
+static struct eng_pair name_of(const struct eng_wide *wide, enum eng_kind kind,
+                               uint32_t a, uint32_t b)
+{
+    eng_wide_key key_a;
+    eng_wide_key key_b;
+    if (kind == ENG_VF) {
+        key_a = wide->points[a].word1;
+        key_b = wide->trees[ENG_WIDE_FACES].keys[b];
+    } else {
+        const eng_wide_key *keys = wide->trees[ENG_WIDE_EDGES].keys;
+        bool in_order = is_in_order(wide, a, b);
+        key_a = keys[in_order ? a : b];
+        key_b = keys[in_order ? b : a];
+    }
+    return (struct eng_pair){kind, (uint32_t)(key_a >> 32), (uint32_t)key_a,
+                             (uint32_t)(key_b >> 32), (uint32_t)key_b};
+}
+
+static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
+                            const struct eng_wide_chunk *chunk)
+{
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        struct eng_pair name =
+            name_of(&worker->scene->wide, kind, chunk->a[i], chunk->b[i]);
+        eng_found_add(&worker->found, &name); /* a full list says so itself */
+    }
+}
+
+static void make_quads(const struct eng_wide *wide, enum eng_kind kind,
+                       const struct eng_wide_chunk *chunk, uint32_t (*quads)[4])
+{
+    if (kind == ENG_VF) {
+        uint32_t *const *corner = wide->trees[ENG_WIDE_FACES].corner;
+        for (uint32_t i = 0; i < chunk->count; i++) {
+            uint32_t b = chunk->b[i];
+            quads[i][0] = chunk->a[i];
+            quads[i][1] = corner[0][b];
+            quads[i][2] = corner[1][b];
+            quads[i][3] = corner[2][b];
+        }
+        return;
+    }
+    uint32_t *const *corner = wide->trees[ENG_WIDE_EDGES].corner;
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        bool in_order = is_in_order(wide, chunk->a[i], chunk->b[i]);
+        uint32_t a = in_order ? chunk->a[i] : chunk->b[i];
+        uint32_t b = in_order ? chunk->b[i] : chunk->a[i];
+        quads[i][0] = corner[0][a];
+        quads[i][1] = corner[1][a];
+        quads[i][2] = corner[0][b];
+        quads[i][3] = corner[1][b];
+    }
+}
+
+static void test(struct eng_worker *worker, enum eng_kind kind,
+                 const struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide *wide = &worker->scene->wide;
+    struct eng_wide_work *work = worker->wide;
+    struct eng_batch *batch = &work->batch;
+    make_quads(wide, kind, chunk, work->quads);
+    uint32_t hits = eng_batch_test(work->join.kernels, kind, wide->points,
+                                   (const uint32_t(*)[4])work->quads, chunk->count,
+                                   worker->settings->tolerance, worker->time_bound,
+                                   &worker->exact, batch);
+    worker->record.tests += chunk->count;
+    worker->tally.survivors += batch->survivors;
+    for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
+        uint32_t pair = batch->index[i];
+        struct eng_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
+        eng_test_keep(worker, &name, &batch->hits[i]);
+    }
+}
+
+/* Stop? Else go on with the bound on time as it is by now. */
+static void look(void *owner)
+{
+    struct eng_worker *worker = owner;
+    struct eng_wide_join *join = &worker->wide->join;
+    join->stopped = eng_worker_should_stop(worker);
+    if (worker->box_bound < 1) {
+        eng_wide_join_until(join, worker->box_bound);
+    }
+}
+
+static bool should_stop(void *owner)
+{
+    return eng_worker_should_stop(owner);
+}
+
+static void flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
+{
+    struct eng_worker *worker = owner;
+    uint64_t begin_ns = eng_now_ns();
+    uint32_t count = chunk->count;
+    if (kind == ENG_VF) {
+        worker->tally.candidates_vf += count;
+    } else {
+        worker->tally.candidates_ee += count;
+    }
+    if (worker->settings->mode == ENG_MODE_PAIRS) {
+        keep_candidates(worker, kind, chunk);
+    } else if (!eng_stop_is_set(worker->stop)) {
+        test(worker, kind, chunk);
+    }
+    chunk->count = 0;
+    look(worker);
+    uint64_t end_ns = eng_now_ns();
+    worker->record.tests_ns += end_ns - begin_ns;
+    if (count > 0) {
+        eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_TESTS, begin_ns,
+                      end_ns, kind, count);
+    }
+}
+
+void eng_wide_work_begin(struct eng_worker *worker)
+{
+    struct eng_wide_work *work = worker->wide;
+    work->join.owner = worker;
+    work->join.flush = flush;
+    work->join.look = look;
+    work->batch.should_stop = should_stop;
+    work->batch.owner = worker;
+    eng_wide_join_begin(&work->join, &worker->scene->wide);
+    look(worker);
+}
+
+void eng_wide_work_end(struct eng_worker *worker)
+{
+    struct eng_wide_join *join = &worker->wide->join;
+    eng_wide_join_flush(join);
+    worker->record.box_tests = eng_wide_join_tests(join);
+    worker->record.pairs = join->pairs;
+}

@@ -1,0 +1,29 @@
+/* daemon/engine/wide/wide_test.h - what a worker needs to find contacts in wide trees.
+ *
+ * Room:     engine. May include: wide_join.h, worker.h.
+ * Does:     hand the chunks of a join to the elementary tests, keep what they find under
+ *           the names of the caller; or keep the candidates themselves (mode pairs).
+ * Threads:  [team].
+ */
+#ifndef ENG_WIDE_TEST_H
+#define ENG_WIDE_TEST_H
+
+#include "wide_join.h"
+#include "worker.h"
+
+struct eng_wide_work {
+    struct eng_wide_join join;
+    uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
+    struct eng_batch batch;
+};
+
+/* Memory for a worker, once. ENG_E_NOMEM. [compute] */
+int eng_wide_work_reserve(struct eng_worker *worker);
+
+/* Get ready for the traversal of a step. [team] */
+void eng_wide_work_begin(struct eng_worker *worker);
+
+/* Test what is left in the chunks, and count what the join did. [team] */
+void eng_wide_work_end(struct eng_worker *worker);
+
+#endif

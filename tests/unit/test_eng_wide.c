@@ -1,0 +1,448 @@
+/* tests/unit/test_eng_wide.c - the trees of the method wide.
+ *
+ * Room:     engine (wide.h, wide_sweep.h, step.h, world.h).
+ * Does:     orders, slots and boxes as objects come and go; pairs against brute force;
+ *           the same answers as the method paper.
+ * Does not: test the box kernels (test_eng_boxes.c).
+ * Threads:  one.
+ */
+#include "eng_kit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "aabb.h"
+#include "memory.h"
+#include "step.h"
+#include "wide.h"
+#include "wide_sweep.h"
+#include "world.h"
+
+#define SHEET_SIDE   24u
+#define SHEETS       5u
+#define SOUP_COUNT   150u
+#define MODES        4
+#define PAIRS_MAX    400000u
+#define OBJECTS_MAX  8u
+#define VERTICES_MAX 1024u
+#define SHAKEN_BY    0.15
+
+struct fixture {
+    struct eng_scene *scene;
+    struct kit_random random;
+    uint32_t objects[OBJECTS_MAX];
+    uint32_t count;
+};
+
+static void add(struct fixture *f, struct eng_mesh *mesh)
+{
+    uint32_t id = 1000 - 7 * f->count; /* not in the order of arrival */
+    assert_int_equal(eng_scene_add(f->scene, mesh, id, &f->objects[f->count]), ENG_OK);
+    eng_mesh_release(mesh);
+    f->count++;
+}
+
+static int setup(void **state)
+{
+    static struct fixture f;
+    memset(&f, 0, sizeof f);
+    f.random.state = 77;
+    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
+    for (uint32_t i = 0; i < SHEETS; i++) {
+        add(&f, kit_sheet(i == 0 ? SHEET_SIDE : i, 0.2 * i));
+    }
+    add(&f, kit_soup(&f.random, SOUP_COUNT));
+    *state = &f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    eng_scene_free(((struct fixture *)*state)->scene);
+    return 0;
+}
+
+/* Stage the next step: every vertex shaken, from where it was registered. */
+static void shake(struct fixture *f, double by)
+{
+    static double x0[VERTICES_MAX][3];
+    static double x1[VERTICES_MAX][3];
+    eng_stage_begin(f->scene);
+    for (uint32_t i = 0; i < f->count; i++) {
+        const struct eng_object *object = eng_scene_object(f->scene, f->objects[i]);
+        if (!object) {
+            continue;
+        }
+        uint32_t count = object->vertices.count;
+        assert_true(count <= VERTICES_MAX);
+        for (uint32_t k = 0; k < 3 * count; k++) {
+            double x = object->mesh->x[k / 3][k % 3];
+            x0[k / 3][k % 3] = x + kit_between(&f->random, -by, by) / 8;
+            x1[k / 3][k % 3] = x + kit_between(&f->random, -by, by);
+        }
+        assert_int_equal(
+            eng_stage_x0x1(f->scene, f->objects[i], ENG_F64, 0, count, x0, x1), ENG_OK);
+    }
+}
+
+static struct eng_step_result step(struct fixture *f, enum eng_mode mode,
+                                   enum eng_method method)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    settings.mode = mode;
+    settings.method = method;
+    assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.method, method);
+    return result;
+}
+
+/* If a feature were missing from its order it would never be tested; if an aligned group
+ * were spread over the object, its box would be useless. */
+static void wide__order_has_every_feature_once_in_tight_groups(void **state)
+{
+    (void)state;
+    enum { STRIP = 700 };
+    static double x[STRIP + 3][3];
+    static uint32_t triangles[STRIP][3];
+    struct kit_random random = {5};
+    for (uint32_t i = 0; i < STRIP + 3; i++) { /* the last one is in no triangle */
+        x[i][0] = (double)(i * 577 % (STRIP + 3));
+        x[i][1] = kit_between(&random, 0, 0.5);
+    }
+    for (uint32_t i = 0; i < STRIP; i++) {
+        triangles[i][0] = i;
+        triangles[i][1] = i + 1;
+        triangles[i][2] = i; /* an edge and a face for each pair of neighbours */
+    }
+    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, STRIP + 3,
+                                     (const uint32_t(*)[3])triangles, STRIP);
+    struct eng_wide_order *order;
+    assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, &order),
+                     ENG_OK);
+    assert_int_equal(order->count[ENG_WIDE_VERTICES], STRIP + 1);
+    assert_int_equal(order->count[ENG_WIDE_EDGES], STRIP);
+    assert_int_equal(order->count[ENG_WIDE_FACES], STRIP);
+    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        static bool seen[STRIP + 3];
+        memset(seen, 0, sizeof seen);
+        for (uint32_t i = 0; i < order->count[kind]; i++) {
+            uint32_t feature = order->feature[kind][i];
+            assert_true(feature <= STRIP && !seen[feature]);
+            seen[feature] = true;
+        }
+    }
+    const uint32_t *vertex = order->feature[ENG_WIDE_VERTICES];
+    for (uint32_t group = 16; group <= 256; group *= 16) {
+        for (uint32_t first = 0; first + group < STRIP + 1; first += group) {
+            double last = 0; /* groups follow each other along the longest axis */
+            for (uint32_t i = 0; i < group; i++) {
+                last = x[vertex[first + i]][0] > last ? x[vertex[first + i]][0] : last;
+            }
+            for (uint32_t i = first + group; i < STRIP + 1; i++) {
+                assert_true(x[vertex[i]][0] > last);
+            }
+        }
+    }
+    eng_free(order);
+    eng_mesh_release(mesh);
+}
+
+/* Every slot of a tree is one feature of one object, with its own vertices. */
+static uint32_t check_slots(const struct fixture *f, enum eng_wide_kind kind)
+{
+    const struct eng_wide *wide = &f->scene->wide;
+    const struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t taken = 0;
+    for (uint32_t slot = 0; slot < tree->slot_count; slot++) {
+        uint64_t key =
+            kind == ENG_WIDE_VERTICES ? wide->points[slot].word1 : tree->keys[slot];
+        bool is_nobody = kind == ENG_WIDE_VERTICES
+                             ? wide->points[slot].word0 == ENG_WIDE_NOBODY
+                             : key == ENG_WIDE_NOBODY;
+        if (is_nobody) {
+            continue;
+        }
+        taken++;
+        const struct eng_object *object = NULL;
+        for (uint32_t i = 0; i < f->count; i++) {
+            const struct eng_object *o = eng_scene_object(f->scene, f->objects[i]);
+            object = o && o->id == (uint32_t)(key >> 32) ? o : object;
+        }
+        assert_non_null(object);
+        uint32_t local = (uint32_t)key;
+        if (kind == ENG_WIDE_VERTICES) {
+            assert_int_equal(wide->points[slot].word0, object->vertices.first + local);
+            continue;
+        }
+        for (uint32_t k = 0; k < (kind == ENG_WIDE_EDGES ? 2u : 3u); k++) {
+            uint32_t v = kind == ENG_WIDE_EDGES ? object->mesh->edges[local][k]
+                                                : object->mesh->triangles[local].v[k];
+            assert_int_equal(wide->points[tree->corner[k][slot]].word0,
+                             object->vertices.first + v);
+        }
+    }
+    return taken;
+}
+
+static void check_boxes(const struct eng_wide *wide, enum eng_wide_kind kind)
+{
+    const struct eng_wide_tree *tree = &wide->trees[kind];
+    assert_int_equal(tree->block_count[wide->level_count - 1], 1);
+    for (uint32_t level = 0; level < wide->level_count; level++) {
+        for (uint32_t i = 0; i < 12 * ENG_WIDE * tree->block_count[level]; i++) {
+            uint32_t box = i / 12;
+            uint32_t block = box / ENG_WIDE;
+            const struct eng_wide_block *blocks = eng_wide_blocks(tree, level);
+            float bound = blocks[block].row[i % 4][i / 4 % 3][box % ENG_WIDE];
+            assert_true(eng_wide_boxes(tree, level)[block].side[i % 4][i / 4 % 3] >=
+                        bound);
+            for (uint32_t k = 0; level == 0 && k < 3; k++) {
+                if (tree->corner[k]) {
+                    uint32_t v = tree->corner[k][box];
+                    assert_true(wide->point_boxes[v].side[i % 4][i / 4 % 3] <= bound);
+                }
+            }
+            if (level > 0 && box < tree->block_count[level - 1]) {
+                assert_true(eng_wide_boxes(tree, level - 1)[box].side[i % 4][i / 4 % 3] <=
+                            bound);
+            }
+        }
+    }
+}
+
+/* If a slot kept what an object left there, a contact would name a ghost; if a box did
+ * not hold what is below it, a contact would be missed. */
+static void wide__trees_follow_objects_that_come_and_go(void **state)
+{
+    struct fixture *f = *state;
+    for (uint32_t round = 0; round < 4; round++) {
+        if (round == 1) {
+            assert_int_equal(eng_scene_remove(f->scene, f->objects[0]), ENG_OK);
+            f->objects[0] = UINT32_MAX;
+        } else if (round == 2) {
+            add(f, kit_sheet(9, 0.7));
+        } else if (round == 3) {
+            struct eng_mesh *mesh = kit_sheet(3, 0.1);
+            assert_int_equal(eng_scene_replace(f->scene, f->objects[5], mesh), ENG_OK);
+            eng_mesh_release(mesh);
+        }
+        shake(f, SHAKEN_BY);
+        step(f, ENG_MODE_ALL, ENG_METHOD_WIDE);
+        uint32_t counts[ENG_WIDE_KINDS] = {0};
+        for (uint32_t i = 0; i < f->count; i++) {
+            const struct eng_object *o = eng_scene_object(f->scene, f->objects[i]);
+            counts[ENG_WIDE_VERTICES] += o ? o->vertices.count : 0;
+            counts[ENG_WIDE_EDGES] += o ? o->edges.count : 0;
+            counts[ENG_WIDE_FACES] += o ? o->triangles.count : 0;
+        }
+        for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+            assert_int_equal(check_slots(f, kind), counts[kind]);
+            check_boxes(&f->scene->wide, kind);
+        }
+    }
+}
+
+/* The pairs that a sweep has found. */
+struct found {
+    uint64_t (*pairs)[3];
+    uint32_t count;
+};
+
+static void visit(void *context, enum eng_kind kind, const uint64_t *a, const uint64_t *b,
+                  uint32_t count)
+{
+    struct found *found = context;
+    for (uint32_t i = 0; i < count; i++) {
+        assert_true(found->count < PAIRS_MAX);
+        found->pairs[found->count][0] = kind;
+        found->pairs[found->count][1] = a[i];
+        found->pairs[found->count++][2] = b[i];
+    }
+}
+
+static int compare(const void *a, const void *b)
+{
+    return memcmp(a, b, 3 * sizeof(uint64_t));
+}
+
+/* A feature by its vertices in the scene's arrays. */
+struct feature {
+    uint64_t key;
+    uint32_t v[3];
+    uint32_t count;
+    struct eng_box box; /* around both ends */
+};
+
+static struct feature feature_of(const struct fixture *f, const struct eng_object *object,
+                                 uint32_t local, const uint32_t *v, uint32_t count)
+{
+    struct feature feature = {.key = (uint64_t)object->id << 32 | local, .count = count};
+    for (uint32_t i = 0; i < count; i++) {
+        feature.v[i] = object->vertices.first + v[i];
+        for (int end = 0; end < 2; end++) {
+            const double *x = f->scene->x[end][feature.v[i]];
+            struct eng_box box;
+            memset(&box, 0, sizeof box);
+            eng_box_of_point(&box, x, x);
+            if (i == 0 && end == 0) {
+                feature.box = box;
+            }
+            eng_box_unite(&feature.box, &feature.box, &box);
+        }
+    }
+    return feature;
+}
+
+static uint32_t list_features(const struct fixture *f, enum eng_wide_kind kind,
+                              struct feature *features)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < f->count; i++) {
+        const struct eng_object *o = eng_scene_object(f->scene, f->objects[i]);
+        const uint32_t n[ENG_WIDE_KINDS] = {o->vertices.count, o->edges.count,
+                                            o->triangles.count};
+        for (uint32_t local = 0; local < n[kind]; local++) {
+            const uint32_t *v = kind == ENG_WIDE_VERTICES ? &local
+                                : kind == ENG_WIDE_EDGES  ? o->mesh->edges[local]
+                                                          : o->mesh->triangles[local].v;
+            features[count++] = feature_of(f, o, local, v, (uint32_t)kind + 1);
+        }
+    }
+    return count;
+}
+
+static bool share_vertex(const struct feature *a, const struct feature *b)
+{
+    for (uint32_t i = 0; i < a->count * b->count; i++) {
+        if (a->v[i % a->count] == b->v[i / a->count]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* All pairs, one by one. */
+static void brute_force(const struct fixture *f, enum eng_kind kind, struct found *found)
+{
+    static struct feature a[4096];
+    static struct feature b[4096];
+    uint32_t a_count =
+        list_features(f, kind == ENG_VF ? ENG_WIDE_VERTICES : ENG_WIDE_EDGES, a);
+    uint32_t b_count =
+        list_features(f, kind == ENG_VF ? ENG_WIDE_FACES : ENG_WIDE_EDGES, b);
+    for (uint32_t i = 0; i < a_count; i++) {
+        for (uint32_t j = 0; j < b_count; j++) {
+            bool is_wanted = kind == ENG_VF || a[i].key < b[j].key;
+            if (is_wanted && eng_box_overlap(&a[i].box, &b[j].box) &&
+                !share_vertex(&a[i], &b[j])) {
+                visit(found, kind, &a[i].key, &b[j].key, 1);
+            }
+        }
+    }
+}
+
+/* If a pair were lost on the way down, found twice, or by one number of threads only, the
+ * comparison with other libraries would be of something else. */
+static void wide__sweep_finds_the_pairs_of_brute_force(void **state)
+{
+    struct fixture *f = *state;
+    struct found expected = {calloc(PAIRS_MAX, sizeof *expected.pairs), 0};
+    struct found found = {calloc(PAIRS_MAX, sizeof *found.pairs), 0};
+    assert_true(expected.pairs && found.pairs);
+    struct eng_wide_sweep one;
+    struct eng_wide_sweep two;
+    shake(f, SHAKEN_BY);
+    step(f, ENG_MODE_PAIRS, ENG_METHOD_WIDE);
+    assert_int_equal(eng_wide_sweep(f->scene, 1, visit, &found, &one), ENG_OK);
+    assert_int_equal(eng_wide_sweep(f->scene, 2, NULL, NULL, &two), ENG_OK);
+    brute_force(f, ENG_VF, &expected);
+    assert_int_equal(one.vf, expected.count);
+    brute_force(f, ENG_EE, &expected);
+    assert_int_equal(one.vf + one.ee, expected.count);
+    assert_true(one.vf > 1000 && one.ee > 1000);
+    assert_int_equal(found.count, expected.count);
+    qsort(found.pairs, found.count, sizeof *found.pairs, compare);
+    qsort(expected.pairs, expected.count, sizeof *expected.pairs, compare);
+    assert_memory_equal(found.pairs, expected.pairs, found.count * sizeof *found.pairs);
+    assert_true(two.vf == one.vf && two.ee == one.ee && two.sum == one.sum);
+    free(expected.pairs);
+    free(found.pairs);
+}
+
+/* If an answer depended on the method, it would not be the answer. */
+static void wide__answers_as_paper_does(void **state)
+{
+    struct fixture *f = *state;
+    uint64_t records = 0;
+    for (uint32_t round = 0; round < 12; round++) {
+        enum eng_mode mode = (enum eng_mode)(round % MODES);
+        struct kit_random random = f->random;
+        shake(f, round < MODES ? 0.01 : SHAKEN_BY);
+        struct eng_step_result wide = step(f, mode, ENG_METHOD_WIDE);
+        f->random = random;
+        shake(f, round < MODES ? 0.01 : SHAKEN_BY);
+        struct eng_step_result paper = step(f, mode, ENG_METHOD_PAPER);
+        assert_int_equal(wide.count, paper.count);
+        assert_true(wide.hash_hi == paper.hash_hi && wide.hash_lo == paper.hash_lo);
+        assert_int_equal(wide.verdict, paper.verdict);
+        if (mode == ENG_MODE_ALL || mode == ENG_MODE_PAIRS) {
+            assert_int_equal(wide.counters.candidates_vf, paper.counters.candidates_vf);
+            assert_int_equal(wide.counters.candidates_ee, paper.counters.candidates_ee);
+            assert_int_equal(wide.counters.survivors, paper.counters.survivors);
+        }
+        records += wide.count;
+    }
+    assert_true(records > 10000);
+}
+
+/* If a scene without objects, or an object of one triangle, were not a tree, the first
+ * step of many clients would fail. */
+static void wide__small_scenes_are_trees_too(void **state)
+{
+    (void)state;
+    struct fixture f = {.random = {3}};
+    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
+    assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 0);
+    add(&f, kit_soup(&f.random, 1));
+    assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 0);
+    add(&f, kit_soup(&f.random, 1));
+    shake(&f, 2);
+    assert_true(step(&f, ENG_MODE_PAIRS, ENG_METHOD_WIDE).count > 0);
+    assert_int_equal(eng_scene_remove(f.scene, f.objects[0]), ENG_OK);
+    assert_int_equal(eng_scene_remove(f.scene, f.objects[1]), ENG_OK);
+    assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 0);
+    eng_scene_free(f.scene);
+}
+
+/* If a cancelled step went on, a client could not stop it; if it said that it was
+ * complete, the client would believe it. */
+static void wide__stops_when_cancelled(void **state)
+{
+    struct fixture *f = *state;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    atomic_bool cancel;
+    atomic_init(&cancel, true);
+    settings.method = ENG_METHOD_WIDE;
+    settings.cancel = &cancel;
+    shake(f, SHAKEN_BY);
+    assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.incomplete, ENG_INCOMPLETE_CANCELLED);
+    assert_int_equal(result.counters.survivors, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wide__order_has_every_feature_once_in_tight_groups),
+        cmocka_unit_test_setup_teardown(wide__trees_follow_objects_that_come_and_go,
+                                        setup, teardown),
+        cmocka_unit_test_setup_teardown(wide__sweep_finds_the_pairs_of_brute_force, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(wide__answers_as_paper_does, setup, teardown),
+        cmocka_unit_test(wide__small_scenes_are_trees_too),
+        cmocka_unit_test_setup_teardown(wide__stops_when_cancelled, setup, teardown),
+    };
+    return cmocka_run_group_tests_name("eng_wide", tests, NULL, NULL);
+}
