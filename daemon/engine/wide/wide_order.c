@@ -107,10 +107,9 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     size_t all = (size_t)count[0] + count[1] + count[2];
     struct eng_wide_order *made =
         eng_alloc(1, sizeof *made + all * sizeof *made->feature[0]);
-    struct eng_split_item *items = eng_alloc(most, sizeof *items);
-    if (!made || !items) {
+    struct eng_split_item *items = made ? eng_alloc(most, sizeof *items) : NULL;
+    if (!items) {
         eng_free(made);
-        eng_free(items);
         return ENG_E_NOMEM;
     }
     uint32_t *next = (uint32_t *)(void *)(made + 1);
