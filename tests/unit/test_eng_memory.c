@@ -20,6 +20,12 @@ const char *__asan_default_options(void)
     return "allocator_may_return_null=1";
 }
 
+__attribute__((visibility("default"))) const char *__tsan_default_options(void);
+const char *__tsan_default_options(void)
+{
+    return __asan_default_options();
+}
+
 /* If it failed: vector loads from a block would fault or be slow. */
 static void memory__blocks_are_aligned_and_wholly_usable(void **state)
 {

@@ -16,13 +16,22 @@
 #include "memory.h"
 #include "step.h"
 
-static size_t calls; /* of malloc and its kin since the start */
+/* Of malloc and its kin since the start. Compilers believe that malloc changes nothing
+ * that they see. */
+static volatile size_t calls;
 
+/* Of malloc, realloc, calloc and aligned_alloc those that are seen: the thread sanitizer of
+ * clang 14 does not tell of the last. */
+#define SEEN 4
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define HAS_SANITIZER 1
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define HAS_SANITIZER 1
+#endif
+#if __has_feature(thread_sanitizer)
+#undef SEEN
+#define SEEN 3
 #endif
 #endif
 
@@ -103,7 +112,7 @@ static void warm__counting_counts(void **state)
     free(block);
     block = aligned_alloc(64, 128);
     free(block);
-    assert_true(calls - before >= 4);
+    assert_true(calls - before >= SEEN);
     static struct eng_exact exact; /* holds numbers of GMP, another library */
     before = calls;
     eng_exact_init(&exact);
