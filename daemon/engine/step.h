@@ -14,6 +14,7 @@
 
 #include "scene.h"
 
+struct eng_kernels;
 struct eng_places;
 struct eng_trace;
 
@@ -98,13 +99,16 @@ struct eng_step_settings {
     enum eng_refit_scheme refit;
     const struct eng_places *places; /* where threads belong (place.h); NULL: anywhere */
     struct eng_trace *trace;         /* what is recorded to (trace.h); NULL: nothing */
+    /* The instruction set (kernel.h) of the elementary tests; NULL: eng_kernels(). */
+    const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
 };
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
         ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                   \
-            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL, false \
+            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL, NULL, \
+            false                                                                        \
     }
 
 /* What one thread of a step did. Times in nanoseconds of that thread. */

@@ -18,12 +18,15 @@
 
 #include "build.h"
 #include "eng_player.h"
+#include "eng_way.h"
 #include "golden.h"
 
 /* ---- settings -------------------- */
 
 enum factor {
     THREADS,
+    METHOD,
+    KERNELS,
     SCHEDULER,
     HIGH_LEVEL,
     REFIT,
@@ -42,10 +45,21 @@ enum history {
     HISTORIES
 };
 
-static const uint32_t levels[FACTORS] = {6, 2, 2, 2, 2, 3, 3, HISTORIES, 4};
 static const uint32_t thread_counts[] = {1, 2, 3, 4, 8, 16};
 static const double ratios[] = {0, 0.9, 1};
 static const uint32_t regions[] = {8, 40, 1024};
+
+#define LEVELS_MAX 6u
+
+/* Levels of a factor: as many instruction sets as this processor has. */
+static uint32_t levels(uint32_t factor)
+{
+    static const uint32_t counts[FACTORS] = {6, WAY_METHODS, 0, 2,         2, 2,
+                                             2, 3,           3, HISTORIES, 4};
+    uint32_t count = factor == KERNELS ? way_kernels_count() : counts[factor];
+    assert_true(count > 0 && count <= LEVELS_MAX);
+    return count;
+}
 
 struct row {
     uint32_t level[FACTORS];
@@ -64,6 +78,8 @@ static struct eng_step_settings step_settings(const struct row *row)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = (enum eng_mode)row->level[MODE];
+    settings.method = way_methods[row->level[METHOD]];
+    settings.kernels = way_kernels(row->level[KERNELS]);
     settings.threads = thread_counts[row->level[THREADS]];
     settings.team_always = true;
     settings.scheduler = (enum eng_scheduler)row->level[SCHEDULER];
@@ -81,7 +97,7 @@ static struct eng_step_settings step_settings(const struct row *row)
 struct cover {
     struct row rows[ROWS_MAX];
     uint32_t row_count;
-    bool covered[FACTORS][FACTORS][6][6];
+    bool covered[FACTORS][FACTORS][LEVELS_MAX][LEVELS_MAX];
 };
 
 /* Pairs of levels of the row that no row before has. */
@@ -111,8 +127,8 @@ static uint32_t uncovered(const struct cover *cover)
     uint32_t count = 0;
     for (uint32_t f = 0; f < FACTORS; f++) {
         for (uint32_t g = f + 1; g < FACTORS; g++) {
-            for (uint32_t i = 0; i < levels[f] * levels[g]; i++) {
-                count += !cover->covered[f][g][i / levels[g]][i % levels[g]];
+            for (uint32_t i = 0; i < levels(f) * levels(g); i++) {
+                count += !cover->covered[f][g][i / levels(g)][i % levels(g)];
             }
         }
     }
@@ -130,7 +146,7 @@ static void cover_make(struct cover *cover, uint64_t seed)
         for (uint32_t i = 0; i < CANDIDATES; i++) {
             struct row row;
             for (uint32_t f = 0; f < FACTORS; f++) {
-                row.level[f] = (uint32_t)prng_below(&prng, levels[f]);
+                row.level[f] = (uint32_t)prng_below(&prng, levels(f));
             }
             if (i == 0 || news(cover, &row) > news(cover, &best)) {
                 best = row;
@@ -250,12 +266,13 @@ static bool is_golden(const struct fixture *f)
 static void fail_row(const struct fixture *f, const struct row *row, uint32_t step,
                      const char *what)
 {
-    fail_msg("%s, step %u: %s; %u threads, scheduler %u, high level %u, refit %u, "
-             "quality %u, ratio %g, region %u, history %u, mode %u",
-             play_name(f->golden->kind), step, what, thread_counts[row->level[THREADS]],
-             row->level[SCHEDULER], row->level[HIGH_LEVEL], row->level[REFIT],
-             row->level[QUALITY], ratios[row->level[RATIO]], regions[row->level[REGION]],
-             row->level[HISTORY], row->level[MODE]);
+    const struct eng_step_settings settings = step_settings(row);
+    char way[WAY_TEXT_MAX];
+    way_tell(&settings, way);
+    fail_msg("%s, step %u: %s; %s, quality %u, ratio %g, region %u, history %u, mode %u",
+             play_name(f->golden->kind), step, what, way, row->level[QUALITY],
+             ratios[row->level[RATIO]], regions[row->level[REGION]], row->level[HISTORY],
+             row->level[MODE]);
 }
 
 static void compare(struct fixture *f, const struct row *row, uint32_t step,
@@ -353,7 +370,7 @@ static void under_cover(uint32_t play)
     struct fixture f = {0};
     fixture_init(&f, &golden_plays[play]);
     cover_make(&cover, golden_plays[play].seed);
-    for (uint32_t threads = 0; threads < levels[THREADS]; threads++) {
+    for (uint32_t threads = 0; threads < levels(THREADS); threads++) {
         for (uint32_t i = 0; i < cover.row_count; i++) {
             if (cover.rows[i].level[THREADS] == threads) { /* teams stay as large */
                 perform(&f, &cover.rows[i]);
@@ -362,7 +379,9 @@ static void under_cover(uint32_t play)
     }
     print_message("# %u rows, %llu subtrees rebuilt, %llu swapped\n", cover.row_count,
                   (unsigned long long)f.rebuilds, (unsigned long long)f.swaps);
+    /* Else a history would have left nothing behind. */
     assert_true(f.rebuilds > 0);
+    assert_true(f.swaps > 0 || (play != PLAY_TEAR && play != PLAY_TRAFFIC));
     fixture_deinit(&f);
 }
 
@@ -413,8 +432,8 @@ static bool is_a_combination(const struct row *row)
 }
 
 /* The second step of the play, back and forward again under every combination of the
- * step's settings; modes take turns. */
-static void under_all_step_settings(struct fixture *f, struct row row)
+ * step's settings; modes and instruction sets take turns, from `turn` on. */
+static void under_all_step_settings(struct fixture *f, struct row row, uint32_t turn)
 {
     struct eng_scene_settings settings = scene_settings(&row);
     struct player player;
@@ -428,14 +447,17 @@ static void under_all_step_settings(struct fixture *f, struct row row)
             player_act(&player, &f->play.acts[i]);
         }
     }
-    for (uint32_t i = 0; i < 6 * 2 * 2 * 2; i++) {
-        row.level[THREADS] = i / 8;
+    for (uint32_t i = 0; i < 6 * WAY_METHODS * 2 * 2 * 2; i++) {
+        row.level[THREADS] = i / 8 % 6;
+        row.level[METHOD] = i / (8 * 6);
         row.level[SCHEDULER] = i / 4 % 2;
         row.level[HIGH_LEVEL] = i / 2 % 2;
         row.level[REFIT] = i % 2;
         if (is_a_combination(&row)) {
             struct eng_step_settings back = step_settings(&row);
-            row.level[MODE] = (row.level[MODE] + 1) % 4;
+            row.level[MODE] = turn % 4;
+            row.level[KERNELS] = turn / 4 % levels(KERNELS);
+            turn++;
             player_go_back(&player, &back);
             player_stage_copies(&player);
             take_step(f, &row, 1, &player);
@@ -455,8 +477,7 @@ static void golden__every_combination_has_the_same_bytes(void **state)
         row.level[QUALITY] = i / 9;
         row.level[RATIO] = i / 3 % 3;
         row.level[REGION] = i % 3;
-        row.level[MODE] = i % 4;
-        under_all_step_settings(&f, row);
+        under_all_step_settings(&f, row, i);
     }
     fixture_deinit(&f);
 }

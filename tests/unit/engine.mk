@@ -15,7 +15,9 @@ libengkit_la_SOURCES = \
     tests/unit/eng_kit.c \
     tests/unit/eng_kit.h \
     tests/unit/eng_player.c \
-    tests/unit/eng_player.h
+    tests/unit/eng_player.h \
+    tests/unit/eng_way.c \
+    tests/unit/eng_way.h
 libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 
 ENG_TESTS = \

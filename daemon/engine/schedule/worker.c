@@ -91,6 +91,7 @@ int eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
     }
     worker->scene = scene;
     worker->settings = settings;
+    worker->kernels = settings->kernels ? settings->kernels : eng_kernels();
     worker->stop = stop;
     worker->time_bound = 1;
     worker->box_bound = 1;

@@ -110,6 +110,7 @@ struct eng_wide_work; /* wide_test.h */
 struct eng_worker {
     struct eng_scene *scene; /* written to only behind gates (rebuild.h) */
     const struct eng_step_settings *settings;
+    const struct eng_kernels *kernels; /* of the settings, never NULL */
     struct eng_stop *stop;
     uint32_t thread;        /* place in the team */
     double time_bound;      /* the shared one as last seen */

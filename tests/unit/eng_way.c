@@ -1,0 +1,52 @@
+/* tests/unit/eng_way.c - the ways in which a step may be taken without a difference.
+ *
+ * Room:     engine (step.h, kernel.h).
+ * Does:     see eng_way.h.
+ * Threads:  any.
+ */
+#include "eng_way.h"
+
+#include <stdio.h>
+
+const enum eng_method way_methods[WAY_METHODS] = {ENG_METHOD_PAPER};
+
+const struct eng_kernels *way_kernels(uint32_t i)
+{
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        if (kernels && i-- == 0) {
+            return kernels;
+        }
+    }
+    return NULL;
+}
+
+uint32_t way_kernels_count(void)
+{
+    uint32_t count = 0;
+    while (way_kernels(count)) {
+        count++;
+    }
+    return count;
+}
+
+void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *settings)
+{
+    settings->method = way_methods[prng_below(prng, WAY_METHODS)];
+    settings->kernels = way_kernels((uint32_t)prng_below(prng, way_kernels_count()));
+    settings->threads = 1 + (uint32_t)prng_below(prng, thread_max);
+    settings->team_always = true;
+    settings->scheduler = (enum eng_scheduler)prng_below(prng, 2);
+    settings->high_level = (enum eng_high_level)prng_below(prng, 2);
+    settings->refit = (enum eng_refit_scheme)prng_below(prng, 2);
+}
+
+void way_tell(const struct eng_step_settings *settings, char text[WAY_TEXT_MAX])
+{
+    const struct eng_kernels *kernels = settings->kernels;
+    snprintf(text, WAY_TEXT_MAX,
+             "method %d, %s, %u threads, scheduler %d, high level %d, refit %d",
+             (int)settings->method, (kernels ? kernels : eng_kernels())->name,
+             settings->threads, (int)settings->scheduler, (int)settings->high_level,
+             (int)settings->refit);
+}

@@ -1,0 +1,31 @@
+/* tests/unit/eng_way.h - the ways in which a step may be taken without a difference.
+ *
+ * Room:     engine (step.h, kernel.h), tests/support.
+ * Does:     list methods and instruction sets; draw a way at random; put one into words.
+ * Does not: touch what may change an answer: mode, tolerance, limits.
+ * Threads:  any.
+ * Source:   daemon/engine/step.h.
+ */
+#ifndef TEST_ENG_WAY_H
+#define TEST_ENG_WAY_H
+
+#include "kernel.h"
+#include "prng.h"
+#include "step.h"
+
+#define WAY_METHODS 1u
+extern const enum eng_method way_methods[WAY_METHODS];
+
+/* The instruction sets that this processor has, at least the scalar one: [0]. */
+uint32_t way_kernels_count(void);
+const struct eng_kernels *way_kernels(uint32_t i);
+
+/* Method, instruction set, threads (1 .. thread_max, however small the work), scheduler,
+ * high-level nodes and refit. */
+void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *settings);
+
+/* "method 1, avx2, 3 threads, scheduler 0, high level 1, refit 0" */
+#define WAY_TEXT_MAX 128u
+void way_tell(const struct eng_step_settings *settings, char text[WAY_TEXT_MAX]);
+
+#endif
