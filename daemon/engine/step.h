@@ -107,8 +107,8 @@ struct eng_step_settings {
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
         ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                   \
-            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL, NULL, \
-            false                                                                        \
+            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL,       \
+            NULL, false                                                                  \
     }
 
 /* What one thread of a step did. Times in nanoseconds of that thread. */
