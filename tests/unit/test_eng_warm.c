@@ -20,8 +20,8 @@
  * that they see. */
 static volatile size_t calls;
 
-/* Of malloc, realloc, calloc and aligned_alloc those that are seen: the thread sanitizer of
- * clang 14 does not tell of the last. */
+/* Of malloc, realloc, calloc and aligned_alloc as many as are seen: the thread sanitizer
+ * of clang 14 does not tell of the last. */
 #define SEEN 4
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define HAS_SANITIZER 1
