@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "conn.h"
+#include "crash.h"
 #include "invariant.h"
 #include "loop.h"
 #include "now.h"
@@ -235,7 +236,10 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
     if (call.method < 0) {
         call.error = envelope.error;
     }
+    srv_crash_note(call.method < 0 ? "?" : proto_messages[call.method].name, session->id,
+                   call.id);
     status = handle(&call, &envelope);
+    srv_crash_note(NULL, 0, 0);
     const struct question question = {call.arrival_ns, call.id, call.method};
     if (status == 0) {
         answer(session, &question, &call.result, NULL, NULL, 0);

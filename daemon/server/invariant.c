@@ -23,6 +23,19 @@ void srv_thread_enter(enum srv_thread thread)
     current_thread = thread;
 }
 
+const char *srv_thread_name(void)
+{
+    static const char *const names[] = {[SRV_THREAD_OTHER] = "team",
+                                        [SRV_THREAD_LOOP] = "loop",
+                                        [SRV_THREAD_COMPUTE] = "compute"};
+    return names[current_thread];
+}
+
+bool srv_thread_is_loop(void)
+{
+    return current_thread == SRV_THREAD_LOOP;
+}
+
 void srv_assert_loop(void)
 {
     PCCD_ASSERT(current_thread == SRV_THREAD_LOOP);

@@ -9,6 +9,8 @@
 #ifndef SRV_INVARIANT_H
 #define SRV_INVARIANT_H
 
+#include <stdbool.h>
+
 #define PCCD_ASSERT(condition)                                                           \
     ((condition) ? (void)0 : srv_assert_failed(#condition, __FILE__, __LINE__))
 
@@ -23,6 +25,10 @@ enum srv_thread {
 
 /* Declare what the calling thread is. */
 void srv_thread_enter(enum srv_thread thread);
+
+/* "loop", "compute", or "team" for those that help. */
+const char *srv_thread_name(void);
+bool srv_thread_is_loop(void);
 
 /* Abort when called on another thread. */
 void srv_assert_loop(void);

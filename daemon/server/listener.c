@@ -79,8 +79,7 @@ static int remove_stale(const char *path)
     return unlink(path) == 0 ? 0 : PCCD_E_SYSTEM;
 }
 
-/* A listening socket at `path` with mode 0600, in *fd. errno says why not. */
-static int open_socket(const char *path, int *fd)
+int srv_listener_bind(const char *path, int *fd)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     PCCD_ASSERT(strlen(path) < sizeof address.sun_path); /* checked with the options */
@@ -226,19 +225,37 @@ static void on_readable(uv_poll_t *poll, int status, int events)
 
 /* ---- life -------------------------------------------------------------------------- */
 
+/* Remove our socket; one that was given to us goes on to listen. */
+static void remove_path(const struct srv_options *options)
+{
+    if (options->listen_fd < 0) {
+        unlink(options->socket_path);
+    }
+}
+
+void srv_listener_tell_ready(int fd)
+{
+    if (fd >= 0) {
+        if (write(fd, "1", 1) != 1) {
+            srv_log(SRV_LOG_WARN, 0, "nobody waits on --ready-fd %d", fd);
+        }
+        close(fd);
+    }
+}
+
 int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
 {
     const char *path = loop->options->socket_path;
     *listener = (struct srv_listener){.loop = loop, .fd = -1, .reserve_fd = -1};
-    int fd = -1;
-    int status = open_socket(path, &fd);
+    int fd = loop->options->listen_fd;
+    int status = fd >= 0 ? 0 : srv_listener_bind(path, &fd);
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
         return status;
     }
     if (uv_poll_init(&loop->uv, &listener->poll, fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: the socket cannot be watched", path);
-        unlink(path);
+        remove_path(loop->options);
         close(fd);
         return PCCD_E_SYSTEM;
     }
@@ -256,7 +273,7 @@ void srv_listener_close(struct srv_listener *listener)
     if (listener->fd < 0) {
         return;
     }
-    unlink(listener->loop->options->socket_path);
+    remove_path(listener->loop->options);
     watch(listener, false);
     uv_close((uv_handle_t *)&listener->poll, NULL);
     uv_close((uv_handle_t *)&listener->retry, NULL);

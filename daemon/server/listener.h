@@ -27,11 +27,20 @@ struct srv_listener {
  * what was wrong is logged. Before the lock is taken. */
 int srv_listener_prepare_folder(const char *socket_path);
 
-/* Listen on loop->options->socket_path; a socket that is there is a dead daemon's,
- * because we hold the lock. Returns 0 or a status; what was wrong is logged. */
+/* A listening socket at `path`, at most 107 bytes, with mode 0600, in *fd; a socket that
+ * is there is a dead daemon's, because the caller holds the lock. Returns 0 or a status,
+ * errno set. */
+int srv_listener_bind(const char *path, int *fd);
+
+/* Tell whoever started us that clients can connect: the byte 1 to `fd`, which is closed;
+ * nothing when it is negative. */
+void srv_listener_tell_ready(int fd);
+
+/* Listen on loop->options->listen_fd, or else on a new socket at socket_path. Returns 0
+ * or a status; what was wrong is logged. */
 int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop);
 
-/* Stop listening and remove the socket. */
+/* Stop listening and remove the socket, if it is our own. */
 void srv_listener_close(struct srv_listener *listener);
 
 /* A connection has gone: there may be room again. */

@@ -2,9 +2,11 @@
 
 noinst_LTLIBRARIES += libserver.la
 libserver_la_SOURCES = \
+    daemon/server/activate.c daemon/server/activate.h \
     daemon/server/call.h \
     daemon/server/compute.c daemon/server/compute.h \
     daemon/server/conn.c daemon/server/conn.h \
+    daemon/server/crash.c daemon/server/crash.h \
     daemon/server/dispatch.c daemon/server/dispatch.h \
     daemon/server/handles.c daemon/server/handles.h \
     daemon/server/handlers_admin.c \
@@ -27,6 +29,7 @@ libserver_la_SOURCES = \
     daemon/server/request.c daemon/server/request.h \
     daemon/server/resource.c daemon/server/resource.h \
     daemon/server/ringio.c daemon/server/ringio.h \
+    daemon/server/supervise.c daemon/server/supervise.h \
     daemon/server/tracing.c daemon/server/tracing.h \
     daemon/server/session.c daemon/server/session.h \
     daemon/server/wire.c daemon/server/wire.h

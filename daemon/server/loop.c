@@ -268,16 +268,6 @@ static uint64_t make_epoch(void)
     return epoch;
 }
 
-static void tell_ready(int fd)
-{
-    if (fd >= 0) {
-        if (write(fd, "1", 1) != 1) {
-            srv_log(SRV_LOG_WARN, 0, "nobody waits on --ready-fd %d", fd);
-        }
-        close(fd);
-    }
-}
-
 /* With everything allocated: serve. */
 static int serve(struct srv_loop *loop)
 {
@@ -301,7 +291,9 @@ static int serve(struct srv_loop *loop)
         srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %u threads%s",
                 (long)getpid(), loop->options->socket_path, loop->options->threads_max,
                 loop->is_pinned ? ", each bound to a processor" : "");
-        tell_ready(loop->options->ready_fd);
+        if (loop->options->listen_fd < 0) { /* else it listened before us */
+            srv_listener_tell_ready(loop->options->ready_fd);
+        }
         watch_idle(loop, true);
     }
     uv_run(&loop->uv, UV_RUN_DEFAULT); /* until the last handle is closed */

@@ -2,7 +2,7 @@
  *
  * Room:     server. May include: every header of the room.
  * Does:     set the environment that the OpenMP runtime reads, parse options, take the
- *           socket path's lock, serve.
+ *           socket path's lock, serve or supervise.
  * Does not: daemonize: a supervisor, a shell or a client starts it.
  * Threads:  [loop]
  */
@@ -14,10 +14,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "activate.h"
+#include "crash.h"
+#include "listener.h"
 #include "lockfile.h"
 #include "log.h"
 #include "loop.h"
 #include "options.h"
+#include "supervise.h"
 
 /* libgomp reads its environment in a constructor, so setting it here is too late for this
  * image. Waiting threads spin 2000 times, then sleep: more burns a core and collapses
@@ -63,7 +67,7 @@ static void remove_private_folder(const struct srv_options *options)
 }
 
 /* Hold the lock of the socket path while serving. Returns the exit status. */
-static int run_locked(const struct srv_options *options)
+static int run_locked(const struct srv_options *options, char **argv)
 {
     struct srv_lockfile lockfile;
     pid_t holder = 0;
@@ -77,7 +81,8 @@ static int run_locked(const struct srv_options *options)
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", lockfile.path, strerror(errno));
         return 1;
     }
-    int exit_status = srv_loop_run(options);
+    int exit_status =
+        options->supervise ? srv_supervise(options, argv) : srv_loop_run(options);
     srv_lockfile_release(&lockfile);
     remove_private_folder(options);
     return exit_status;
@@ -91,8 +96,15 @@ int main(int argc, char **argv)
     srv_log_set_level(options.log_level);
     ignore_signals();
     umask(0077);
+    srv_crash_install();
+    if (srv_activate(&options) != 0) {
+        return 1;
+    }
+    if (options.listen_fd >= 0) {
+        return srv_loop_run(&options); /* who gave us the socket answers for its path */
+    }
     if (srv_listener_prepare_folder(options.socket_path) != 0) {
         return 1;
     }
-    return run_locked(&options);
+    return run_locked(&options, argv);
 }

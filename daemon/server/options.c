@@ -35,7 +35,8 @@ enum {
     OPT_CONTACTS,
     OPT_INFLIGHT,
     OPT_QUEUE,
-    OPT_PIN
+    OPT_PIN,
+    OPT_SUPERVISE
 };
 
 static const struct argp_option option_table[] = {
@@ -50,6 +51,8 @@ static const struct argp_option option_table[] = {
      "exit after that long without a client; 0 = stay (default)", 1},
     {"grace", OPT_GRACE, "SECONDS", 0,
      "on SIGTERM, finish requests in flight for at most that long (default 10)", 1},
+    {"supervise", OPT_SUPERVISE, NULL, 0,
+     "stay as a small parent that starts the daemon again when it crashes", 1},
     {"ready-fd", OPT_READY_FD, "N", 0,
      "write the byte 1 to this descriptor and close it when listening", 1},
     {"log-level", OPT_LOG_LEVEL, "LEVEL", 0, "error, warn, info (default) or debug", 1},
@@ -161,6 +164,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case OPT_PRIVATE:
         options->private_daemon = true;
         return 0;
+    case OPT_SUPERVISE:
+        options->supervise = true;
+        return 0;
     case OPT_IDLE_EXIT:
         options->idle_exit_s = (uint32_t)number(state, "idle-exit", text, 0, 1u << 30);
         return 0;
@@ -221,6 +227,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
                   [SRV_QUOTA_TRIANGLES] = PROTO_TRIANGLES_PER_UID},
         .grace_s = 10,
         .ready_fd = -1,
+        .listen_fd = -1,
         .log_level = SRV_LOG_INFO,
     };
     argp_parse(&argp, argc, argv, 0, NULL, options);

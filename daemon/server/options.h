@@ -26,7 +26,7 @@ enum srv_pin {
 
 struct srv_options {
     char socket_path[SRV_SOCKET_PATH_BYTES];
-    uint32_t threads_max;     /* of a step */
+    uint32_t threads_max; /* of a step */
     enum srv_pin pin;
     uint32_t connections_max; /* of all users; beyond it nobody is accepted */
     uint32_t inflight_max;    /* requests of one client, 1 .. 16 */
@@ -36,7 +36,9 @@ struct srv_options {
     uint32_t grace_s;     /* for requests in flight at shutdown */
     uint32_t idle_exit_s; /* 0: stay */
     bool private_daemon;  /* go with the last client */
+    bool supervise;       /* be the parent of workers (supervise.h) */
     int ready_fd;         /* -1: none */
+    int listen_fd;        /* given to us (activate.h); -1: open one */
     enum srv_level log_level;
 };
 

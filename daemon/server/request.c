@@ -9,6 +9,7 @@
 
 #include <stdlib.h>
 
+#include "crash.h"
 #include "dispatch.h"
 #include "invariant.h"
 #include "loop.h"
@@ -64,7 +65,10 @@ static void run(struct srv_job *job)
 {
     struct srv_request *request = (struct srv_request *)job;
     srv_assert_compute();
+    srv_crash_note(proto_messages[request->method].name, request->session->id,
+                   request->id);
     request->status = request->plan.work(request);
+    srv_crash_note(NULL, 0, 0);
     PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
     conclude(request);
 }

@@ -10,6 +10,7 @@ integration_names = \
     tests/integration/test_int_session \
     tests/integration/test_int_slot \
     tests/integration/test_int_step \
+    tests/integration/test_int_supervise \
     tests/integration/test_int_threads \
     tests/integration/test_int_watch
 check_PROGRAMS += $(integration_names)
@@ -50,6 +51,10 @@ tests_integration_test_int_session_LDADD = $(integration_libs)
 tests_integration_test_int_step_SOURCES = tests/integration/test_int_step.c
 tests_integration_test_int_step_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_step_LDADD = $(integration_libs)
+
+tests_integration_test_int_supervise_SOURCES = tests/integration/test_int_supervise.c
+tests_integration_test_int_supervise_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_supervise_LDADD = $(integration_libs)
 
 tests_integration_test_int_threads_SOURCES = tests/integration/test_int_threads.c
 tests_integration_test_int_threads_CPPFLAGS = $(integration_cppflags)

@@ -56,8 +56,8 @@ bench/peers         atomic cstdio cstdlib memory string vector
 tests               cmocka.h gmp.h jansson.h omp.h png.h xxhash.h
 '
 
-c_library='argp.h assert.h ctype.h dirent.h errno.h fcntl.h fenv.h float.h getopt.h glob.h
-    immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h poll.h pthread.h
+c_library='argp.h assert.h ctype.h dirent.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
+    glob.h immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h poll.h pthread.h
     sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h sys/eventfd.h sys/file.h sys/mman.h
     sys/prctl.h sys/random.h sys/resource.h sys/socket.h sys/stat.h sys/syscall.h sys/time.h

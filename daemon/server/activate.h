@@ -1,0 +1,26 @@
+/* activate.h - a listening socket that somebody else has opened for us.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     take over the socket of systemd's socket activation, or of our own supervisor
+ *           (supervise.h), which speaks the same: LISTEN_PID, LISTEN_FDS, descriptor 3.
+ * Does not: listen or accept (listener.h).
+ * Threads:  [loop], before any other thread is started.
+ * Source:   sd_listen_fds(3).
+ */
+#ifndef SRV_ACTIVATE_H
+#define SRV_ACTIVATE_H
+
+#include "options.h"
+
+#define SRV_ACTIVATE_FD 3
+
+/* If this process was given a socket, set options->listen_fd and, from its address,
+ * options->socket_path. Returns 0, also when there is none, or PCCD_E_INVAL: what is
+ * wrong with it is logged. */
+int srv_activate(struct srv_options *options);
+
+/* In a child, before exec: hand over a listening socket. Returns 0 or a status, errno
+ * set. */
+int srv_activate_give(int fd);
+
+#endif

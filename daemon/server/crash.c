@@ -1,0 +1,142 @@
+/* crash.c - what is said before we die of our own fault.
+ *
+ * Room:     server. See crash.h.
+ * Does:     only what a signal handler may: write, and the backtrace of the C library,
+ *           which is called once before so that it loads nothing then.
+ * Threads:  [any].
+ */
+#include "crash.h"
+
+#include <execinfo.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "invariant.h"
+
+#define FRAMES_MAX  64
+#define STACK_BYTES 65536u
+
+struct note {
+    const char *method; /* NULL: none */
+    uint64_t session;
+    uint32_t id;
+};
+
+/* Of the loop thread, and of all that compute. Each is written by one thread. */
+static struct note notes[2];
+static _Thread_local unsigned char handler_stack[STACK_BYTES];
+static atomic_flag reporting = ATOMIC_FLAG_INIT;
+
+/* A line of text that is put together without a lock. */
+struct line {
+    char text[512];
+    size_t length;
+};
+
+static void add_text(struct line *line, const char *text)
+{
+    while (*text != '\0' && line->length < sizeof line->text) {
+        line->text[line->length++] = *text++;
+    }
+}
+
+static void add_number(struct line *line, uint64_t number)
+{
+    char digits[20];
+    size_t count = 0;
+    do {
+        digits[count++] = (char)('0' + number % 10);
+        number /= 10;
+    } while (number > 0);
+    while (count > 0 && line->length < sizeof line->text) {
+        line->text[line->length++] = digits[--count];
+    }
+}
+
+static const char *name_of(int signal)
+{
+    switch (signal) {
+    case SIGSEGV:
+        return "SIGSEGV";
+    case SIGBUS:
+        return "SIGBUS";
+    case SIGFPE:
+        return "SIGFPE";
+    case SIGILL:
+        return "SIGILL";
+    case SIGSYS:
+        return "SIGSYS";
+    default:
+        return "SIGABRT";
+    }
+}
+
+static struct note *note_of_thread(void)
+{
+    return &notes[srv_thread_is_loop() ? 0 : 1];
+}
+
+static void report(int signal)
+{
+    struct line line = {.length = 0};
+    void *frames[FRAMES_MAX];
+    const struct note *current = note_of_thread();
+    add_text(&line, "pccdd " PACKAGE_VERSION ": ");
+    add_text(&line, name_of(signal));
+    add_text(&line, " in process ");
+    add_number(&line, (uint64_t)getpid());
+    add_text(&line, ", thread ");
+    add_number(&line, (uint64_t)gettid());
+    add_text(&line, " (");
+    add_text(&line, srv_thread_name());
+    add_text(&line, "), request ");
+    if (current->method != NULL) {
+        add_number(&line, current->id);
+        add_text(&line, " ");
+        add_text(&line, current->method);
+        add_text(&line, " of session ");
+        add_number(&line, current->session);
+    } else {
+        add_text(&line, "none");
+    }
+    add_text(&line, "\n");
+    (void)!write(STDERR_FILENO, line.text, line.length);
+    backtrace_symbols_fd(frames, backtrace(frames, FRAMES_MAX), STDERR_FILENO);
+}
+
+/* SA_RESETHAND has put the default action back: the signal is fatal now. */
+static void on_fatal(int signal)
+{
+    if (!atomic_flag_test_and_set(&reporting)) {
+        report(signal);
+    }
+    raise(signal);
+}
+
+void srv_crash_thread(void)
+{
+    const stack_t stack = {.ss_sp = handler_stack, .ss_size = sizeof handler_stack};
+    sigaltstack(&stack, NULL);
+}
+
+void srv_crash_note(const char *method, uint64_t session, uint32_t id)
+{
+    *note_of_thread() = (struct note){method, session, id};
+}
+
+void srv_crash_install(void)
+{
+    static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
+    struct sigaction action = {.sa_handler = on_fatal,
+                               .sa_flags = (int)(SA_RESETHAND | SA_ONSTACK | SA_NODEFER)};
+    void *frame[1];
+    (void)backtrace(frame, 1); /* loads what it needs */
+    srv_crash_thread();
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof fatal / sizeof fatal[0]; i++) {
+        sigaction(fatal[i], &action, NULL);
+    }
+}

@@ -1,0 +1,25 @@
+/* crash.h - what is said before we die of our own fault.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     on a fatal signal write version, thread, request and a backtrace to standard
+ *           error, then die of that signal.
+ * Does not: try to go on, allocate or lock.
+ * Threads:  [any].
+ */
+#ifndef SRV_CRASH_H
+#define SRV_CRASH_H
+
+#include <stdint.h>
+
+/* Handle SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT and SIGSYS; the calling thread gets a
+ * stack for it. Once, at the start. */
+void srv_crash_install(void);
+
+/* A stack for the handler, also where the thread's own has overflowed. */
+void srv_crash_thread(void);
+
+/* The loop thread, or else the compute thread with its team, works on that request from
+ * now on; `method` NULL: on none. The text must stay. [loop], [compute] */
+void srv_crash_note(const char *method, uint64_t session, uint32_t id);
+
+#endif

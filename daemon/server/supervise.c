@@ -1,0 +1,149 @@
+/* supervise.c - a small parent that starts the daemon again when it crashes.
+ *
+ * Room:     server. See supervise.h.
+ * Does:     fork, exec and wait; all signals are taken one by one with sigwaitinfo.
+ * Threads:  one: no OpenMP region ever runs here, so it may fork.
+ */
+#include "supervise.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "activate.h"
+#include "listener.h"
+#include "log.h"
+#include "now.h"
+#include "pccd_types.h"
+
+struct supervisor {
+    int listen_fd;
+    char **argv;
+    pid_t worker; /* 0: none */
+    bool stopping;
+    uint64_t crash_ns[SRV_CRASHES_MAX]; /* a ring: the last ones */
+    uint32_t crash_count;
+};
+
+/* In the child: become the worker. */
+static void become_worker(const struct supervisor *supervisor, pid_t parent)
+{
+    sigset_t none;
+    sigemptyset(&none);
+    /* Without its supervisor nobody would start it again: it ends in order. */
+    if (prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 && getppid() == parent &&
+        srv_activate_give(supervisor->listen_fd) == 0 &&
+        sigprocmask(SIG_SETMASK, &none, NULL) == 0) {
+        execv("/proc/self/exe", supervisor->argv);
+    }
+    srv_log(SRV_LOG_ERROR, 0, "a worker cannot be started: %s", strerror(errno));
+    _exit(1);
+}
+
+static int start_worker(struct supervisor *supervisor)
+{
+    pid_t parent = getpid();
+    pid_t child = fork();
+    if (child == 0) {
+        become_worker(supervisor, parent);
+    }
+    if (child < 0) {
+        srv_log(SRV_LOG_ERROR, 0, "fork: %s", strerror(errno));
+        return PCCD_E_SYSTEM;
+    }
+    supervisor->worker = child;
+    return 0;
+}
+
+/* Note a crash. Returns whether there were too many of late. */
+static bool crashes_too_often(struct supervisor *supervisor)
+{
+    uint64_t now_ns = srv_now_ns();
+    uint64_t *oldest = &supervisor->crash_ns[supervisor->crash_count++ % SRV_CRASHES_MAX];
+    *oldest = now_ns;
+    /* The next place of the ring holds the one before the last four. */
+    uint64_t first_ns = supervisor->crash_ns[supervisor->crash_count % SRV_CRASHES_MAX];
+    return supervisor->crash_count >= SRV_CRASHES_MAX &&
+           now_ns - first_ns <= (uint64_t)SRV_CRASHES_WINDOW_MS * 1000000u;
+}
+
+/* The worker has ended. Returns -1 to go on, or the exit status. */
+static int on_end(struct supervisor *supervisor, int wait_status)
+{
+    long pid = (long)supervisor->worker;
+    bool exited = WIFEXITED(wait_status);
+    supervisor->worker = 0;
+    if (exited && WEXITSTATUS(wait_status) == 0) {
+        return 0;
+    }
+    if (exited) {
+        srv_log(SRV_LOG_ERROR, 0, "worker %ld ended with status %d", pid,
+                WEXITSTATUS(wait_status));
+    } else {
+        srv_log(SRV_LOG_ERROR, 0, "worker %ld was ended by signal %d (%s)", pid,
+                WTERMSIG(wait_status), strsignal(WTERMSIG(wait_status)));
+    }
+    if (supervisor->stopping) {
+        return 1;
+    }
+    if (crashes_too_often(supervisor)) {
+        srv_log(SRV_LOG_ERROR, 0, "giving up: %u crashes within %u seconds",
+                SRV_CRASHES_MAX, SRV_CRASHES_WINDOW_MS / 1000);
+        return 1;
+    }
+    return start_worker(supervisor) == 0 ? -1 : 1;
+}
+
+/* Returns -1 to go on, or the exit status. */
+static int on_signal(struct supervisor *supervisor, int signal)
+{
+    int wait_status;
+    if (signal != SIGCHLD) {
+        supervisor->stopping = true;
+        kill(supervisor->worker, signal);
+        return -1;
+    }
+    if (waitpid(supervisor->worker, &wait_status, WNOHANG) != supervisor->worker) {
+        return -1; /* it was stopped, or goes on */
+    }
+    return on_end(supervisor, wait_status);
+}
+
+static int run(struct supervisor *supervisor, const sigset_t *signals, int ready_fd)
+{
+    int exit_status = start_worker(supervisor) == 0 ? -1 : 1;
+    /* The socket listens: whoever connects now waits for the worker. */
+    srv_listener_tell_ready(ready_fd);
+    while (exit_status < 0) {
+        siginfo_t info;
+        int signal = sigwaitinfo(signals, &info);
+        if (signal > 0) {
+            exit_status = on_signal(supervisor, signal);
+        }
+    }
+    return exit_status;
+}
+
+int srv_supervise(const struct srv_options *options, char **argv)
+{
+    struct supervisor supervisor = {.listen_fd = -1, .argv = argv};
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGCHLD);
+    sigaddset(&signals, SIGTERM);
+    sigaddset(&signals, SIGINT);
+    if (sigprocmask(SIG_BLOCK, &signals, NULL) != 0 ||
+        srv_listener_bind(options->socket_path, &supervisor.listen_fd) != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: %s", options->socket_path, strerror(errno));
+        return 1;
+    }
+    srv_log(SRV_LOG_INFO, 0, "process %ld supervises %s", (long)getpid(),
+            options->socket_path);
+    int exit_status = run(&supervisor, &signals, options->ready_fd);
+    unlink(options->socket_path);
+    close(supervisor.listen_fd);
+    return exit_status;
+}

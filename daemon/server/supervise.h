@@ -1,0 +1,23 @@
+/* supervise.h - a small parent that starts the daemon again when it crashes.
+ *
+ * Room:     server. May include: options.h.
+ * Does:     hold the path's lock and the listening socket, so that clients queue instead
+ *           of being refused while a worker is being started; pass signals on; give up
+ *           when it crashes again and again.
+ * Does not: talk to clients or compute: nothing of theirs can make it crash.
+ * Threads:  one.
+ */
+#ifndef SRV_SUPERVISE_H
+#define SRV_SUPERVISE_H
+
+#include "options.h"
+
+/* Crashes within that time after which it gives up. */
+#define SRV_CRASHES_MAX       5u
+#define SRV_CRASHES_WINDOW_MS 10000u
+
+/* Run workers, each this program with the same `argv`, until one ends by itself. Returns
+ * the exit status of the program. The caller holds the lock of the socket path. */
+int srv_supervise(const struct srv_options *options, char **argv);
+
+#endif

@@ -1,0 +1,232 @@
+/* test_int_supervise.c - a daemon that is started again, and one that is given a socket.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     kill workers for real, and their parent; hand over sockets as systemd does.
+ * Threads:  one.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "messages.h"
+#include "raw.h"
+
+#define END_MS 10000
+
+static const char *const supervised[] = {"--supervise", "--threads", "1", NULL};
+
+struct fixture {
+    struct test_daemon daemon;
+    struct test_raw raw;
+};
+
+/* Say hello on a new connection; the process that answers. */
+static pid_t meet(struct fixture *f)
+{
+    struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
+    struct proto_HELLO_result result;
+    assert_true(test_raw_open(&f->raw, f->daemon.socket));
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_HELLO, &hello, &result), 0);
+    return (pid_t)result.pid;
+}
+
+/* Wait until the peer of the connection is gone, and close our end. */
+static void see_it_end(struct fixture *f)
+{
+    uint64_t until_ms = test_now_ms() + END_MS;
+    while (test_raw_receive(&f->raw) > 0 && test_now_ms() < until_ms) {
+    }
+    assert_true(test_now_ms() < until_ms);
+    test_raw_close(&f->raw);
+}
+
+static int setup(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    *state = f;
+    return f != NULL && test_daemon_start(&f->daemon, supervised) ? 0 : -1;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    (void)test_daemon_finish(&f->daemon);
+    free(f);
+    return 0;
+}
+
+/* If the socket went with the worker, a client that comes while the next one starts would
+ * be refused. */
+static void supervise__clients_reach_the_next_worker(void **state)
+{
+    struct fixture *f = *state;
+    pid_t first = meet(f);
+    assert_int_not_equal(first, f->daemon.pid);
+    assert_int_equal(kill(first, SIGKILL), 0);
+    see_it_end(f);
+    pid_t second = meet(f);
+    assert_int_not_equal(second, first);
+    assert_int_equal(kill(f->daemon.pid, 0), 0);
+    test_raw_close(&f->raw);
+    assert_int_equal(test_daemon_end(&f->daemon, SIGTERM, END_MS), 0);
+}
+
+/* If nothing were said, nobody could find out why a daemon came back. */
+static void supervise__tells_what_a_worker_died_of(void **state)
+{
+    struct fixture *f = *state;
+    pid_t first = meet(f);
+    assert_int_equal(kill(first, SIGABRT), 0);
+    see_it_end(f);
+    assert_int_not_equal(meet(f), first);
+    test_raw_close(&f->raw);
+    assert_true(test_daemon_logged(&f->daemon, "SIGABRT in process "));
+    assert_true(test_daemon_logged(&f->daemon, "(loop), request none"));
+    assert_true(test_daemon_logged(&f->daemon, " was ended by signal 6 "));
+}
+
+/* If it went on for ever, a daemon that cannot start would burn a processor. */
+static void supervise__gives_up_after_five_crashes(void **state)
+{
+    struct fixture *f = *state;
+    for (int i = 0; i < 5; i++) {
+        pid_t worker = meet(f);
+        assert_int_equal(kill(worker, SIGKILL), 0);
+        see_it_end(f);
+    }
+    int status = test_daemon_end(&f->daemon, 0, END_MS);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    assert_true(test_daemon_logged(&f->daemon, "giving up: 5 crashes within 10 seconds"));
+    assert_int_equal(access(f->daemon.socket, F_OK), -1);
+}
+
+/* If a signal ended the parent alone, a worker without a socket path would stay. */
+static void supervise__ends_with_its_worker(void **state)
+{
+    struct fixture *f = *state;
+    (void)meet(f);
+    assert_int_equal(test_daemon_end(&f->daemon, SIGTERM, END_MS), 0);
+    see_it_end(f);
+    assert_int_equal(access(f->daemon.socket, F_OK), -1);
+}
+
+/* If a worker outlived its parent, two daemons could serve one path. */
+static void supervise__worker_goes_when_its_parent_dies(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(prctl(PR_SET_CHILD_SUBREAPER, 1), 0); /* its orphan is ours */
+    pid_t worker = meet(f);
+    (void)test_daemon_end(&f->daemon, SIGKILL, END_MS);
+    see_it_end(f);
+    int status = -1;
+    assert_int_equal(waitpid(worker, &status, 0), worker);
+    assert_int_equal(status, 0);
+    assert_true(test_daemon_restart(&f->daemon, supervised));
+    assert_int_not_equal(meet(f), worker);
+    test_raw_close(&f->raw);
+}
+
+/* ---- a socket from outside --------------------------------------------------------- */
+
+static int listen_at(const char *path, int type)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, type | SOCK_CLOEXEC, 0);
+    snprintf(address.sun_path, sizeof address.sun_path, "%s", path);
+    assert_true(fd >= 0);
+    assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(listen(fd, 8), 0);
+    return fd;
+}
+
+/* A daemon with that socket as descriptor 3, as systemd starts one. */
+static pid_t start_with(const struct fixture *f, int fd)
+{
+    pid_t pid = fork();
+    if (pid == 0) {
+        char text[32];
+        int log = open(f->daemon.log, O_WRONLY | O_CREAT | O_APPEND, 0600);
+        snprintf(text, sizeof text, "%ld", (long)getpid());
+        if (dup2(log, 2) == 2 && dup2(fd, 3) == 3 && setenv("LISTEN_PID", text, 1) == 0 &&
+            setenv("LISTEN_FDS", "1", 1) == 0) {
+            execl(getenv("PCCDD"), "pccdd", "--threads", "1", (char *)NULL);
+        }
+        _exit(127);
+    }
+    return pid;
+}
+
+/* If it opened a socket of its own, or removed the one it was given, clients of the next
+ * start would find nobody. */
+static void activate__serves_on_the_socket_it_is_given(void **state)
+{
+    struct fixture *f = *state;
+    char path[96];
+    char kept[sizeof f->daemon.socket];
+    snprintf(path, sizeof path, "%s/a", f->daemon.directory);
+    int fd = listen_at(path, SOCK_SEQPACKET);
+    memcpy(kept, f->daemon.socket, sizeof kept);
+    snprintf(f->daemon.socket, sizeof f->daemon.socket, "%.79s", path);
+    for (int i = 0; i < 2; i++) {
+        int status = -1;
+        pid_t pid = start_with(f, fd);
+        assert_int_equal(meet(f), pid);
+        assert_int_equal(kill(pid, SIGTERM), 0);
+        see_it_end(f);
+        assert_int_equal(waitpid(pid, &status, 0), pid);
+        assert_int_equal(status, 0);
+        assert_int_equal(access(path, F_OK), 0);
+    }
+    memcpy(f->daemon.socket, kept, sizeof kept);
+    close(fd);
+}
+
+/* If any socket were taken, a wrong unit file would show as clients that hang. */
+static void activate__refuses_a_socket_of_another_kind(void **state)
+{
+    struct fixture *f = *state;
+    char path[96];
+    int status = -1;
+    snprintf(path, sizeof path, "%s/b", f->daemon.directory);
+    int fd = listen_at(path, SOCK_STREAM);
+    pid_t pid = start_with(f, fd);
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    assert_true(test_daemon_logged(&f->daemon, "not a listening SOCK_SEQPACKET socket"));
+    close(fd);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(supervise__clients_reach_the_next_worker, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(supervise__tells_what_a_worker_died_of, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(supervise__gives_up_after_five_crashes, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(supervise__ends_with_its_worker, setup, teardown),
+        cmocka_unit_test_setup_teardown(supervise__worker_goes_when_its_parent_dies,
+                                        setup, teardown),
+        cmocka_unit_test_setup_teardown(activate__serves_on_the_socket_it_is_given, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(activate__refuses_a_socket_of_another_kind, setup,
+                                        teardown),
+    };
+    return cmocka_run_group_tests_name("int_supervise", tests, NULL, NULL);
+}
