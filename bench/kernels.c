@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "filter.h"
+#include "batch.h"
 #include "gather.h"
 #include "ingest.h"
 #include "report.h"
@@ -17,13 +17,11 @@
 #include "sorting.h"
 #include "test.h"
 
-#define QUERY_MAX    60000u
-#define TRACE_MAX    2000000u
-#define REPEATS      15u
-#define EXACT_MAX    2000u
-#define READY_MAX    32u /* groups of lanes: 12 KiB */
-#define READY_ROUNDS 50u
-#define TOLERANCE    1e-6
+#define QUERY_MAX 60000u
+#define TRACE_MAX 2000000u
+#define REPEATS   15u
+#define EXACT_MAX 2000u
+#define TOLERANCE 1e-6
 
 static unsigned repeats; /* of every measurement, the first not counted */
 
@@ -77,48 +75,68 @@ static void load(const struct eng_scene *scene, const struct bench_candidates *c
     eng_query_load(scene, c->kind, c->a[i], c->b[i], query);
 }
 
-/* As daemon/engine/test.c does it; `answers` NULL: the filter alone. */
-static void with_filter(const struct eng_scene *scene, const struct bench_candidates *c,
-                        struct eng_exact *exact, struct answers *answers)
+/* The points of every candidate, four a pair. */
+struct records {
+    struct eng_point *points;
+    uint32_t (*quads)[4];
+    struct eng_batch batch;
+};
+
+static void records_init(struct records *records, const struct eng_scene *scene,
+                         const struct bench_candidates *c)
 {
-    struct eng_query queries[ENG_LANES];
-    struct eng_lanes lanes;
-    for (uint32_t i = 0; i + ENG_LANES <= c->count; i += ENG_LANES) {
-        for (unsigned lane = 0; lane < ENG_LANES; lane++) {
-            load(scene, c, i + lane, &queries[lane]);
-            eng_lanes_set(&lanes, lane, &queries[lane]);
-        }
-        uint32_t survivors = eng_filter(c->kind, &lanes);
-        use(survivors);
-        for (unsigned lane = 0; answers && lane < ENG_LANES; lane++) {
-            bool survives = survivors >> lane & 1u;
-            answers->survivors += survives;
-            answers->hit[i + lane] =
-                survives &&
-                eng_solve(&queries[lane], TOLERANCE, 1, exact, &answers->hits[i + lane]);
-            answers->contacts += answers->hit[i + lane];
+    memset(&records->batch, 0, sizeof records->batch);
+    size_t bytes = (size_t)c->count * 4 * sizeof *records->points;
+    records->points = aligned_alloc(_Alignof(struct eng_point), bytes);
+    if (!records->points) {
+        exit(2);
+    }
+    memset(records->points, 0, bytes);
+    records->quads = bench_alloc(c->count, sizeof *records->quads);
+    for (uint32_t i = 0; i < c->count; i++) {
+        struct eng_query query;
+        load(scene, c, i, &query);
+        for (uint32_t k = 0; k < 4; k++) {
+            struct eng_point *point = &records->points[4 * i + k];
+            memcpy(point->x0, query.x[0][k], sizeof point->x0);
+            memcpy(point->x1, query.x[1][k], sizeof point->x1);
+            records->quads[i][k] = 4 * i + k;
         }
     }
 }
 
-/* Lanes that are filled once and stay in the first cache: what the arithmetic costs. */
-static double lanes_ready_ns(const struct eng_scene *scene,
-                             const struct bench_candidates *c)
+static void records_deinit(struct records *records)
 {
-    struct eng_lanes lanes[READY_MAX];
-    uint32_t count = c->count / ENG_LANES < READY_MAX ? c->count / ENG_LANES : READY_MAX;
-    for (uint32_t i = 0; i < count * ENG_LANES; i++) {
-        struct eng_query query;
-        load(scene, c, i, &query);
-        eng_lanes_set(&lanes[i / ENG_LANES], i % ENG_LANES, &query);
-    }
-    uint64_t begin_ns = bench_now_ns();
-    for (unsigned round = 0; round < READY_ROUNDS; round++) {
-        for (uint32_t i = 0; i < count; i++) {
-            use(eng_filter(c->kind, &lanes[i]));
+    free(records->points);
+    free(records->quads);
+}
+
+/* In chunks, as a step does it; `answers` NULL: the filter alone. */
+static void with_filter(struct records *records, const struct bench_candidates *c,
+                        struct eng_exact *exact, struct answers *answers)
+{
+    const struct eng_kernels *kernels = eng_kernels();
+    struct eng_batch *batch = &records->batch;
+    for (uint32_t i = 0; i < c->count; i += ENG_CHUNK_MAX) {
+        const uint32_t(*quads)[4] = (const uint32_t(*)[4])records->quads + i;
+        uint32_t n = c->count - i < ENG_CHUNK_MAX ? c->count - i : ENG_CHUNK_MAX;
+        if (!answers) {
+            uint32_t kept =
+                kernels->apart(c->kind, records->points, quads, n, batch->left);
+            use(kernels->filter(c->kind, records->points, quads, batch->left, kept,
+                                batch->left));
+            continue;
         }
+        uint32_t hits = eng_batch_test(kernels, c->kind, records->points, quads, n,
+                                       TOLERANCE, 1, exact, batch);
+        memset(answers->hit + i, 0, n * sizeof *answers->hit);
+        for (uint32_t k = 0; k < hits; k++) {
+            answers->hit[i + batch->index[k]] = true;
+            answers->hits[i + batch->index[k]] = batch->hits[k];
+        }
+        answers->survivors += batch->survivors;
+        answers->contacts += hits;
     }
-    return (double)(bench_now_ns() - begin_ns) / READY_ROUNDS / count / ENG_LANES;
 }
 
 static void solver_alone(const struct eng_scene *scene, const struct bench_candidates *c,
@@ -153,26 +171,26 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
     struct bench_samples both = {0};
     struct bench_samples alone = {0};
     struct bench_samples filter = {0};
-    struct bench_samples ready = {0};
     struct bench_samples again = {0};
+    static struct records records;
     struct answers with;
     struct answers without;
     bool good = true;
-    c->count -= c->count % ENG_LANES;
     if (c->count == 0) {
         return;
     }
+    records_init(&records, scene, c);
     answers_init(&with, c->count);
     answers_init(&without, c->count);
     for (unsigned r = 0; r < repeats && good; r++) {
         with.survivors = 0;
         with.contacts = 0;
         uint64_t t0 = bench_now_ns();
-        with_filter(scene, c, exact, &with);
+        with_filter(&records, c, exact, &with);
         uint64_t t1 = bench_now_ns();
         solver_alone(scene, c, exact, &without);
         uint64_t t2 = bench_now_ns();
-        with_filter(scene, c, exact, NULL);
+        with_filter(&records, c, exact, NULL);
         uint64_t t3 = bench_now_ns();
         solver_alone(scene, c, exact, &without);
         uint64_t t4 = bench_now_ns();
@@ -183,7 +201,6 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
             bench_add(&alone, (double)(t2 - t1) / c->count);
             bench_add(&filter, (double)(t3 - t2) / c->count);
             bench_add(&again, (double)(t4 - t3) / c->count);
-            bench_add(&ready, lanes_ready_ns(scene, c));
         }
     }
     if (good) {
@@ -192,8 +209,6 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
         bench_number(name, is_vf ? "VF queries" : "EE queries", "", c->count);
         bench_number(name, is_vf ? "VF misses rejected" : "EE misses rejected", "share",
                      misses > 0 ? rejected / misses : 1);
-        print(name, is_vf ? "VF filter, lanes ready" : "EE filter, lanes ready", "ns",
-              &ready, "solver alone", &alone);
         print(name, is_vf ? "VF filter" : "EE filter", "ns", &filter, "solver alone",
               &alone);
         print(name, is_vf ? "VF filter, solver" : "EE filter, solver", "ns", &both,
@@ -204,12 +219,12 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
         print(name, is_vf ? "VF solver alone" : "EE solver alone", "ns", &alone, NULL,
               NULL);
     }
+    records_deinit(&records);
     answers_deinit(&with);
     answers_deinit(&without);
     bench_free(&both);
     bench_free(&alone);
     bench_free(&filter);
-    bench_free(&ready);
     bench_free(&again);
 }
 

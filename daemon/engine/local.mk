@@ -26,8 +26,6 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/exact.c \
     daemon/engine/elementary/exact.h \
     daemon/engine/elementary/exact_span.c \
-    daemon/engine/elementary/filter.c \
-    daemon/engine/elementary/filter.h \
     daemon/engine/elementary/motion.c \
     daemon/engine/elementary/motion.h \
     daemon/engine/elementary/poly.c \

@@ -1,76 +1,32 @@
 /* tests/unit/test_eng_filter.c - cheap certain rejections.
  *
- * Room:     engine (filter.h).
- * Does:     lanes do not touch each other, planted contacts pass at every scale and
- *           place, obvious misses do not.
- * Does not: count what passes on real data.
+ * Room:     engine (kernel.h).
+ * Does:     planted contacts pass at every scale and place, obvious misses do not.
+ * Does not: count what passes on real data, or compare instruction sets
+ *           (test_eng_kernel.c).
  * Threads:  one.
- * Source:   daemon/engine/filter.h, BOUNDS.md.
+ * Source:   daemon/engine/kernel/, BOUNDS.md.
  */
 #include "eng_kit.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "filter.h"
+#include "kernel.h"
 
-/* The answer for one query, in every lane. */
+/* The answer for one query. */
 static bool passes(const struct eng_query *query)
 {
-    struct eng_lanes lanes;
-    for (unsigned lane = 0; lane < ENG_LANES; lane++) {
-        eng_lanes_set(&lanes, lane, query);
+    const struct eng_kernels *kernels = eng_kernels();
+    const uint32_t quads[1][4] = {{0, 1, 2, 3}};
+    struct eng_point points[4] = {0};
+    uint32_t kept[1] = {0};
+    for (int i = 0; i < 4; i++) {
+        memcpy(points[i].x0, query->x[0][i], sizeof points[i].x0);
+        memcpy(points[i].x1, query->x[1][i], sizeof points[i].x1);
     }
-    uint32_t bits = eng_filter(query->kind, &lanes);
-    assert_true(bits == 0 || bits == (1u << ENG_LANES) - 1);
-    return bits != 0;
-}
-
-static void random_query(struct kit_random *random, enum eng_kind kind,
-                         struct eng_query *query)
-{
-    double scale = ldexp(1, (int)kit_below(random, 120) - 60);
-    double jitter = ldexp(scale, -(int)kit_below(random, 60));
-    query->kind = kind;
-    for (int i = 0; i < 12; i++) {
-        double x = kit_between(random, -scale, scale);
-        query->x[0][i / 3][i % 3] = x;
-        query->x[1][i / 3][i % 3] = x + kit_between(random, -jitter, jitter);
-    }
-}
-
-/* If it failed: an answer would depend on which pairs happen to be tested together. */
-static void filter__lanes_are_independent(void **state)
-{
-    (void)state;
-    struct kit_random random = {50};
-    int passed = 0;
-    enum { ROUNDS = 20000 };
-    for (int round = 0; round < ROUNDS; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
-        struct eng_query query[ENG_LANES];
-        bool alone[ENG_LANES];
-        for (unsigned i = 0; i < ENG_LANES; i++) {
-            if (kit_below(&random, 3) == 0) {
-                kit_plant(&random, kind, kit_below(&random, 9), &query[i]);
-            } else {
-                random_query(&random, kind, &query[i]);
-            }
-            alone[i] = passes(&query[i]);
-            passed += alone[i];
-        }
-        for (unsigned turn = 0; turn < ENG_LANES; turn++) {
-            struct eng_lanes lanes;
-            for (unsigned i = 0; i < ENG_LANES; i++) {
-                eng_lanes_set(&lanes, (i + turn) % ENG_LANES, &query[i]);
-            }
-            uint32_t bits = eng_filter(kind, &lanes);
-            for (unsigned i = 0; i < ENG_LANES; i++) {
-                assert_int_equal(bits >> (i + turn) % ENG_LANES & 1u, alone[i]);
-            }
-        }
-    }
-    assert_in_range(passed, ROUNDS / 10, ROUNDS * ENG_LANES - ROUNDS / 10);
+    return kernels->apart(query->kind, points, quads, 1, kept) == 1 &&
+           kernels->filter(query->kind, points, quads, kept, 1, kept) == 1;
 }
 
 /* If it failed: a real contact would be thrown away before anybody looks. */
@@ -194,7 +150,6 @@ static void filter__obvious_misses_are_rejected(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(filter__lanes_are_independent),
         cmocka_unit_test(filter__planted_contacts_pass),
         cmocka_unit_test(filter__planted_contacts_pass_at_every_scale),
         cmocka_unit_test(filter__planted_contacts_pass_far_from_the_origin),

@@ -94,12 +94,83 @@ static void kernels__widen_to_the_same_bits(void **state)
     }
 }
 
+/* Pairs of every sort: apart along an axis for some time or always, near, touching. */
+#define PAIR_COUNT 300u
+
+struct pairs {
+    struct eng_point points[4 * PAIR_COUNT];
+    uint32_t quads[PAIR_COUNT][4];
+};
+
+static void make_pairs(struct kit_random *random, enum eng_kind kind, struct pairs *pairs)
+{
+    for (uint32_t i = 0; i < PAIR_COUNT; i++) {
+        struct eng_query query = {.kind = kind};
+        double scale = ldexp(1, (int)kit_below(random, 80) - 40);
+        double offset[2] = {kit_between(random, -2, 2), kit_between(random, -2, 2)};
+        unsigned family = kit_below(random, 3);
+        if (family == 0) {
+            kit_plant(random, kind, kit_below(random, 9), &query);
+        }
+        for (int k = 0; k < 24 && family > 0; k++) {
+            bool second = k / 3 % 4 >= (kind == ENG_VF ? 1 : 2);
+            double x = family == 1 ? kit_integer(random, 2) : kit_between(random, -1, 1);
+            query.x[k / 12][k / 3 % 4][k % 3] = x + (second ? offset[k / 12] : 0);
+        }
+        kit_place(&query, scale, 0);
+        for (uint32_t k = 0; k < 4; k++) {
+            struct eng_point *point = &pairs->points[4 * i + k];
+            memcpy(point->x0, query.x[0][k], sizeof point->x0);
+            memcpy(point->x1, query.x[1][k], sizeof point->x1);
+            point->word0 = UINT64_MAX - kit_below(random, 2); /* not a number, or 1 */
+            point->word1 = kit_below(random, 2);
+            pairs->quads[i][k] = 4 * i + k;
+        }
+    }
+}
+
+/* If a set filtered otherwise, or looked at the words between the coordinates, survivors
+ * would be counted otherwise on another processor, or contacts be lost. */
+static void kernels__filter_the_same_pairs(void **state)
+{
+    (void)state;
+    static struct pairs pairs;
+    const struct eng_kernels *sets[ENG_ISA_COUNT];
+    const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
+    unsigned set_count = others(sets);
+    struct kit_random random = {71};
+    uint32_t apart = 0;
+    uint32_t filtered = 0;
+    for (uint32_t round = 0; round < 200; round++) {
+        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        uint32_t count = round < 100 ? round : PAIR_COUNT;
+        uint32_t expected[2][PAIR_COUNT];
+        uint32_t kept[PAIR_COUNT];
+        make_pairs(&random, kind, &pairs);
+        const uint32_t(*quads)[4] = (const uint32_t(*)[4])pairs.quads;
+        uint32_t n = scalar->apart(kind, pairs.points, quads, count, expected[0]);
+        uint32_t m =
+            scalar->filter(kind, pairs.points, quads, expected[0], n, expected[1]);
+        apart += count - n;
+        filtered += n - m;
+        for (unsigned k = 0; k < set_count; k++) {
+            assert_int_equal(sets[k]->apart(kind, pairs.points, quads, count, kept), n);
+            assert_memory_equal(kept, expected[0], n * sizeof *kept);
+            assert_int_equal(sets[k]->filter(kind, pairs.points, quads, kept, n, kept),
+                             m);
+            assert_memory_equal(kept, expected[1], m * sizeof *kept);
+        }
+    }
+    assert_true(apart > 5000 && filtered > 5000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels__are_chosen_by_name),
         cmocka_unit_test(kernels__find_a_bad_value_at_any_place),
         cmocka_unit_test(kernels__widen_to_the_same_bits),
+        cmocka_unit_test(kernels__filter_the_same_pairs),
     };
     return cmocka_run_group_tests_name("eng_kernel", tests, NULL, NULL);
 }

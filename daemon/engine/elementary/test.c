@@ -1,15 +1,12 @@
 /* daemon/engine/elementary/test.c - elementary tests of a chunk of candidates.
  *
  * Room:     engine.
- * Does:     gather positions into lanes, filter, solve the survivors one by one.
+ * Does:     copy the points of a few pairs at a time, test them, keep the contacts.
  * Threads:  [team].
  */
 #include "test.h"
 
-#include <math.h>
 #include <string.h>
-
-#include "solve.h"
 
 static void load_point(const struct eng_scene *scene, struct eng_query *query, int point,
                        uint32_t v)
@@ -90,40 +87,45 @@ static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
     }
 }
 
-static void test_lanes(struct eng_worker *worker, enum eng_kind kind,
+static void load_pair(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,
+                      uint32_t b, struct eng_point points[4])
+{
+    struct eng_query query;
+    eng_query_load(scene, kind, a, b, &query);
+    for (int i = 0; i < 4; i++) {
+        memcpy(points[i].x0, query.x[0][i], sizeof points[i].x0);
+        memcpy(points[i].x1, query.x[1][i], sizeof points[i].x1);
+    }
+}
+
+/* Pairs whose points are copied at a time: 8 KiB. */
+#define GROUP 32u
+
+/* Test candidates first .. first + GROUP - 1. */
+static void test_group(struct eng_worker *worker, enum eng_kind kind,
                        const struct eng_chunk *chunk, uint32_t first)
 {
-    uint32_t n = chunk->count - first < ENG_LANES ? chunk->count - first : ENG_LANES;
-    struct eng_query queries[ENG_LANES];
-    struct eng_lanes lanes;
-    for (unsigned lane = 0; lane < ENG_LANES; lane++) {
-        /* A short group repeats its first query; the copies are not looked at. */
-        unsigned i = lane < n ? lane : 0;
-        if (i == lane) {
-            eng_query_load(worker->scene, kind, chunk->a[first + i], chunk->b[first + i],
-                           &queries[i]);
+    struct eng_point points[4 * GROUP] = {0};
+    uint32_t quads[GROUP][4];
+    struct eng_batch *batch = &worker->batch;
+    uint32_t count = chunk->count - first < GROUP ? chunk->count - first : GROUP;
+    for (uint32_t i = 0; i < count; i++) {
+        load_pair(worker->scene, kind, chunk->a[first + i], chunk->b[first + i],
+                  &points[4 * (size_t)i]);
+        for (uint32_t k = 0; k < 4; k++) {
+            quads[i][k] = 4 * i + k;
         }
-        eng_lanes_set(&lanes, lane, &queries[i]);
     }
-    uint32_t survivors = eng_filter(kind, &lanes);
-    worker->record.tests += n;
-    for (unsigned lane = 0; lane < n && !eng_stop_is_set(worker->stop); lane++) {
-        struct eng_hit hit;
-        if (!(survivors >> lane & 1u)) {
-            continue;
-        }
-        worker->tally.survivors++;
-        uint64_t exact_queries = worker->exact.queries;
-        if (eng_solve(&queries[lane], worker->settings->tolerance, worker->time_bound,
-                      &worker->exact, &hit)) {
-            struct eng_pair name = name_of(worker->scene, kind, chunk->a[first + lane],
-                                           chunk->b[first + lane]);
-            eng_test_keep(worker, &name, &hit);
-        }
-        /* Coordinates of very different size take exact arithmetic up to 0.3 s a test. */
-        if (worker->exact.queries != exact_queries) {
-            eng_worker_should_stop(worker);
-        }
+    uint32_t hits = eng_batch_test(
+        worker->kernels, kind, points, (const uint32_t(*)[4])quads, count,
+        worker->settings->tolerance, worker->time_bound, &worker->exact, batch);
+    worker->record.tests += count;
+    worker->tally.survivors += batch->survivors;
+    for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
+        uint32_t pair = first + batch->index[i];
+        struct eng_pair name =
+            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
+        eng_test_keep(worker, &name, &batch->hits[i]);
     }
 }
 
@@ -141,8 +143,8 @@ void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
         keep_candidates(worker, kind, chunk);
     } else {
         for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop);
-             i += ENG_LANES) {
-            test_lanes(worker, kind, chunk, i);
+             i += GROUP) {
+            test_group(worker, kind, chunk, i);
         }
     }
     chunk->count = 0;

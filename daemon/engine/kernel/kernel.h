@@ -1,6 +1,6 @@
 /* daemon/engine/kernel/kernel.h - the inner loops, once for every instruction set.
  *
- * Room:     engine. May include: boxes.h, the C library.
+ * Room:     engine. May include: boxes.h, query.h, the C library.
  * Does:     name the instruction sets and the functions that each of them has; choose
  *           the set that this processor runs best, or the one that PCCD_CPU names.
  * Does not: know meshes, scenes or threads.
@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "boxes.h"
+#include "query.h"
 
 enum eng_isa {
     ENG_ISA_SCALAR, /* everywhere */
@@ -72,6 +73,18 @@ struct eng_kernels {
                            uint32_t *out_a, uint32_t *out_b);
     uint32_t (*join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                            uint32_t *out_a, uint32_t *out_b);
+
+    /* Elementary tests of `count` pairs of one kind; quads as in batch.h. */
+
+    /* Write the pairs 0 .. count-1 that no axis separates over the whole step to
+     * kept[count]; returns how many. */
+    uint32_t (*apart)(enum eng_kind kind, const struct eng_point *points,
+                      const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
+    /* The same by face diagonals and by the cubic, of the pairs pairs[count]; kept may be
+     * `pairs`. */
+    uint32_t (*filter)(enum eng_kind kind, const struct eng_point *points,
+                       const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+                       uint32_t *kept);
 };
 
 /* The kernels of an instruction set; NULL if this processor, or this build, has none. */

@@ -92,6 +92,12 @@ ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
     return (eng_d)_mm512_max_pd((__m512d)a, (__m512d)b);
 }
 
+/* The larger magnitude. */
+ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
+{
+    return (eng_d)_mm512_range_pd((__m512d)a, (__m512d)b, 0xb);
+}
+
 ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
 {
     return (eng_f)_mm512_min_ps((__m512)a, (__m512)b);

@@ -123,6 +123,12 @@ ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
 #endif
 }
 
+/* The larger magnitude. */
+ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
+{
+    return eng_d_max((eng_d)((eng_di)a & INT64_MAX), (eng_d)((eng_di)b & INT64_MAX));
+}
+
 ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
 {
     return (eng_f)((m & (eng_fi)a) | (~m & (eng_fi)b));

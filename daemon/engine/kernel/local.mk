@@ -7,13 +7,17 @@ kernel_sources = \
     daemon/engine/kernel/boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/join.c \
+    daemon/engine/kernel/apart.c \
+    daemon/engine/kernel/filter.c \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lanes.h \
     daemon/engine/kernel/lanes_avx512.h \
     daemon/engine/kernel/lanes_pack.h \
     daemon/engine/kernel/lanes_vector.h \
+    daemon/engine/kernel/points.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \
+    daemon/engine/kernel/vectors.h \
     daemon/engine/kernel/within.c
 kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 # The loops are short and everything in them is inlined: what -O3 adds is unrolling.

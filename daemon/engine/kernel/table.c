@@ -22,4 +22,6 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .join_nodes = ENG_KERNEL(join_nodes),
     .join_edges = ENG_KERNEL(join_edges),
     .join_faces = ENG_KERNEL(join_faces),
+    .apart = ENG_KERNEL(apart),
+    .filter = ENG_KERNEL(filter),
 };

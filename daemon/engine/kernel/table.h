@@ -12,6 +12,11 @@
 
 bool ENG_KERNEL(all_within)(const double *x, size_t count, double limit);
 bool ENG_KERNEL(widen_within)(double *out, const float *x, size_t count, double limit);
+uint32_t ENG_KERNEL(apart)(enum eng_kind kind, const struct eng_point *points,
+                           const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
+uint32_t ENG_KERNEL(filter)(enum eng_kind kind, const struct eng_point *points,
+                            const uint32_t (*quads)[4], const uint32_t *pairs,
+                            uint32_t count, uint32_t *kept);
 
 void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool swept,
                             struct eng_extents *boxes);

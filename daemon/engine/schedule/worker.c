@@ -18,9 +18,17 @@
  */
 #define SPINS_BEFORE_YIELD 256u
 
+static bool batch_should_stop(void *worker)
+{
+    return eng_worker_should_stop(worker);
+}
+
 void eng_worker_init(struct eng_worker *worker)
 {
     memset(worker, 0, sizeof *worker);
+    worker->batch.should_stop = batch_should_stop;
+    worker->batch.owner = worker;
+    worker->batch.boxes_tested = true;
     eng_exact_init(&worker->exact);
     eng_deque_init(&worker->deque);
 }

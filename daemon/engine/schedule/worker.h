@@ -1,7 +1,7 @@
 /* daemon/engine/schedule/worker.h - what one thread of a step owns.
  *
- * Room:     engine. May include: batch.h, clock.h, deque.h, exact.h, filter.h, result.h,
- *           trace.h, world.h.
+ * Room:     engine. May include: batch.h, clock.h, deque.h, exact.h, result.h, trace.h,
+ *           world.h.
  * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
  *           scratch of reconstruction and solver and the records found: the one interface
  *           through which schedule, traversal, filter, solver and results meet. A step's
@@ -15,7 +15,6 @@
 #include "clock.h"
 #include "deque.h"
 #include "exact.h"
-#include "filter.h"
 #include "result.h"
 #include "trace.h"
 #include "world.h"
@@ -124,6 +123,7 @@ struct eng_worker {
     struct eng_wide_work *wide; /* method wide; NULL until a step needs it */
     struct eng_found found;
     struct eng_exact exact;
+    struct eng_batch batch;
     struct eng_split_item *split_items; /* [split_capacity] to reconstruct a region */
     uint32_t split_capacity;
     struct eng_thread_record record;

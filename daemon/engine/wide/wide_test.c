@@ -147,6 +147,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->join.look = look;
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
+    work->batch.boxes_tested = true;
     eng_wide_join_begin(&work->join, &worker->scene->wide);
     look(worker);
 }

@@ -1,0 +1,134 @@
+/* daemon/engine/kernel/points.h - records of points to vectors, a pair to each lane.
+ *
+ * Room:     engine. May include: kernel.h, vectors.h.
+ * Does:     load the same point of as many pairs as there are lanes. A record is one
+ *           cache line; loading lines and turning them takes half the time of gathering
+ *           numbers.
+ * Threads:  [any]; inline only. Included by files of this folder alone.
+ */
+#ifndef ENG_POINTS_H
+#define ENG_POINTS_H
+
+#include "kernel.h"
+#include "vectors.h"
+
+/* Three numbers of each of ENG_D_LANES places; the fourth may be read too. */
+#if ENG_VECTOR_BYTES == 64
+
+ENG_INLINE eng_d eng_points_halves(const double *low, const double *high)
+{
+    return (eng_d)_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)),
+                                     _mm256_loadu_pd(high), 1);
+}
+
+ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
+{
+    const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+    const __m512i second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+    __m512d a0 = (__m512d)eng_points_halves(at[0], at[4]);
+    __m512d a1 = (__m512d)eng_points_halves(at[1], at[5]);
+    __m512d a2 = (__m512d)eng_points_halves(at[2], at[6]);
+    __m512d a3 = (__m512d)eng_points_halves(at[3], at[7]);
+    __m512d xz01 = _mm512_unpacklo_pd(a0, a1);
+    __m512d xz23 = _mm512_unpacklo_pd(a2, a3);
+    __m512d y01 = _mm512_unpackhi_pd(a0, a1);
+    __m512d y23 = _mm512_unpackhi_pd(a2, a3);
+    return (struct eng_v){(eng_d)_mm512_permutex2var_pd(xz01, first, xz23),
+                          (eng_d)_mm512_permutex2var_pd(y01, first, y23),
+                          (eng_d)_mm512_permutex2var_pd(xz01, second, xz23)};
+}
+
+#elif ENG_VECTOR_BYTES == 32
+
+/* Two numbers of each place, in the halves. */
+ENG_INLINE __m256d eng_points_halves(const double *low, const double *high)
+{
+    return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(low)),
+                                _mm_loadu_pd(high), 1);
+}
+
+ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
+{
+    __m256d xy02 = eng_points_halves(at[0], at[2]);
+    __m256d xy13 = eng_points_halves(at[1], at[3]);
+    __m256d z02 = eng_points_halves(at[0] + 2, at[2] + 2);
+    __m256d z13 = eng_points_halves(at[1] + 2, at[3] + 2);
+    return (struct eng_v){(eng_d)_mm256_unpacklo_pd(xy02, xy13),
+                          (eng_d)_mm256_unpackhi_pd(xy02, xy13),
+                          (eng_d)_mm256_unpacklo_pd(z02, z13)};
+}
+
+#elif ENG_VECTOR_BYTES == 16
+
+ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
+{
+    return (struct eng_v){
+        {at[0][0], at[1][0]}, {at[0][1], at[1][1]}, {at[0][2], at[1][2]}};
+}
+
+#else
+
+ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
+{
+    return (struct eng_v){{at[0][0]}, {at[0][1]}, {at[0][2]}};
+}
+
+#endif
+
+/* The pairs in the lanes: points[quads[pairs[lane]][..]]. A group that is short of pairs
+ * repeats its first. */
+struct eng_group {
+    const struct eng_point *points;
+    const uint32_t *quad[ENG_D_LANES];
+};
+
+ENG_INLINE struct eng_group eng_group_of(const struct eng_point *points,
+                                         const uint32_t (*quads)[4],
+                                         const uint32_t *pairs, uint32_t count)
+{
+    struct eng_group group = {.points = points};
+#pragma GCC unroll 8
+    for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
+        group.quad[lane] = quads[pairs[lane < count ? lane : 0]];
+    }
+    return group;
+}
+
+/* Point `corner` of each pair at both ends of the step. */
+ENG_INLINE void eng_group_load(const struct eng_group *group, int corner,
+                               struct eng_v x[2])
+{
+    const double *at0[ENG_D_LANES];
+    const double *at1[ENG_D_LANES];
+#pragma GCC unroll 8
+    for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
+        const struct eng_point *point = &group->points[group->quad[lane][corner]];
+        at0[lane] = point->x0;
+        at1[lane] = point->x1;
+    }
+    x[0] = eng_points_turn(at0);
+    x[1] = eng_points_turn(at1);
+}
+
+/* Append those of pairs[0 .. n-1] whose bit is set to `kept`, which may be a part of
+ * `pairs` at or before it; returns how many. */
+ENG_INLINE uint32_t eng_keep(uint32_t *kept, const uint32_t *pairs, uint32_t n,
+                             uint32_t bits)
+{
+    uint32_t count = 0;
+#if ENG_VECTOR_BYTES == 64
+    if (n == ENG_D_LANES) {
+        __m256i in = _mm256_loadu_si256((const __m256i *)(const void *)pairs);
+        _mm256_storeu_si256((__m256i *)(void *)kept,
+                            _mm256_maskz_compress_epi32((__mmask8)bits, in));
+        return (uint32_t)__builtin_popcount(bits);
+    }
+#endif
+    for (uint32_t lane = 0; lane < n; lane++) {
+        kept[count] = pairs[lane];
+        count += bits >> lane & 1u;
+    }
+    return count;
+}
+
+#endif

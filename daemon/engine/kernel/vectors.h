@@ -1,0 +1,53 @@
+/* daemon/engine/kernel/vectors.h - vectors of three coordinates, a pair to each lane.
+ *
+ * Room:     engine. May include: lanes.h.
+ * Does:     the operations of elementary/vec.h, lane by lane; each written operation is
+ *           one rounding.
+ * Threads:  [any]; inline only. Included by files of this folder alone.
+ */
+#ifndef ENG_VECTORS_H
+#define ENG_VECTORS_H
+
+#include "lanes.h"
+
+struct eng_v {
+    eng_d x, y, z;
+};
+
+ENG_INLINE struct eng_v eng_v_add(struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+ENG_INLINE struct eng_v eng_v_sub(struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+ENG_INLINE struct eng_v eng_v_cross(struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
+                          a.x * b.y - a.y * b.x};
+}
+
+ENG_INLINE eng_d eng_v_dot(struct eng_v a, struct eng_v b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* s a + t b */
+ENG_INLINE struct eng_v eng_v_mix(eng_d s, struct eng_v a, eng_d t, struct eng_v b)
+{
+    return (struct eng_v){s * a.x + t * b.x, s * a.y + t * b.y, s * a.z + t * b.z};
+}
+
+/* Largest coordinate magnitude of two. */
+ENG_INLINE eng_d eng_v_reach(struct eng_v a, struct eng_v b)
+{
+    eng_d x = eng_d_max_abs(a.x, b.x);
+    eng_d y = eng_d_max_abs(a.y, b.y);
+    eng_d z = eng_d_max_abs(a.z, b.z);
+    return eng_d_max_abs(eng_d_max_abs(x, y), z);
+}
+
+#endif
