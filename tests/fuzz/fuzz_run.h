@@ -1,0 +1,52 @@
+/* fuzz_run.h - many elementary tests at every instruction set, each answer judged.
+ *
+ * Room:     tests/fuzz. May include: fuzz_query.h, fuzz_truth.h, batch.h.
+ * Does:     put chunks of random queries to the batch of every set that this processor
+ *           has and to the scalar call; hold the answers against the truth, against each
+ *           other, and against those of the same query scaled, reordered and reversed.
+ * Threads:  one.
+ */
+#ifndef FUZZ_RUN_H
+#define FUZZ_RUN_H
+
+#include <stdio.h>
+
+#include "fuzz_query.h"
+#include "fuzz_truth.h"
+
+#define FUZZ_BINS 400u /* 20 a decade, from 1e-20 */
+
+struct fuzz_run {
+    struct prng prng;
+    FILE *log;               /* failures, with a line to repeat each */
+    uint64_t failures;       /* the first 20 are told */
+    struct eng_query failed; /* the last one */
+    uint64_t queries;
+    uint64_t hits;
+    uint64_t survivors;     /* of the filter */
+    uint64_t exact_queries; /* put to exact arithmetic by the engine */
+    uint64_t sets;          /* instruction sets that were compared */
+    uint64_t family_queries[FUZZ_FAMILIES];
+    uint64_t family_hits[FUZZ_FAMILIES];
+    struct fuzz_tally tally;
+    /* How early toi was, of contacts with the default tolerance. */
+    double early_max;
+    uint64_t early_count;
+    uint64_t early_bins[FUZZ_BINS];
+    struct eng_exact exact;
+};
+
+void fuzz_run_init(struct fuzz_run *run, uint64_t seed, FILE *log);
+void fuzz_run_deinit(struct fuzz_run *run);
+
+/* At least `count` more queries; stops after 20 failures. */
+void fuzz_run_more(struct fuzz_run *run, uint64_t count);
+
+/* One query, as fuzz_query_read gave it. */
+void fuzz_run_query(struct fuzz_run *run, const struct eng_query *query, double tolerance,
+                    double t_end);
+
+/* The time that `share` of the contacts are at most early by. */
+double fuzz_run_early(const struct fuzz_run *run, double share);
+
+#endif

@@ -1,0 +1,40 @@
+/* fuzz_truth.h - is an answer to an elementary test the true one?
+ *
+ * Room:     tests/fuzz. May include: engine headers, tests/oracle.
+ * Does:     check a claim, a miss or a contact with its bracket of time, without a doubt:
+ *           by ranges that are rounded outward where they suffice, else by exact
+ *           arithmetic.
+ * Does not: share an argument with the engine: ranges need no error bound.
+ * Threads:  one for one tally.
+ */
+#ifndef FUZZ_TRUTH_H
+#define FUZZ_TRUTH_H
+
+#include "solve.h"
+
+enum fuzz_judgement {
+    FUZZ_RIGHT,
+    FUZZ_MISSED,   /* a contact exists */
+    FUZZ_INVENTED, /* none exists */
+    FUZZ_LATE,     /* the first contact is before toi */
+    FUZZ_EARLY,    /* the first contact is after toi_hi */
+    FUZZ_MISFORMED /* flags, times, parameters or normal are none that an answer has */
+};
+
+const char *fuzz_judgement_text(enum fuzz_judgement judgement);
+
+/* How claims were decided. */
+struct fuzz_tally {
+    uint64_t ranges;
+    uint64_t exact;
+    /* Distance of the two places that a contact's parameters name, at most, as a share of
+     * the query's extent and beyond what moves within the bracket. */
+    double place_max;
+};
+
+/* `hit` NULL: the claim is that there is no contact. For a contact *early is how long
+ * toi certainly is not before it: the first contact is within [toi, toi + *early]. */
+enum fuzz_judgement fuzz_judge(const struct eng_query *query, const struct eng_hit *hit,
+                               double tolerance, struct fuzz_tally *tally, double *early);
+
+#endif

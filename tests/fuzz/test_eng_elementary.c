@@ -1,0 +1,138 @@
+/* test_eng_elementary.c - the elementary tests against exact arithmetic, for a moment.
+ *
+ * Room:     tests/fuzz. May include: fuzz_run.h, cmocka.
+ * Does:     a hundred thousand queries, or FUZZ_QUERIES; and first of all, whether the
+ *           judge would find a wrong answer.
+ * Threads:  one.
+ * Source:   PCCD_SEED repeats a run; `elementary --replay` repeats a query.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fuzz_run.h"
+
+#define TOLERANCE 1e-6
+
+static struct eng_exact exact;
+
+/* A query of a family in turn and the engine's answer. */
+static bool ask(struct prng *prng, uint32_t round, struct eng_query *query,
+                struct eng_hit *hit)
+{
+    static const enum fuzz_family families[] = {FUZZ_RANDOM, FUZZ_SNAPPED, FUZZ_COPLANAR,
+                                                FUZZ_SLIVER, FUZZ_PLANTED, FUZZ_CROSSING};
+    fuzz_query_make(prng, families[round / 2 % 6], round % 2 ? ENG_VF : ENG_EE, query);
+    return eng_solve(query, TOLERANCE, 1, &exact, hit);
+}
+
+static enum fuzz_judgement judge(const struct eng_query *query, const struct eng_hit *hit)
+{
+    struct fuzz_tally tally = {0};
+    double early;
+    return fuzz_judge(query, hit, TOLERANCE, &tally, &early);
+}
+
+/* If this failed, a contact that is missed, invented or mistimed would go unnoticed. */
+static void judge__finds_wrong_answers(void **state)
+{
+    struct prng prng = {7};
+    int contacts = 0;
+    int misses = 0;
+    (void)state;
+    for (uint32_t round = 0; round < 2400; round++) {
+        struct eng_query query;
+        struct eng_hit hit;
+        if (!ask(&prng, round, &query, &hit)) {
+            const struct eng_hit invented = {
+                .flags = ENG_PROVED, .toi = 0.25, .toi_hi = 0.25};
+            assert_int_equal(judge(&query, NULL), FUZZ_RIGHT);
+            assert_int_equal(judge(&query, &invented), FUZZ_INVENTED);
+            misses++;
+            continue;
+        }
+        assert_int_equal(judge(&query, &hit), FUZZ_RIGHT);
+        assert_int_equal(judge(&query, NULL), FUZZ_MISSED);
+        contacts++;
+        struct eng_hit wrong = hit;
+        wrong.toi = wrong.toi_hi = nextafter(hit.toi_hi, 2);
+        assert_int_equal(judge(&query, &wrong), FUZZ_LATE);
+        if (hit.toi > 0) {
+            wrong.toi = wrong.toi_hi = nextafter(hit.toi, 0);
+            assert_int_equal(judge(&query, &wrong), FUZZ_EARLY);
+        }
+    }
+    assert_in_range(contacts, 500, 2000);
+    assert_in_range(misses, 500, 2000);
+}
+
+/* If this failed, a contact could have no place, no direction, or a bracket as long as it
+ * likes. */
+static void judge__finds_misformed_answers(void **state)
+{
+    struct prng prng = {8};
+    int contacts = 0;
+    (void)state;
+    for (uint32_t round = 0; round < 600; round++) {
+        struct eng_query query;
+        struct eng_hit hit;
+        if (!ask(&prng, round, &query, &hit)) {
+            continue;
+        }
+        contacts++;
+        struct eng_hit wrong = hit;
+        wrong.flags = 0;
+        assert_int_equal(judge(&query, &wrong), FUZZ_MISFORMED);
+        wrong = hit;
+        wrong.flags ^= ENG_INITIAL;
+        assert_int_equal(judge(&query, &wrong), FUZZ_MISFORMED);
+        wrong = hit;
+        wrong.param[1] = -0.5f;
+        assert_int_equal(judge(&query, &wrong), FUZZ_MISFORMED);
+        wrong = hit;
+        wrong.normal[0] += 3;
+        assert_int_equal(judge(&query, &wrong), FUZZ_MISFORMED);
+        if (hit.toi > 2 * TOLERANCE) {
+            wrong = hit;
+            wrong.toi -= 2 * TOLERANCE;
+            assert_int_equal(judge(&query, &wrong), FUZZ_MISFORMED);
+        }
+    }
+    assert_true(contacts > 100);
+}
+
+/* If this failed, an answer to an elementary test would be wrong, or depend on the
+ * instruction set, the batch, the scale or the order of the points. */
+static void elementary__answers_are_exact_at_every_instruction_set(void **state)
+{
+    static struct fuzz_run run;
+    const char *queries = getenv("FUZZ_QUERIES");
+    (void)state;
+    print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng_seed());
+    fuzz_run_init(&run, prng_seed(), stderr);
+    fuzz_run_more(&run, queries ? (uint64_t)strtod(queries, NULL) : 100000);
+    assert_int_equal(run.failures, 0);
+    assert_true(run.hits > run.queries / 10 && run.hits < run.queries / 10 * 9);
+    assert_true(run.tally.exact > run.queries / 50 && run.tally.ranges > run.queries / 2);
+    assert_true(run.sets >= 1);
+    fuzz_run_deinit(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(judge__finds_wrong_answers),
+        cmocka_unit_test(judge__finds_misformed_answers),
+        cmocka_unit_test(elementary__answers_are_exact_at_every_instruction_set),
+    };
+    eng_exact_init(&exact);
+    int status = cmocka_run_group_tests_name("eng_elementary", tests, NULL, NULL);
+    eng_exact_deinit(&exact);
+    return status;
+}
