@@ -93,6 +93,9 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
         memory->workers[i]->thread = i;
     }
     if (status == ENG_OK) {
+        scene->wide.kernels = memory->workers[0]->kernels;
+    }
+    if (status == ENG_OK) {
         status = eng_answer_begin(memory, team);
     }
     return status;
@@ -271,7 +274,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
 #ifdef PCCD_VALIDATE
-    assert(eng_tree_validate(scene));
+    assert(r.method != ENG_METHOD_PAPER || eng_tree_validate(scene));
 #endif
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);

@@ -99,7 +99,7 @@ struct eng_step_settings {
     enum eng_refit_scheme refit;
     const struct eng_places *places; /* where threads belong (place.h); NULL: anywhere */
     struct eng_trace *trace;         /* what is recorded to (trace.h); NULL: nothing */
-    /* The instruction set (kernel.h) of the elementary tests; NULL: eng_kernels(). */
+    /* Instruction set of refit, traversal and tests (kernel.h); NULL: eng_kernels(). */
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
 };

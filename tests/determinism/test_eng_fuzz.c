@@ -18,9 +18,9 @@
 
 #include <cmocka.h>
 
-#include "build.h"
 #include "clock.h"
 #include "eng_player.h"
+#include "eng_way.h"
 #include "trace.h"
 
 #define ROUNDS 10
@@ -81,11 +81,8 @@ static struct eng_step_settings some_settings(struct fuzz *fuzz, enum eng_mode m
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
-    settings.threads = 1 + draw(fuzz, fuzz->thread_max);
-    settings.team_always = true;
-    settings.scheduler = (enum eng_scheduler)draw(fuzz, 2);
-    settings.high_level = (enum eng_high_level)draw(fuzz, 2);
-    settings.refit = (enum eng_refit_scheme)draw(fuzz, 2);
+    way_draw(&fuzz->prng, fuzz->thread_max, &settings);
+    settings.team_always = draw(fuzz, 4) > 0; /* else by a team where it pays */
     settings.trace = draw(fuzz, 4) == 0 ? &fuzz->trace : NULL;
     return settings;
 }
@@ -138,7 +135,7 @@ static void take_whole_step(struct fuzz *fuzz, enum eng_mode mode,
     CHECK(fuzz, result.hash_lo == want->hash[1]);
     CHECK(fuzz, want->count == 0 || memcmp(result.records, want->records,
                                            want->count * want->record_bytes) == 0);
-    CHECK(fuzz, eng_tree_validate(fuzz->player.scene));
+    CHECK(fuzz, way_tree_is_sound(fuzz->player.scene, &result));
 }
 
 /* Both are sorted; what is kept must be the very records. */
@@ -190,7 +187,7 @@ static void take_cut_step(struct fuzz *fuzz, enum eng_mode mode,
         CHECK(fuzz, result.count == 0 || memcmp(result.records, whole->records,
                                                 result.count * whole->record_bytes) == 0);
     }
-    CHECK(fuzz, eng_tree_validate(fuzz->player.scene));
+    CHECK(fuzz, way_tree_is_sound(fuzz->player.scene, &result));
 }
 
 /* Everything to other places, in too little time for it. */

@@ -65,7 +65,9 @@ static void load_points(const struct judge *judge, const struct eng_contact *con
 void judge_fail(const struct judge *judge, const char *what,
                 const struct eng_contact *about)
 {
-    print_message("# %s\n", judge->context);
+    char way[WAY_TEXT_MAX];
+    way_tell(&judge->settings, way);
+    print_message("# %s\n# %s\n", judge->context, judge->scene ? way : "");
     if (about) {
         print_message("# %s %u/%u %u/%u flags %u toi %a toi_hi %a param %g %g\n",
                       about->kind == ENG_VF ? "vf" : "ee", about->object_a,
@@ -113,7 +115,9 @@ void judge_watch_init(struct judge *judge, struct judge_sums *sums, double toler
 
 void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance)
 {
+    static uint64_t judges;
     judge_watch_init(judge, sums, tolerance);
+    judge->ways.state = prng_seed() + ++judges;
     assert_int_equal(eng_scene_new(NULL, &judge->scene), ENG_OK);
 }
 
@@ -225,10 +229,12 @@ void judge_stage_whole(struct judge *judge)
 
 void judge_step(struct judge *judge, enum eng_mode mode, struct eng_step_result *result)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.mode = mode;
-    settings.tolerance = judge->tolerance;
-    assert_int_equal(eng_step(judge->scene, &settings, result), ENG_OK);
+    judge->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    judge->settings.mode = mode;
+    judge->settings.tolerance = judge->tolerance;
+    way_draw(&judge->ways, 4, &judge->settings);
+    assert_int_equal(eng_step(judge->scene, &judge->settings, result), ENG_OK);
+    judge->sums->team_steps += result->threads > 1;
     must(judge, result->incomplete == ENG_COMPLETE, "the answer is incomplete", NULL);
     must(judge, result->mode == mode, "the answer is of another mode", NULL);
 }

@@ -5,12 +5,13 @@
  * Does:     keep a copy of every object's positions beside the engine's; compare the
  *           engine's answers with brute force in exact arithmetic. A difference fails the
  *           running test and says how to repeat it.
- * Threads:  one.
+ * Threads:  one; the engine's steps by one to four.
  */
 #ifndef JUDGE_H
 #define JUDGE_H
 
 #include "eng_player.h"
+#include "eng_way.h"
 #include "oracle_scene.h"
 #include "scenes.h"
 #include "step.h"
@@ -35,6 +36,7 @@ struct judge_sums {
     uint64_t extra;    /* of these, pairs that do not touch */
     uint64_t initial;
     uint64_t queries; /* answered by the oracle */
+    uint64_t team_steps;
 };
 
 struct judge {
@@ -44,8 +46,12 @@ struct judge {
     char context[160]; /* kind, size, seed: printed with a failure */
     double tolerance;
     struct judge_sums *sums;
+    struct prng ways; /* how the next steps are taken, however small they are */
+    struct eng_step_settings settings; /* of the last step */
 };
 
+/* A seed of its own for each judge: every step is taken by another method, instruction
+ * set, scheduler and team of one to four. */
 void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance);
 void judge_deinit(struct judge *judge);
 

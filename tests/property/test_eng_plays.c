@@ -18,7 +18,7 @@
 
 #include <cmocka.h>
 
-#include "build.h"
+#include "eng_way.h"
 #include "golden.h"
 #include "judge.h"
 
@@ -50,11 +50,7 @@ static struct eng_step_settings some_settings(struct manner *manner)
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.tolerance = manner->tolerance;
     if (manner->is_random) {
-        settings.threads = 1 + (uint32_t)prng_below(&manner->prng, 8);
-        settings.team_always = true;
-        settings.scheduler = (enum eng_scheduler)prng_below(&manner->prng, 2);
-        settings.high_level = (enum eng_high_level)prng_below(&manner->prng, 2);
-        settings.refit = (enum eng_refit_scheme)prng_below(&manner->prng, 2);
+        way_draw(&manner->prng, 8, &settings);
     }
     return settings;
 }
@@ -66,7 +62,7 @@ static void take_step(struct player *player, enum play_kind kind, struct manner 
     settings.mode = mode;
     assert_int_equal(player_step(player, &settings, result), ENG_OK);
     assert_int_equal(result->incomplete, ENG_COMPLETE);
-    assert_true(eng_tree_validate(player->scene));
+    assert_true(way_tree_is_sound(player->scene, result));
     team_steps[kind] += result->threads > 1;
     rebuilds[kind] += result->counters.rebuilds + result->counters.swaps;
 }

@@ -8,7 +8,9 @@
 
 #include <stdio.h>
 
-const enum eng_method way_methods[WAY_METHODS] = {ENG_METHOD_PAPER};
+#include "build.h"
+
+const enum eng_method way_methods[WAY_METHODS] = {ENG_METHOD_PAPER, ENG_METHOD_WIDE};
 
 const struct eng_kernels *way_kernels(uint32_t i)
 {
@@ -39,6 +41,12 @@ void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *
     settings->scheduler = (enum eng_scheduler)prng_below(prng, 2);
     settings->high_level = (enum eng_high_level)prng_below(prng, 2);
     settings->refit = (enum eng_refit_scheme)prng_below(prng, 2);
+}
+
+bool way_tree_is_sound(const struct eng_scene *scene,
+                       const struct eng_step_result *result)
+{
+    return result->method == ENG_METHOD_WIDE || eng_tree_validate(scene);
 }
 
 void way_tell(const struct eng_step_settings *settings, char text[WAY_TEXT_MAX])

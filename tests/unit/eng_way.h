@@ -13,7 +13,7 @@
 #include "prng.h"
 #include "step.h"
 
-#define WAY_METHODS 1u
+#define WAY_METHODS 2u
 extern const enum eng_method way_methods[WAY_METHODS];
 
 /* The instruction sets that this processor has, at least the scalar one: [0]. */
@@ -23,6 +23,11 @@ const struct eng_kernels *way_kernels(uint32_t i);
 /* Method, instruction set, threads (1 .. thread_max, however small the work), scheduler,
  * high-level nodes and refit. */
 void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *settings);
+
+/* Is the binary tree what it should be after the step? Wide steps leave its boxes where
+ * they were. */
+bool way_tree_is_sound(const struct eng_scene *scene,
+                       const struct eng_step_result *result);
 
 /* "method 1, avx2, 3 threads, scheduler 0, high level 1, refit 0" */
 #define WAY_TEXT_MAX 128u

@@ -14,6 +14,7 @@
 void eng_wide_init(struct eng_wide *wide)
 {
     memset(wide, 0, sizeof *wide);
+    wide->kernels = eng_kernels();
     wide->is_stale = true;
 }
 

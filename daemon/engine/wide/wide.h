@@ -42,6 +42,7 @@ struct eng_wide_tree {
 };
 
 struct eng_wide {
+    const struct eng_kernels *kernels; /* of refit and traversal; the step's */
     struct eng_wide_tree trees[ENG_WIDE_KINDS];
     uint32_t level_count; /* of each tree */
     /* Vertices, by slot: word0 is the vertex's index in the scene's arrays, or

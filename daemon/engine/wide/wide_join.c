@@ -18,7 +18,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     static const enum eng_wide_kind tree_of[ENG_KINDS][2] = {
         [ENG_VF] = {ENG_WIDE_VERTICES, ENG_WIDE_FACES},
         [ENG_EE] = {ENG_WIDE_EDGES, ENG_WIDE_EDGES}};
-    join->kernels = eng_kernels();
+    join->kernels = wide->kernels;
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;

@@ -12,7 +12,7 @@
 void eng_wide_refit_vertices(struct eng_wide *wide, const struct eng_scene *scene,
                              uint32_t first, uint32_t count, bool swept)
 {
-    const struct eng_kernels *kernels = eng_kernels();
+    const struct eng_kernels *kernels = wide->kernels;
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
     struct eng_wide_tree *tree = &wide->trees[ENG_WIDE_VERTICES];
@@ -41,7 +41,7 @@ void eng_wide_refit_features(struct eng_wide *wide, enum eng_wide_kind kind,
     const uint32_t *const corner[3] = {tree->corner[0] + first, tree->corner[1] + first,
                                        tree->corner[2] ? tree->corner[2] + first : NULL};
     uint32_t block = first / ENG_WIDE;
-    eng_kernels()->box_unite(wide->point_boxes, corner, count / ENG_WIDE,
+    wide->kernels->box_unite(wide->point_boxes, corner, count / ENG_WIDE,
                              tree->blocks + block, tree->boxes + block);
 }
 
@@ -49,7 +49,7 @@ void eng_wide_refit_levels(struct eng_wide *wide, enum eng_wide_kind kind, uint3
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
     for (; level < wide->level_count; level++) {
-        eng_kernels()->box_fold(eng_wide_boxes(tree, level - 1), tree->block_count[level],
+        wide->kernels->box_fold(eng_wide_boxes(tree, level - 1), tree->block_count[level],
                                 eng_wide_blocks(tree, level),
                                 eng_wide_boxes(tree, level));
     }
