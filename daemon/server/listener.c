@@ -147,9 +147,10 @@ static void pause_for_retry(struct srv_listener *listener)
     uv_timer_start(&listener->retry, on_retry, RETRY_MS, 0);
 }
 
-static int open_reserve(void)
+/* Any descriptor will do; the sandbox lets nothing be opened. */
+static int open_reserve(const struct srv_listener *listener)
 {
-    return open("/dev/null", O_RDONLY | O_CLOEXEC);
+    return fcntl(listener->fd, F_DUPFD_CLOEXEC, 0);
 }
 
 /* No descriptor is left: turn the next client away with the reserve, so that it does not
@@ -165,7 +166,7 @@ static void turn_away(struct srv_listener *listener)
             close(fd);
         }
     }
-    listener->reserve_fd = open_reserve();
+    listener->reserve_fd = open_reserve(listener);
     pause_for_retry(listener);
 }
 
@@ -263,7 +264,7 @@ int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
     listener->poll.data = listener;
     listener->retry.data = listener;
     listener->fd = fd;
-    listener->reserve_fd = open_reserve();
+    listener->reserve_fd = open_reserve(listener);
     watch(listener, true);
     return 0;
 }

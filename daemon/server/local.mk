@@ -29,6 +29,7 @@ libserver_la_SOURCES = \
     daemon/server/request.c daemon/server/request.h \
     daemon/server/resource.c daemon/server/resource.h \
     daemon/server/ringio.c daemon/server/ringio.h \
+    daemon/server/sandbox.c daemon/server/sandbox.h \
     daemon/server/supervise.c daemon/server/supervise.h \
     daemon/server/tracing.c daemon/server/tracing.h \
     daemon/server/session.c daemon/server/session.h \
@@ -37,7 +38,8 @@ libserver_la_SOURCES = \
 server_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/server \
     $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto
 libserver_la_CPPFLAGS = $(server_cppflags)
-libserver_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
+libserver_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) -pthread
+libserver_la_LIBADD = $(SECCOMP_LIBS)
 
 bin_PROGRAMS += pccdd
 pccdd_SOURCES = daemon/server/main.c

@@ -26,6 +26,7 @@
 #include "limits.h"
 #include "now.h"
 #include "pccd_types.h"
+#include "sandbox.h"
 #include "session.h"
 
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
@@ -283,8 +284,12 @@ static int serve(struct srv_loop *loop)
         srv_log(SRV_LOG_ERROR, 0, "the compute thread cannot be started");
     } else {
         status = srv_listener_open(&loop->listener, loop); /* says itself what is wrong */
+        if (status == 0) {
+            status = srv_sandbox_enter(loop->options);
+        }
     }
     if (status != 0) {
+        srv_listener_close(&loop->listener);
         srv_compute_stop(&loop->compute);
         close_handles(loop);
     } else {
@@ -310,6 +315,7 @@ int srv_loop_run(const struct srv_options *options)
         return 1;
     }
     loop->options = options;
+    loop->listener.fd = -1;
     loop->start_ns = srv_now_ns();
     loop->epoch = make_epoch();
     choose_places(loop);

@@ -8,6 +8,7 @@
 #include "options.h"
 
 #include <argp.h>
+#include <assert.h>
 #include <errno.h>
 #include <sched.h>
 #include <stdio.h>
@@ -36,7 +37,8 @@ enum {
     OPT_INFLIGHT,
     OPT_QUEUE,
     OPT_PIN,
-    OPT_SUPERVISE
+    OPT_SUPERVISE,
+    OPT_SANDBOX
 };
 
 static const struct argp_option option_table[] = {
@@ -53,6 +55,10 @@ static const struct argp_option option_table[] = {
      "on SIGTERM, finish requests in flight for at most that long (default 10)", 1},
     {"supervise", OPT_SUPERVISE, NULL, 0,
      "stay as a small parent that starts the daemon again when it crashes", 1},
+    {"sandbox", OPT_SANDBOX, "WHEN", 0,
+     "keep only the system calls that serving needs: on, off, or auto (default: on "
+     "where it can be had)",
+     1},
     {"ready-fd", OPT_READY_FD, "N", 0,
      "write the byte 1 to this descriptor and close it when listening", 1},
     {"log-level", OPT_LOG_LEVEL, "LEVEL", 0, "error, warn, info (default) or debug", 1},
@@ -141,16 +147,21 @@ static error_t parse_limit(int key, const char *text, const struct argp_state *s
     }
 }
 
-static enum srv_pin pin_by_name(const struct argp_state *state, const char *text)
+/* "auto", "on" or "off": the numbers of enum srv_pin and of enum srv_sandbox. */
+static int choice(const struct argp_state *state, const char *option, const char *text)
 {
     static const char *const names[] = {
         [SRV_PIN_AUTO] = "auto", [SRV_PIN_ON] = "on", [SRV_PIN_OFF] = "off"};
-    for (int pin = SRV_PIN_AUTO; pin <= SRV_PIN_OFF; pin++) {
-        if (strcmp(text, names[pin]) == 0) {
-            return (enum srv_pin)pin;
+    static_assert((int)SRV_SANDBOX_AUTO == SRV_PIN_AUTO &&
+                      (int)SRV_SANDBOX_ON == SRV_PIN_ON &&
+                      (int)SRV_SANDBOX_OFF == SRV_PIN_OFF,
+                  "one table");
+    for (int i = SRV_PIN_AUTO; i <= SRV_PIN_OFF; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            return i;
         }
     }
-    argp_error(state, "--pin: \"%s\" is none of auto, on, off", text);
+    argp_error(state, "--%s: \"%s\" is none of auto, on, off", option, text);
     return SRV_PIN_AUTO;
 }
 
@@ -180,7 +191,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         options->threads_max = (uint32_t)number(state, "threads", text, 1, 1024);
         return 0;
     case OPT_PIN:
-        options->pin = pin_by_name(state, text);
+        options->pin = (enum srv_pin)choice(state, "pin", text);
+        return 0;
+    case OPT_SANDBOX:
+        options->sandbox = (enum srv_sandbox)choice(state, "sandbox", text);
         return 0;
     case OPT_LOG_LEVEL:
         if (srv_log_level_by_name(text) < 0) {

@@ -22,6 +22,12 @@ enum srv_pin {
     SRV_PIN_OFF = 2
 };
 
+enum srv_sandbox {
+    SRV_SANDBOX_AUTO = 0, /* where it can be had */
+    SRV_SANDBOX_ON = 1,   /* or do not start */
+    SRV_SANDBOX_OFF = 2
+};
+
 #define SRV_SOCKET_PATH_BYTES 108u /* sockaddr_un holds 107 and the NUL */
 
 struct srv_options {
@@ -37,8 +43,9 @@ struct srv_options {
     uint32_t idle_exit_s; /* 0: stay */
     bool private_daemon;  /* go with the last client */
     bool supervise;       /* be the parent of workers (supervise.h) */
-    int ready_fd;         /* -1: none */
-    int listen_fd;        /* given to us (activate.h); -1: open one */
+    enum srv_sandbox sandbox;
+    int ready_fd;  /* -1: none */
+    int listen_fd; /* given to us (activate.h); -1: open one */
     enum srv_level log_level;
 };
 

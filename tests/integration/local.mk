@@ -7,6 +7,7 @@ integration_names = \
     tests/integration/test_int_hostile \
     tests/integration/test_int_peer \
     tests/integration/test_int_replace \
+    tests/integration/test_int_sandbox \
     tests/integration/test_int_session \
     tests/integration/test_int_slot \
     tests/integration/test_int_step \
@@ -43,6 +44,10 @@ tests_integration_test_int_peer_LDADD = $(integration_libs)
 tests_integration_test_int_replace_SOURCES = tests/integration/test_int_replace.c
 tests_integration_test_int_replace_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_replace_LDADD = $(integration_libs)
+
+tests_integration_test_int_sandbox_SOURCES = tests/integration/test_int_sandbox.c
+tests_integration_test_int_sandbox_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_sandbox_LDADD = $(integration_libs)
 
 tests_integration_test_int_session_SOURCES = tests/integration/test_int_session.c
 tests_integration_test_int_session_CPPFLAGS = $(integration_cppflags)

@@ -45,7 +45,7 @@ tests/truth         proto daemon/engine client/lib+ tests/support tests/oracle t
 libraries='
 proto               msgpack.h
 daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
-daemon/server       uv.h
+daemon/server       uv.h seccomp.h
 client/ctl          jansson.h png.h
 bench               omp.h
 bench/model         omp.h
@@ -60,7 +60,7 @@ tests               cmocka.h gmp.h jansson.h omp.h png.h xxhash.h
 c_library='argp.h assert.h ctype.h dirent.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
     glob.h immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h poll.h pthread.h
     sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
-    stdint.h stdio.h stdlib.h string.h strings.h sys/eventfd.h sys/file.h sys/mman.h
+    stdint.h stdio.h stdlib.h string.h strings.h sys/eventfd.h sys/file.h sys/ioctl.h sys/mman.h
     sys/prctl.h sys/random.h sys/resource.h sys/socket.h sys/stat.h sys/syscall.h sys/time.h
     sys/types.h sys/uio.h sys/un.h sys/wait.h time.h unistd.h'
 

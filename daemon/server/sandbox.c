@@ -1,0 +1,165 @@
+/* sandbox.c - give up what a daemon that serves has no use for.
+ *
+ * Room:     server. See sandbox.h.
+ * Does:     one list; what is not on it fails with EPERM.
+ * Threads:  [loop].
+ */
+#include "sandbox.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include "log.h"
+#include "pccd_types.h"
+
+#ifdef HAVE_SECCOMP
+
+#include <sched.h>
+#include <seccomp.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+
+static const int allowed[] = {
+    /* clients: taken over by accept4, not made */
+    SCMP_SYS(accept4),
+    SCMP_SYS(recvmsg),
+    SCMP_SYS(recvfrom),
+    SCMP_SYS(sendmsg),
+    SCMP_SYS(sendto),
+    SCMP_SYS(shutdown),
+    SCMP_SYS(getsockopt),
+    SCMP_SYS(setsockopt),
+    SCMP_SYS(read),
+    SCMP_SYS(write),
+    SCMP_SYS(writev),
+    SCMP_SYS(close),
+    SCMP_SYS(fcntl),
+    /* the event loop */
+    SCMP_SYS(epoll_wait),
+    SCMP_SYS(epoll_pwait),
+    SCMP_SYS(epoll_ctl),
+    SCMP_SYS(poll),
+    SCMP_SYS(ppoll),
+    /* memory, shared and private; executable: see below */
+    SCMP_SYS(memfd_create),
+    SCMP_SYS(ftruncate),
+    SCMP_SYS(fallocate),
+    SCMP_SYS(fstat),
+    SCMP_SYS(newfstatat),
+    SCMP_SYS(munmap),
+    SCMP_SYS(mremap),
+    SCMP_SYS(madvise),
+    SCMP_SYS(brk),
+    SCMP_SYS(lseek),
+    /* threads */
+    SCMP_SYS(futex),
+    SCMP_SYS(sched_yield),
+    SCMP_SYS(sched_getaffinity),
+    SCMP_SYS(sched_setaffinity),
+    SCMP_SYS(set_robust_list),
+    SCMP_SYS(rseq),
+    SCMP_SYS(gettid),
+    SCMP_SYS(getpid),
+    SCMP_SYS(membarrier),
+    SCMP_SYS(exit),
+    /* time and chance */
+    SCMP_SYS(clock_gettime),
+    SCMP_SYS(clock_nanosleep),
+    SCMP_SYS(nanosleep),
+    SCMP_SYS(getrandom),
+    SCMP_SYS(restart_syscall),
+    SCMP_SYS(getrusage),
+    SCMP_SYS(sysinfo),
+    SCMP_SYS(uname),
+    /* signals, and the end: the socket and its lock are removed */
+    SCMP_SYS(rt_sigaction),
+    SCMP_SYS(rt_sigprocmask),
+    SCMP_SYS(rt_sigreturn),
+    SCMP_SYS(sigaltstack),
+    SCMP_SYS(tgkill),
+    SCMP_SYS(unlink),
+    SCMP_SYS(rmdir),
+    SCMP_SYS(exit_group),
+};
+
+/* Calls that only some arguments make harmless. */
+static int allow_some(scmp_filter_ctx filter)
+{
+    int status = 0;
+    /* Threads, not processes. Arguments of clone3 cannot be looked at: as on an older
+     * kernel, the C library takes clone then. */
+    status |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
+    status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(clone), 1,
+                               SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD));
+    status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mmap), 1,
+                               SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+    status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mprotect), 1,
+                               SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+    status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(ioctl), 1,
+                               SCMP_A1(SCMP_CMP_EQ, FIONBIO));
+    status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(prctl), 1,
+                               SCMP_A0(SCMP_CMP_EQ, PR_SET_NAME));
+    return status;
+}
+
+/* 0 or a negative errno. */
+static int enter(void)
+{
+    scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
+    if (filter == NULL) {
+        return -ENOMEM;
+    }
+    int status = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
+    for (size_t i = 0; i < sizeof allowed / sizeof allowed[0] && status == 0; i++) {
+        status = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
+    }
+    if (status == 0 && allow_some(filter) != 0) {
+        status = -EINVAL;
+    }
+    if (status == 0) {
+        status = seccomp_load(filter); /* sets no_new_privs, too */
+    }
+    seccomp_release(filter);
+    return status;
+}
+
+bool srv_sandbox_is_default(void)
+{
+#ifdef PCCD_SANITIZED
+    return false; /* sanitizers open files when they have something to say */
+#else
+    return true;
+#endif
+}
+
+#else
+
+static int enter(void)
+{
+    return -ENOSYS; /* built without libseccomp */
+}
+
+bool srv_sandbox_is_default(void)
+{
+    return false;
+}
+
+#endif
+
+int srv_sandbox_enter(const struct srv_options *options)
+{
+    if (options->sandbox == SRV_SANDBOX_OFF ||
+        (options->sandbox == SRV_SANDBOX_AUTO && !srv_sandbox_is_default())) {
+        return 0;
+    }
+    int status = enter();
+    if (status == 0) {
+        srv_log(SRV_LOG_DEBUG, 0, "in the sandbox");
+        return 0;
+    }
+    bool wanted = options->sandbox == SRV_SANDBOX_ON;
+    srv_log(wanted ? SRV_LOG_ERROR : SRV_LOG_WARN, 0, "no sandbox: %s",
+            strerror(-status));
+    return wanted ? PCCD_E_SYSTEM : 0;
+}

@@ -1,0 +1,22 @@
+/* sandbox.h - give up what a daemon that serves has no use for.
+ *
+ * Room:     server. May include: options.h.
+ * Does:     no new privileges, and a list of system calls: no files are opened, no
+ *           programs or processes started, no sockets made, no memory made executable.
+ * Does not: protect clients from each other: that is what checks and quotas are for.
+ * Threads:  [loop]; holds for all threads, those to come too.
+ * Source:   seccomp(2), libseccomp.
+ */
+#ifndef SRV_SANDBOX_H
+#define SRV_SANDBOX_H
+
+#include "options.h"
+
+/* Enter it as options->sandbox says, when everything is open. Returns 0, or
+ * PCCD_E_SYSTEM where it is wanted and cannot be had: why is logged. */
+int srv_sandbox_enter(const struct srv_options *options);
+
+/* Whether this build has one, and it is entered unless options say otherwise. */
+bool srv_sandbox_is_default(void);
+
+#endif
