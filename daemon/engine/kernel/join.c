@@ -30,6 +30,14 @@ struct single {
     size_t axis;
 };
 
+/* Sixteen boxes: in registers where one holds a row, else where they are. */
+struct rows {
+    const struct eng_wide_block *block;
+#if ENG_F_LANES == 16
+    eng_f row[ENG_SIDES][3];
+#endif
+};
+
 /* What pairs are tested for. */
 enum rule { RULE_STEP, RULE_UNTIL };
 
@@ -38,55 +46,91 @@ struct until {
     eng_f t;
 };
 
-ENG_INLINE eng_fi apart_one_way(eng_f low0, eng_f low1, eng_f high0, eng_f high1,
-                                enum rule rule, const struct until *until)
+ENG_INLINE void rows_load(struct rows *rows, const struct eng_wide_block *block)
 {
-    eng_f h0 = low0 + high0;
-    eng_f h1 = low1 + high1;
+    rows->block = block;
+#if ENG_F_LANES == 16
+#pragma GCC unroll 12
+    for (size_t i = 0; i < 3 * ENG_SIDES; i++) {
+        rows->row[i / 3][i % 3] = eng_f_load(block->row[i / 3][i % 3]);
+    }
+#endif
+}
+
+ENG_INLINE eng_f row_of(const struct rows *rows, enum eng_side side, size_t axis,
+                        uint32_t at)
+{
+#if ENG_F_LANES == 16
+    (void)at;
+    return rows->row[side][axis];
+#else
+    return eng_f_load(rows->block->row[side][axis] + at);
+#endif
+}
+
+ENG_INLINE eng_fi apart_one_way(eng_f h0, eng_f h1, enum rule rule,
+                                const struct until *until)
+{
     if (rule == RULE_UNTIL) {
         h1 = until->s * h0 + (until->t * h1 + 0x1p-120f);
     }
     return (eng_fi)h0 & (eng_fi)h1;
 }
 
-/* Bit i: the box may meet that of lane i of the block. */
-ENG_INLINE uint32_t overlap(struct single box, const struct eng_wide_block *block,
-                            enum rule rule, const struct until *until)
+/* Signs: apart along an axis, in lanes `at` and after. */
+ENG_INLINE eng_fi apart_along(struct single box, const struct rows *rows, size_t axis,
+                              uint32_t at, enum rule rule, const struct until *until)
 {
-    uint32_t apart = 0;
-    for (uint32_t part = 0; part < PARTS; part++) {
-        eng_fi signs = {0};
-        uint32_t at = part * ENG_F_LANES;
-        for (size_t k = 0; k < 3; k++) {
-            const float *x = box.x + k * box.axis;
-            signs |= apart_one_way(
-                eng_f_all(x[ENG_LOW0 * box.side]), eng_f_all(x[ENG_LOW1 * box.side]),
-                eng_f_load(block->row[ENG_HIGH0][k] + at),
-                eng_f_load(block->row[ENG_HIGH1][k] + at), rule, until);
-            signs |= apart_one_way(eng_f_load(block->row[ENG_LOW0][k] + at),
-                                   eng_f_load(block->row[ENG_LOW1][k] + at),
-                                   eng_f_all(x[ENG_HIGH0 * box.side]),
-                                   eng_f_all(x[ENG_HIGH1 * box.side]), rule, until);
-        }
-        apart |= eng_fi_signs(signs) << at;
-    }
-    return ~apart & 0xffffu;
+    const float *x = box.x + axis * box.axis;
+    eng_f up0 = eng_f_all(x[ENG_LOW0 * box.side]) + row_of(rows, ENG_HIGH0, axis, at);
+    eng_f up1 = eng_f_all(x[ENG_LOW1 * box.side]) + row_of(rows, ENG_HIGH1, axis, at);
+    eng_f down0 = eng_f_all(x[ENG_HIGH0 * box.side]) + row_of(rows, ENG_LOW0, axis, at);
+    eng_f down1 = eng_f_all(x[ENG_HIGH1 * box.side]) + row_of(rows, ENG_LOW1, axis, at);
+    return apart_one_way(up0, up1, rule, until) |
+           apart_one_way(down0, down1, rule, until);
 }
 
-/* Bit i: the feature has a vertex in common with that of slot `first` + i. */
-ENG_INLINE uint32_t adjacent(const uint32_t *const a_corner[3], uint32_t a_count,
-                             uint32_t slot, const uint32_t *const b_corner[3],
-                             uint32_t b_count, uint32_t first)
+/* Bit i: the box may meet that of lane i. */
+ENG_INLINE uint32_t overlap(struct single box, const struct rows *rows, enum rule rule,
+                            const struct until *until)
 {
     uint32_t bits = 0;
-    for (uint32_t part = 0; part < PARTS; part++) {
-        uint32_t at = part * ENG_F_LANES;
-        for (uint32_t m = 0; m < b_count; m++) {
-            eng_fi vertices = eng_fi_load(b_corner[m] + first + at);
-            for (uint32_t n = 0; n < a_count; n++) {
-                uint32_t vertex = a_corner[n] ? a_corner[n][slot] : slot;
-                bits |= eng_fi_equal(vertices, eng_fi_all(vertex)) << at;
-            }
+    for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+        eng_fi signs = apart_along(box, rows, 0, at, rule, until) |
+                       apart_along(box, rows, 1, at, rule, until) |
+                       apart_along(box, rows, 2, at, rule, until);
+        bits |= eng_fi_no_signs(signs) << at;
+    }
+    return bits;
+}
+
+/* The `count` vertices of each of sixteen features. */
+struct corners {
+    eng_fi vertex[3][PARTS];
+};
+
+ENG_INLINE void corners_load(struct corners *corners, const uint32_t *const corner[3],
+                             uint32_t count, uint32_t first)
+{
+#pragma GCC unroll 3
+    for (uint32_t k = 0; k < count; k++) {
+        for (uint32_t part = 0; part < PARTS; part++) {
+            corners->vertex[k][part] =
+                eng_fi_load(corner[k] + first + part * ENG_F_LANES);
+        }
+    }
+}
+
+/* Of `bits`, those whose feature has not this vertex. */
+ENG_INLINE uint32_t without_vertex(uint32_t bits, const struct corners *corners,
+                                   uint32_t count, uint32_t vertex)
+{
+#pragma GCC unroll 3
+    for (uint32_t k = 0; k < count; k++) {
+        for (uint32_t part = 0; part < PARTS; part++) {
+            eng_fi same = eng_fi_all(vertex);
+            bits =
+                eng_fi_unequal(bits, corners->vertex[k][part], same, part * ENG_F_LANES);
         }
     }
     return bits;
@@ -94,62 +138,75 @@ ENG_INLINE uint32_t adjacent(const uint32_t *const a_corner[3], uint32_t a_count
 
 /* All pairs of blocks n of a and m of b that the rule lets through; of a block with
  * itself (`self`), those whose second lane is after the first, or the same one too
- * (`twins`). Vertices a feature of either side: 0 if they do not matter. */
-ENG_INLINE uint32_t join(struct eng_join *join, uint32_t n, uint32_t m, bool self,
+ * (`twins`). Vertices of a feature of either side: 0 if they do not matter.
+ *
+ * Whether a lane has any pair at all cannot be foreseen, so what it has is always
+ * written, and the count goes on by none. */
+ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                          uint32_t a_vertices, uint32_t b_vertices, bool twins,
                          enum rule rule, uint32_t *out_a, uint32_t *out_b)
 {
-    const struct eng_wide_block *a = &join->a[n];
-    const struct eng_wide_block *b = &join->b[m];
-    struct until until = {eng_f_all(1.0f - join->t_end - 0x1p-20f),
-                          eng_f_all(join->t_end + 0x1p-20f)};
-    struct single around = {&join->b_boxes[m].side[0][0], 4, 1};
-    uint32_t lanes = overlap(around, a, rule, &until);
+    const struct eng_wide_block *a = &job->a[n];
+    struct until until = {eng_f_all(1.0f - job->t_end - 0x1p-20f),
+                          eng_f_all(job->t_end + 0x1p-20f)};
+    struct single around = {&job->b_boxes[m].side[0][0], 4, 1};
+    struct rows rows;
+    rows_load(&rows, a);
+    uint32_t lanes = overlap(around, &rows, rule, &until);
+    if (lanes == 0) {
+        job->tests++;
+        return 0;
+    }
     uint32_t count = 0;
-    uint32_t tests = 1 + (uint32_t)__builtin_popcount(lanes);
+    uint32_t wanted = twins ? 0xffffu : 0xfffeu; /* of a block with itself, by lane */
+    const uint32_t *corner[2] = {job->a_corner[0], job->a_corner[1]};
+    struct corners corners;
+    corners_load(&corners, job->b_corner, b_vertices, m * ENG_WIDE);
+    rows_load(&rows, &job->b[m]);
+    job->tests += 1 + (uint32_t)__builtin_popcount(lanes);
     for (; lanes != 0; lanes &= lanes - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(lanes);
+        uint32_t slot = n * ENG_WIDE + i;
         struct single box = {&a->row[0][0][i], 3 * ENG_WIDE, ENG_WIDE};
-        uint32_t bits = overlap(box, b, rule, &until);
+        uint32_t bits = overlap(box, &rows, rule, &until);
         if (self) {
-            bits &= (twins ? 0xffffu : 0xfffeu) << i;
-        }
-        if (bits == 0) {
-            continue;
+            bits &= wanted << i;
         }
         if (a_vertices > 0) {
-            bits &= ~adjacent(join->a_corner, a_vertices, n * ENG_WIDE + i,
-                              join->b_corner, b_vertices, m * ENG_WIDE);
+            bits = without_vertex(bits, &corners, b_vertices,
+                                  a_vertices == 1 ? slot : corner[0][slot]);
         }
-        eng_fill16(out_a + count, n * ENG_WIDE + i);
+        if (a_vertices > 1) {
+            bits = without_vertex(bits, &corners, b_vertices, corner[1][slot]);
+        }
+        eng_fill16(out_a + count, slot);
         count += eng_pack16(out_b + count, bits, m * ENG_WIDE);
     }
-    join->tests += tests;
     return count;
 }
 
-/* The rule as a constant of the code. */
+/* The rule, and whether it is a block with itself, as constants of the code. */
+#define JOIN_BY(a_vertices, b_vertices, twins, self, rule)                               \
+    join(job, n, m, self, a_vertices, b_vertices, twins, rule, out_a, out_b)
 #define JOIN(a_vertices, b_vertices, twins, self)                                        \
-    return job->t_end < 1 ? join(job, n, m, self, a_vertices, b_vertices, twins,         \
-                                 RULE_UNTIL, out_a, out_b)                               \
-                          : join(job, n, m, self, a_vertices, b_vertices, twins,         \
-                                 RULE_STEP, out_a, out_b)
+    (job->t_end < 1 ? JOIN_BY(a_vertices, b_vertices, twins, self, RULE_UNTIL)           \
+                    : JOIN_BY(a_vertices, b_vertices, twins, self, RULE_STEP))
 
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    JOIN(0, 0, true, self);
+    return self ? JOIN(0, 0, true, true) : JOIN(0, 0, true, false);
 }
 
 uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    JOIN(2, 2, false, self);
+    return self ? JOIN(2, 2, false, true) : JOIN(2, 2, false, false);
 }
 
 uint32_t ENG_KERNEL(join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
     (void)self; /* two trees */
-    JOIN(1, 3, false, false);
+    return JOIN(1, 3, false, false);
 }

@@ -22,23 +22,24 @@ ENG_INLINE eng_fi eng_fi_all(uint32_t x)
     return (int32_t)x - (eng_fi){0};
 }
 
-/* Bit i: lane i is negative. */
-ENG_INLINE uint32_t eng_fi_signs(eng_fi v)
+/* Bit i: lane i is not negative. */
+ENG_INLINE uint32_t eng_fi_no_signs(eng_fi v)
 {
 #if ENG_VECTOR_BYTES == 64
-    return _mm512_movepi32_mask((__m512i)v);
+    return _mm512_testn_epi32_mask((__m512i)v, _mm512_set1_epi32(INT32_MIN));
 #else
-    return eng_fm_bits(v >> 31);
+    return ~eng_fm_bits(v >> 31) & ENG_F_ALL;
 #endif
 }
 
-/* Bit i: lane i of both is equal. */
-ENG_INLINE uint32_t eng_fi_equal(eng_fi a, eng_fi b)
+/* `bits` without those, from bit `at` on, whose lane is the same in a and b. */
+ENG_INLINE uint32_t eng_fi_unequal(uint32_t bits, eng_fi a, eng_fi b, uint32_t at)
 {
 #if ENG_VECTOR_BYTES == 64
-    return _mm512_cmpeq_epi32_mask((__m512i)a, (__m512i)b);
+    (void)at;
+    return _mm512_mask_cmpneq_epi32_mask((__mmask16)bits, (__m512i)a, (__m512i)b);
 #else
-    return eng_fm_bits(a == b);
+    return bits & ~(eng_fm_bits(a == b) << at);
 #endif
 }
 

@@ -35,7 +35,6 @@ struct sweeper {
     eng_wide_visit visit;
     void *context;
     uint64_t count[ENG_KINDS];
-    uint64_t sum;
     uint64_t a[ENG_CHUNK_MAX];
     uint64_t b[ENG_CHUNK_MAX];
 };
@@ -61,11 +60,6 @@ static void hand_over(struct sweeper *sweeper, enum eng_kind kind,
 static void on_chunk(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
 {
     struct sweeper *sweeper = owner;
-    uint64_t sum = 0;
-    for (uint32_t i = 0; i < chunk->count; i++) {
-        sum += (uint64_t)(chunk->a[i] ^ 0x9e3779b9u) * (chunk->b[i] ^ 0x85ebca6bu);
-    }
-    sweeper->sum += sum;
     sweeper->count[kind] += chunk->count;
     if (sweeper->visit && chunk->count > 0) {
         hand_over(sweeper, kind, chunk);
@@ -182,7 +176,6 @@ int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit vis
     for (uint32_t i = 0; i < threads && status == ENG_OK; i++) {
         sweep->vf += sweepers[i].count[ENG_VF];
         sweep->ee += sweepers[i].count[ENG_EE];
-        sweep->sum += sweepers[i].sum;
         sweep->box_tests += eng_wide_join_tests(&sweepers[i].join);
     }
     eng_free(tasks.list);

@@ -22,13 +22,12 @@ struct eng_wide_sweep {
     uint64_t box_tests; /* of a box against a block of 16 */
     uint64_t refit_ns;
     uint64_t pairs_ns; /* with everything that `visit` does */
-    uint64_t sum;      /* of a hash of each pair of slots, so that they are looked at */
 };
 
 /* Boxes from the positions of the last step of `scene` (both ends where it stands
  * before the first), then all pairs, no pair twice, none that share a vertex.
- * `visit` NULL: only counted; pairs of slots then reach no further than the chunk that
- * the tests would read. The scene's next step makes the boxes anew. ENG_E_NOMEM. */
+ * `visit` NULL: pairs are counted and go no further than the chunk that the tests would
+ * read. The scene's next step makes the boxes anew. ENG_E_NOMEM. */
 int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit visit,
                    void *context, struct eng_wide_sweep *sweep);
 
