@@ -36,8 +36,8 @@ static void make_row(struct bench_scene *scene)
     }
 }
 
-/* One run of a scheduler by the calling thread. */
-static double run(struct eng_scene *scene, eng_schedule_fn schedule, bool by_paper)
+/* One run of the serial loop, or of the paper's scheduler, by the calling thread. */
+static double run(struct eng_scene *scene, bool by_paper)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_stop stop;
@@ -49,16 +49,18 @@ static double run(struct eng_scene *scene, eng_schedule_fn schedule, bool by_pap
     eng_stop_init(&stop, &settings);
     eng_pool_reset(&memory->pool, 1);
     if (eng_assignment_reserve(&memory->assignment, 1) != ENG_OK ||
-        eng_worker_begin(memory->workers[0], scene, &settings, &stop, &memory->pool) !=
-            ENG_OK) {
+        eng_worker_reserve_tree(memory->workers[0], scene) != ENG_OK) {
         exit(2);
     }
+    eng_worker_begin(memory->workers[0], scene, &settings, &stop, &memory->pool);
     memory->workers[0]->thread = 0;
     uint64_t begin_ns = eng_now_ns();
     if (by_paper) {
         eng_schedule_paper_begin(&team, memory->workers[0]);
+        eng_schedule_paper(&team, memory->workers[0]);
+    } else {
+        eng_schedule_serial(memory->workers[0]);
     }
-    schedule(&team, memory->workers[0]);
     return (double)(eng_now_ns() - begin_ns);
 }
 
@@ -75,8 +77,8 @@ double model_loop_ns(void)
     bench_world_init(&world, &frames, NULL);
     bench_world_step(&world, &frames, &settings, &result);
     for (int i = 0; i < REPEATS; i++) {
-        double serial_ns = run(world.scene, eng_schedule_serial, false);
-        double paper_ns = run(world.scene, eng_schedule_paper, true);
+        double serial_ns = run(world.scene, false);
+        double paper_ns = run(world.scene, true);
         bench_add(&more, (paper_ns - serial_ns) / (2 * TRIANGLES - 1));
     }
     double ns = bench_summarise(&more).p50;

@@ -43,9 +43,10 @@ struct eng_worker *model_walker_begin(struct model_walker *walker)
     walker->scene->step++;
     eng_pool_reset(&walker->pool, 1);
     eng_stop_init(&walker->stop, &walker->settings);
-    model_must(eng_worker_begin(walker->worker, walker->scene, &walker->settings,
-                                &walker->stop, &walker->pool) == ENG_OK,
+    model_must(eng_worker_reserve_tree(walker->worker, walker->scene) == ENG_OK,
                "a worker's queues");
+    eng_worker_begin(walker->worker, walker->scene, &walker->settings, &walker->stop,
+                     &walker->pool);
     walker->worker->thread = 0;
     return walker->worker;
 }

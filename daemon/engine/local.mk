@@ -83,6 +83,8 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/effort.h \
     daemon/engine/schedule/highlevel.c \
     daemon/engine/schedule/highlevel.h \
+    daemon/engine/schedule/method.h \
+    daemon/engine/schedule/method_paper.c \
     daemon/engine/schedule/place.c \
     daemon/engine/schedule/place.h \
     daemon/engine/schedule/relax.h \
@@ -127,11 +129,14 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide.h \
     daemon/engine/wide/wide_join.c \
     daemon/engine/wide/wide_join.h \
+    daemon/engine/wide/wide_method.c \
     daemon/engine/wide/wide_order.c \
     daemon/engine/wide/wide_order.h \
     daemon/engine/wide/wide_refit.c \
     daemon/engine/wide/wide_sweep.c \
     daemon/engine/wide/wide_sweep.h \
+    daemon/engine/wide/wide_team.c \
+    daemon/engine/wide/wide_team.h \
     daemon/engine/wide/wide_test.c \
     daemon/engine/wide/wide_test.h
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)

@@ -10,16 +10,14 @@
 #include <omp.h>
 
 #include "answer.h"
-#include "build.h"
 #include "clock.h"
 #include "memory.h"
+#include "method.h"
 #include "place.h"
-#include "rebuild.h"
 #include "refit.h"
 #include "schedule.h"
 #include "stage.h"
 #include "step_memory.h"
-#include "wide_test.h"
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
@@ -39,15 +37,21 @@ static enum eng_method method_of(const struct eng_step_settings *settings)
     return settings->method == ENG_METHOD_DEFAULT ? ENG_METHOD_PAPER : settings->method;
 }
 
+/* Triangles of the scene; of the method wide, those that there is room for. */
+static uint32_t size_of(const struct eng_scene *scene)
+{
+    return scene->triangle_ranges.end;
+}
+
 static uint32_t threads_for(const struct eng_scene *scene,
                             const struct eng_step_settings *settings)
 {
-    if (settings->threads == 1 || scene->root == ENG_NO_NODE ||
-        method_of(settings) == ENG_METHOD_WIDE) {
+    if (settings->threads == 1 || scene->object_count == 0) {
         return 1;
     }
-    if (!settings->team_always && !eng_effort_pays(&scene->memory->effort, settings->mode,
-                                                   scene->nodes[scene->root].count)) {
+    if (!settings->team_always &&
+        !eng_effort_pays(&scene->memory->effort[method_of(settings)], settings->mode,
+                         size_of(scene))) {
         return 1;
     }
     return settings->threads < ENG_THREADS_MAX ? settings->threads : ENG_THREADS_MAX;
@@ -58,114 +62,101 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
                    struct eng_stop *stop, struct eng_team *team)
 {
     struct eng_step_memory *memory = scene->memory;
-    int status = ENG_OK;
-    if (scene->top_is_stale) {
-        eng_effort_forget(&memory->effort);
-        status = eng_refit_plan_features(&memory->plan, scene);
-        if (status == ENG_OK) {
-            status = eng_build_top(scene);
-        }
-    }
-    if (status == ENG_OK && method_of(settings) == ENG_METHOD_WIDE &&
-        scene->wide.is_stale) {
-        status = eng_wide_assemble(&scene->wide, scene);
+    enum eng_method method = method_of(settings);
+    if (method == ENG_METHOD_WIDE ? scene->wide.is_stale : scene->top_is_stale) {
+        eng_effort_forget(&memory->effort[method]);
     }
     team->scene = scene;
-    team->workers = memory->workers;
+    team->method = method == ENG_METHOD_WIDE ? &eng_method_wide : &eng_method_paper;
     team->count = threads_for(scene, settings);
-    team->plan = &memory->plan;
-    team->assignment = &memory->assignment;
     team->low_end_ns = 0;
     eng_refit_begin(team);
+    int status = eng_step_memory_reserve(memory, team->count);
+    team->workers = memory->workers;
     if (status == ENG_OK) {
-        status = eng_step_memory_reserve(memory, team->count, method_of(settings));
+        status = team->method->prepare(team, settings);
     }
-    if (status == ENG_OK) {
-        status = eng_refit_plan_tree(&memory->plan, scene, settings->refit, team->count);
-    }
-    if (status == ENG_OK && settings->scheduler == ENG_SCHEDULER_PAPER) {
-        status = eng_assignment_reserve(&memory->assignment, team->count);
+    if (status != ENG_OK) {
+        return status;
     }
     eng_pool_reset(&memory->pool, team->count);
-    for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
-        status =
-            eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
+    for (uint32_t i = 0; i < team->count; i++) {
+        eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
         memory->workers[i]->thread = i;
     }
-    if (status == ENG_OK) {
-        scene->wide.kernels = memory->workers[0]->kernels;
-    }
-    if (status == ENG_OK) {
-        status = eng_answer_begin(memory, team);
-    }
-    return status;
+    scene->wide.kernels = memory->workers[0]->kernels;
+    return eng_answer_begin(memory, team);
 }
 
 /* Refit and detection by one thread; returns when they ended. */
 static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
 {
+    const struct eng_method_calls *method = team->method;
     struct eng_worker *worker = team->workers[0];
-    bool is_wide = method_of(worker->settings) == ENG_METHOD_WIDE;
     uint64_t begin_ns = eng_now_ns();
-    if (is_wide) {
-        eng_wide_refit(&team->scene->wide, team->scene, false);
-    } else {
-        eng_refit(team->scene);
-    }
+    method->refit(team->scene);
     uint64_t refit_ns = eng_now_ns();
     eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
-    if (is_wide) {
-        uint32_t top = team->scene->wide.level_count - 1;
-        eng_wide_work_begin(worker);
-        eng_wide_join_nodes(&worker->wide->join, ENG_VF, top, 0, 0);
-        eng_wide_join_nodes(&worker->wide->join, ENG_EE, top, 0, 0);
-        eng_wide_work_end(worker);
-    } else {
-        eng_rebuild_top(worker);
-        eng_aside_examine(&team->scene->memory->aside, worker);
-        eng_schedule_serial(team, worker);
-        eng_aside_share(&team->scene->memory->aside, worker);
-    }
+    method->ready(worker);
+    method->enter(worker);
+    method->perform_all(worker);
+    method->leave(worker);
+    method->beside(worker);
     uint64_t end_ns = eng_now_ns();
     times->low = end_ns - refit_ns;
     worker->record.low_ns = times->low;
     return end_ns;
 }
 
+/* Only the paper's tree has low-level and high-level nodes. */
+static bool is_by_paper(const struct eng_team *team)
+{
+    return team->method == &eng_method_paper &&
+           team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
+}
+
+/* What follows the refit, by the thread that ended it. */
+static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool by_paper)
+{
+    team->count = (uint32_t)omp_get_num_threads();
+    team->method->ready(worker);
+    if (by_paper) {
+        eng_schedule_paper_begin(team, worker);
+    } else {
+        eng_schedule_steal_begin(team, worker);
+    }
+    team->refit_end_ns = eng_now_ns();
+    eng_refit_release(team);
+}
+
 /* The same by a team, which goes on to merge what it found. Its size may turn out smaller
  * than asked for: the refit asks the runtime; everything after it, the team. */
 static uint64_t run_together(struct eng_team *team, struct eng_step_times *times)
 {
+    const struct eng_method_calls *method = team->method;
     uint64_t begin_ns = eng_now_ns();
-    bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
+    bool by_paper = is_by_paper(team);
 #pragma omp parallel num_threads((int)team->count)
     {
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
         eng_place_thread(worker->settings->places, worker->thread,
                          (uint32_t)omp_get_num_threads());
-        if (eng_refit_by_team(team, worker)) {
-            team->count = (uint32_t)omp_get_num_threads();
-            eng_rebuild_top(worker);
-            eng_aside_examine(&team->scene->memory->aside, worker);
-            if (by_paper) {
-                eng_schedule_paper_begin(team, worker);
-            } else {
-                eng_schedule_steal_begin(team, worker);
-            }
-            team->refit_end_ns = eng_now_ns();
-            eng_refit_release(team);
+        if (method->refit_by_team(team, worker)) {
+            begin_tasks(team, worker, by_paper);
         }
         eng_refit_await(team, worker);
         if (worker->thread == team->count - 1) {
-            eng_aside_share(&team->scene->memory->aside, worker);
+            method->beside(worker);
         }
+        method->enter(worker);
         if (by_paper) {
             eng_schedule_paper(team, worker);
         } else {
             eng_schedule_steal(team, worker);
         }
+        method->leave(worker);
         eng_answer_by_team(team->scene->memory, team, worker);
     }
     uint64_t merge_ns = team->scene->memory->merge.begin_ns;
@@ -231,7 +222,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory,
         memory->records[i] = *record;
     }
     if (result->incomplete == ENG_COMPLETE) {
-        eng_effort_learn(&memory->effort, result->mode, work_ns);
+        eng_effort_learn(&memory->effort[result->method], result->mode, work_ns);
     }
     result->thread_records = memory->records;
     result->threads = team->count;
@@ -266,11 +257,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
     scene->step++;
-    if (eng_aside_swap(&scene->memory->aside, scene)) {
-        /* The same division of a tree that has changed: no more memory is needed. */
-        status = eng_refit_plan_tree(team.plan, scene, settings->refit, team.count);
-        assert(status == ENG_OK);
-    }
+    team.method->start(&team, settings);
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
 #ifdef PCCD_VALIDATE
@@ -279,8 +266,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
     merge(&team, scene->memory, detect_ns, &r);
-    eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns,
-                     scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count,
+    eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns, size_of(scene),
                      team.count);
     r.times.step = eng_now_ns() - begin_ns + staged_ns;
     eng_aside_end_step(&scene->memory->aside, r.times.step - staged_ns, team.count);

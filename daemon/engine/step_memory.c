@@ -43,10 +43,8 @@ void eng_step_memory_free(struct eng_step_memory *memory)
     eng_free(memory);
 }
 
-int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
-                            enum eng_method method)
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
 {
-    int status = ENG_OK;
     if (threads > memory->worker_count) {
         struct eng_thread_record *records =
             eng_realloc(memory->records, threads, sizeof *records);
@@ -63,11 +61,7 @@ int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
         eng_worker_init(worker);
         memory->workers[memory->worker_count++] = worker;
     }
-    for (uint32_t i = 0; i < threads && method == ENG_METHOD_WIDE && status == ENG_OK;
-         i++) {
-        status = eng_wide_work_reserve(memory->workers[i]);
-    }
-    return status;
+    return ENG_OK;
 }
 
 void eng_step_memory_forget(struct eng_step_memory *memory)

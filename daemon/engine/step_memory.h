@@ -1,7 +1,6 @@
 /* daemon/engine/step_memory.h - what one step leaves for the next.
  *
- * Room:     engine. May include: aside.h, effort.h, merge.h, refit.h, step.h,
- *           worker.h.
+ * Room:     engine. May include: aside.h, effort.h, merge.h, refit.h, worker.h.
  * Does:     keep worker, queues, records and sort scratch of a scene, so that a warm step
  *           allocates nothing.
  * Threads:  [compute].
@@ -13,7 +12,6 @@
 #include "effort.h"
 #include "merge.h"
 #include "refit.h"
-#include "step.h"
 #include "worker.h"
 
 struct eng_step_memory {
@@ -23,7 +21,7 @@ struct eng_step_memory {
     struct eng_refit_plan plan;
     struct eng_assignment assignment;
     struct eng_aside aside;
-    struct eng_effort effort;
+    struct eng_effort effort[ENG_METHOD_WIDE + 1]; /* by method */
     struct eng_pool pool; /* of the workers' records */
     struct eng_merge merge;
     struct eng_records sorted; /* the last answer */
@@ -32,10 +30,9 @@ struct eng_step_memory {
 struct eng_step_memory *eng_step_memory_new(void); /* NULL: no memory */
 void eng_step_memory_free(struct eng_step_memory *memory);
 
-/* Workers for that many threads, 1 .. ENG_THREADS_MAX, with what the method needs.
- * ENG_E_NOMEM: those at hand stay. */
-int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
-                            enum eng_method method);
+/* Workers for that many threads, 1 .. ENG_THREADS_MAX, ENG_E_NOMEM: those at
+ * hand stay. */
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads);
 
 /* Drop the last answer: its names may no longer mean the same. */
 void eng_step_memory_forget(struct eng_step_memory *memory);

@@ -85,16 +85,24 @@ static void shake(struct fixture *f, double by)
     }
 }
 
-static struct eng_step_result step(struct fixture *f, enum eng_mode mode,
-                                   enum eng_method method)
+static struct eng_step_result step_by(struct fixture *f, enum eng_mode mode,
+                                      enum eng_method method, uint32_t threads)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
+    settings.threads = threads;
+    settings.team_always = true;
     settings.mode = mode;
     settings.method = method;
     assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
     assert_int_equal(result.method, method);
     return result;
+}
+
+static struct eng_step_result step(struct fixture *f, enum eng_mode mode,
+                                   enum eng_method method)
+{
+    return step_by(f, mode, method, 1);
 }
 
 /* If a feature were missing from its order it would never be tested; if an aligned group
@@ -396,6 +404,28 @@ static void wide__answers_as_paper_does(void **state)
     assert_true(records > 10000);
 }
 
+/* If a task were lost or done twice, or a box read before it was made, the answer would
+ * depend on the number of threads. */
+static void wide__answers_alike_by_any_number_of_threads(void **state)
+{
+    struct fixture *f = *state;
+    for (uint32_t round = 0; round < 24; round++) {
+        enum eng_mode mode = (enum eng_mode)(round % MODES);
+        struct kit_random random = f->random;
+        shake(f, SHAKEN_BY);
+        struct eng_step_result one = step(f, mode, ENG_METHOD_WIDE);
+        f->random = random;
+        shake(f, SHAKEN_BY);
+        struct eng_step_result many = step_by(f, mode, ENG_METHOD_WIDE, 2 + round % 3);
+        assert_int_equal(many.count, one.count);
+        assert_true(many.hash_hi == one.hash_hi && many.hash_lo == one.hash_lo);
+        if (mode == ENG_MODE_ALL || mode == ENG_MODE_PAIRS) {
+            assert_int_equal(many.counters.box_tests, one.counters.box_tests);
+            assert_int_equal(many.counters.candidates_ee, one.counters.candidates_ee);
+        }
+    }
+}
+
 /* If a scene without objects, or an object of one triangle, were not a tree, the first
  * step of many clients would fail. */
 static void wide__small_scenes_are_trees_too(void **state)
@@ -441,6 +471,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(wide__sweep_finds_the_pairs_of_brute_force, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(wide__answers_as_paper_does, setup, teardown),
+        cmocka_unit_test_setup_teardown(wide__answers_alike_by_any_number_of_threads,
+                                        setup, teardown),
         cmocka_unit_test(wide__small_scenes_are_trees_too),
         cmocka_unit_test_setup_teardown(wide__stops_when_cancelled, setup, teardown),
     };

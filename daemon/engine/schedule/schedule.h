@@ -1,8 +1,8 @@
 /* daemon/engine/schedule/schedule.h - who performs which task unit.
  *
  * Room:     engine. May include: team.h.
- * Does:     run every self-CD task unit of a scene's tree, by one of several schedulers
- *           behind one signature; the set of pairs tested is the same for all of them.
+ * Does:     run every task of a step, by one of several schedulers behind one signature;
+ *           the set of pairs tested is the same for all of them.
  * Threads:  [team]: every thread of the region calls the same scheduler.
  * Source:   paper sections 4.1 (serial) and 4.3.
  */
@@ -30,12 +30,12 @@
 typedef void (*eng_schedule_fn)(struct eng_team *team, struct eng_worker *worker);
 
 /* All task units from the root on, depth-first, by the only worker. */
-void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker);
+void eng_schedule_serial(struct eng_worker *worker);
 
-/* Work stealing over task units and pairs. */
+/* Work stealing over the tasks of team->method. */
 void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker);
 
-/* Inside the region, by one thread, before any other works: hand out the root. */
+/* Inside the region, by one thread, before any other works: hand out the first tasks. */
 void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker);
 
 /* The paper's dynamic assignment, then its high-level nodes. */

@@ -9,9 +9,8 @@
 
 #include "taskunit.h"
 
-void eng_schedule_serial(struct eng_team *team, struct eng_worker *worker)
+void eng_schedule_serial(struct eng_worker *worker)
 {
-    (void)team;
     uint32_t root = worker->scene->root;
     struct eng_task_queue *units = &worker->units;
     if (root == ENG_NO_NODE) {

@@ -1,16 +1,10 @@
-/* daemon/engine/schedule/schedule_steal.c - work stealing over task units and pairs.
+/* daemon/engine/schedule/schedule_steal.c - work stealing.
  *
  * Room:     engine.
- * Does:     a task is a node (its self-CD task unit and those below it) or a pair of
- *           nodes. Large tasks are split and the parts pushed to the worker's own deque;
- *           small ones are worked through at once. A worker without tasks takes the
- *           oldest of another.
+ * Does:     large tasks are split and the parts pushed to the worker's own deque; small
+ *           ones are worked through at once. A worker without tasks takes the oldest of
+ *           another.
  * Threads:  [team].
- *
- * Any pair may go to any thread because gates guard what reconstruction changes
- * (rebuild.h). A worker splits depth first, so its deque holds at most three siblings for
- * each level of a pair and two for each level of a node; with ENG_LEVELS_MAX levels of
- * either that is less than half of its capacity.
  *
  * The end. `active` counts the workers that have tasks; nothing else is written by more
  * than one worker as long as each has tasks of its own. A worker leaves when its deque is
@@ -26,86 +20,20 @@
 
 #include <sched.h>
 
-#include "rebuild.h"
+#include "method.h"
 #include "relax.h"
-#include "taskunit.h"
-
-static uint64_t task_of(uint32_t n, uint32_t m)
-{
-    return (uint64_t)n << 32 | m;
-}
-
-static void push(struct eng_worker *worker, uint32_t n, uint32_t m)
-{
-    bool pushed = eng_deque_push(&worker->deque, task_of(n, m));
-    assert(pushed);
-    (void)pushed;
-}
 
 void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker)
 {
-    push(worker, team->scene->root, team->scene->root);
+    team->method->push_first(worker);
     team->first = worker;
     atomic_store_explicit(&team->active, 1, memory_order_relaxed);
 }
 
-/* All task units of a small subtree. */
-static void perform_subtree(struct eng_worker *worker, uint32_t node)
+static void perform(struct eng_team *team, struct eng_worker *worker, uint64_t task)
 {
-    struct eng_task_queue *units = &worker->units;
-    uint64_t begin_ns = eng_worker_slice(worker);
-    eng_taskunit_perform(worker, node, true);
-    while (eng_units_count(units) > 0 && !eng_stop_is_set(worker->stop)) {
-        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
-    }
-    units->head = units->tail;
-    eng_worker_trace(worker, ENG_TRACE_SUBTREE, begin_ns, node,
-                     worker->scene->nodes[node].count);
-}
-
-static void perform_unit(struct eng_worker *worker, uint32_t n)
-{
-    if (worker->scene->nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
-        perform_subtree(worker, n);
-        return;
-    }
-    uint64_t begin_ns = eng_worker_slice(worker);
-    const struct eng_node *node = eng_node_open(worker, n);
-    worker->record.task_units++;
-    push(worker, node->left, node->left);
-    push(worker, node->right, node->right);
-    push(worker, node->left, node->right);
-    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, node->count);
-}
-
-static void perform_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
-{
-    const struct eng_node *nodes = worker->scene->nodes;
-    uint64_t begin_ns = eng_worker_slice(worker);
-    if ((uint64_t)nodes[n].count + nodes[m].count <= ENG_STEAL_PAIR_GRAIN) {
-        eng_taskunit_pairs(worker, n, m);
-    } else {
-        uint32_t n_out[4];
-        uint32_t m_out[4];
-        uint32_t count = eng_taskunit_refine(worker, n, m, n_out, m_out);
-        for (uint32_t i = 0; i < count; i++) {
-            push(worker, n_out[i], m_out[i]);
-        }
-    }
-    eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
-}
-
-static void perform(struct eng_worker *worker, uint64_t task)
-{
-    uint32_t n = (uint32_t)(task >> 32);
-    uint32_t m = (uint32_t)task;
-    if (eng_worker_should_stop(worker)) {
-        return;
-    }
-    if (n == m) {
-        perform_unit(worker, n);
-    } else {
-        perform_pair(worker, n, m);
+    if (!eng_worker_should_stop(worker)) {
+        team->method->perform(worker, task);
     }
 }
 
@@ -177,12 +105,12 @@ void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
         has_task = search(team, worker, &task);
     }
     while (has_task) {
-        perform(worker, task);
+        perform(team, worker, task);
         has_task = eng_deque_pop(&worker->deque, &task);
         if (!has_task) {
             leave(team);
             /* What waits for tests would else be tested when all others have ended. */
-            eng_taskunit_flush(worker);
+            team->method->flush(worker);
             has_task = search(team, worker, &task);
         }
     }

@@ -22,10 +22,13 @@ struct eng_refit_progress {
     _Alignas(128) atomic_uint released;  /* 1: everybody may look at the boxes */
 };
 
+struct eng_method_calls;
+
 struct eng_team {
     struct eng_scene *scene;
     struct eng_worker **workers; /* [count] */
     uint32_t count;              /* threads, >= 1 */
+    const struct eng_method_calls *method; /* method.h */
     struct eng_refit_plan *plan;
     struct eng_assignment *assignment; /* the paper's scheduler */
     uint64_t refit_end_ns;             /* written by the thread that ended the refit */

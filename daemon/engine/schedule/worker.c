@@ -84,19 +84,18 @@ static int reserve_split(struct eng_worker *worker, const struct eng_scene *scen
     return ENG_OK;
 }
 
-int eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
-                     const struct eng_step_settings *settings, struct eng_stop *stop,
-                     struct eng_pool *pool)
+int eng_worker_reserve_tree(struct eng_worker *worker, const struct eng_scene *scene)
 {
     uint32_t leaf_count =
         scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
     int status = reserve_units(&worker->units, leaf_count);
-    if (status == ENG_OK) {
-        status = reserve_split(worker, scene, leaf_count);
-    }
-    if (status != ENG_OK) {
-        return status;
-    }
+    return status == ENG_OK ? reserve_split(worker, scene, leaf_count) : status;
+}
+
+void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
+                      const struct eng_step_settings *settings, struct eng_stop *stop,
+                      struct eng_pool *pool)
+{
     worker->scene = scene;
     worker->settings = settings;
     worker->kernels = settings->kernels ? settings->kernels : eng_kernels();
@@ -117,7 +116,6 @@ int eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                     settings->mode == ENG_MODE_PAIRS ? sizeof(struct eng_pair)
                                                      : sizeof(struct eng_contact),
                     settings->contact_max);
-    return ENG_OK;
 }
 
 void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings)

@@ -135,11 +135,14 @@ struct eng_worker {
 void eng_worker_init(struct eng_worker *worker);
 void eng_worker_deinit(struct eng_worker *worker);
 
-/* Get ready for a step. ENG_E_NOMEM: no room for the nodes of the scene in the task
- * queue, or for the triangles of a region. */
-int eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
-                     const struct eng_step_settings *settings, struct eng_stop *stop,
-                     struct eng_pool *pool);
+/* Room for the nodes of the scene's tree in the task queue, and for the triangles of a
+ * region. ENG_E_NOMEM: as before. */
+int eng_worker_reserve_tree(struct eng_worker *worker, const struct eng_scene *scene);
+
+/* Get ready for a step. */
+void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
+                      const struct eng_step_settings *settings, struct eng_stop *stop,
+                      struct eng_pool *pool);
 
 /* The bound as it stands; after the region: the final one. */
 double eng_stop_time_bound(const struct eng_stop *stop);

@@ -69,15 +69,12 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
  * swept boxes (for comparisons; the next step makes them anew). */
 void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool swept);
 
-/* Of that: vertices and the blocks over slots first .. first + count - 1, multiples of
- * 16; features likewise, when all vertices are done; the levels above from `level` >= 1
- * on. [team] */
-void eng_wide_refit_vertices(struct eng_wide *wide, const struct eng_scene *scene,
-                             uint32_t first, uint32_t count, bool swept);
-void eng_wide_refit_features(struct eng_wide *wide, enum eng_wide_kind kind,
-                             uint32_t first, uint32_t count);
-void eng_wide_refit_levels(struct eng_wide *wide, enum eng_wide_kind kind,
-                           uint32_t level);
+/* The same in parts that any threads may do: all chunks 0 .. eng_wide_refit_chunks - 1 of
+ * vertices, then those of edges and faces, then what is above. [team] */
+uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind kind);
+void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
+                          enum eng_wide_kind kind, uint32_t chunk, bool swept);
+void eng_wide_refit_above(struct eng_wide *wide);
 
 static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree *tree,
                                                      uint32_t level)

@@ -3,20 +3,32 @@
  * Room:     engine.
  * Does:     copy the positions to the slots, let the kernels make boxes of them.
  * Threads:  wide.h.
+ *
+ * A chunk is a few whole nodes of level 1: their boxes are made while those of their
+ * features are in the first cache.
  */
 #include <string.h>
 
 #include "wide.h"
 #include "world.h"
 
-void eng_wide_refit_vertices(struct eng_wide *wide, const struct eng_scene *scene,
-                             uint32_t first, uint32_t count, bool swept)
+/* Nodes of level 1 in a chunk, of 256 features each: 5 to 10 us of work against 0.1 us to
+ * take it. */
+#define CHUNK_NODES  2u
+#define CHUNK_BLOCKS (CHUNK_NODES * ENG_WIDE)
+
+uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind kind)
 {
-    const struct eng_kernels *kernels = wide->kernels;
+    return (wide->trees[kind].block_count[0] + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
+}
+
+/* Positions and boxes of the vertices in slots first .. end - 1; those of nobody are
+ * nowhere since the trees were put together. */
+static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
+                         uint32_t first, uint32_t end, bool swept)
+{
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
-    struct eng_wide_tree *tree = &wide->trees[ENG_WIDE_VERTICES];
-    uint32_t end = first + count;
     for (uint32_t slot = first; slot < end;) {
         uint32_t run = slot; /* of vertices without a gap */
         for (; slot < end && wide->points[slot].word0 != ENG_WIDE_NOBODY; slot++) {
@@ -24,45 +36,64 @@ void eng_wide_refit_vertices(struct eng_wide *wide, const struct eng_scene *scen
             memcpy(point->x0, x0[point->word0], sizeof point->x0);
             memcpy(point->x1, x1[point->word0], sizeof point->x1);
         }
-        kernels->box_points(wide->points + run, slot - run, swept,
-                            wide->point_boxes + run);
+        wide->kernels->box_points(wide->points + run, slot - run, swept,
+                                  wide->point_boxes + run);
         for (; slot < end && wide->points[slot].word0 == ENG_WIDE_NOBODY; slot++) {
         }
     }
-    uint32_t block = first / ENG_WIDE;
-    kernels->box_fold(wide->point_boxes + first, count / ENG_WIDE, tree->blocks + block,
-                      tree->boxes + block);
 }
 
-void eng_wide_refit_features(struct eng_wide *wide, enum eng_wide_kind kind,
-                             uint32_t first, uint32_t count)
+static uint32_t smaller(uint32_t a, uint32_t b)
 {
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    const uint32_t *const corner[3] = {tree->corner[0] + first, tree->corner[1] + first,
-                                       tree->corner[2] ? tree->corner[2] + first : NULL};
-    uint32_t block = first / ENG_WIDE;
-    wide->kernels->box_unite(wide->point_boxes, corner, count / ENG_WIDE,
-                             tree->blocks + block, tree->boxes + block);
+    return a < b ? a : b;
 }
 
-void eng_wide_refit_levels(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t level)
+void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
+                          enum eng_wide_kind kind, uint32_t chunk, bool swept)
 {
+    const struct eng_kernels *kernels = wide->kernels;
     struct eng_wide_tree *tree = &wide->trees[kind];
-    for (; level < wide->level_count; level++) {
-        wide->kernels->box_fold(eng_wide_boxes(tree, level - 1), tree->block_count[level],
-                                eng_wide_blocks(tree, level),
-                                eng_wide_boxes(tree, level));
+    uint32_t block = chunk * CHUNK_BLOCKS;
+    uint32_t count = smaller(CHUNK_BLOCKS, tree->block_count[0] - block);
+    uint32_t slot = block * ENG_WIDE;
+    if (kind == ENG_WIDE_VERTICES) {
+        refit_points(wide, scene, slot, slot + count * ENG_WIDE, swept);
+        kernels->box_fold(wide->point_boxes + slot, count, tree->blocks + block,
+                          tree->boxes + block);
+    } else {
+        const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
+                                           kind == ENG_WIDE_FACES ? tree->corner[2] + slot
+                                                                  : NULL};
+        kernels->box_unite(wide->point_boxes, corner, count, tree->blocks + block,
+                           tree->boxes + block);
+    }
+    if (wide->level_count > 1) {
+        uint32_t node = chunk * CHUNK_NODES;
+        kernels->box_fold(
+            tree->boxes + block, smaller(CHUNK_NODES, tree->block_count[1] - node),
+            eng_wide_blocks(tree, 1) + node, eng_wide_boxes(tree, 1) + node);
+    }
+}
+
+void eng_wide_refit_above(struct eng_wide *wide)
+{
+    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        for (uint32_t level = 2; level < wide->level_count; level++) {
+            wide->kernels->box_fold(
+                eng_wide_boxes(tree, level - 1), tree->block_count[level],
+                eng_wide_blocks(tree, level), eng_wide_boxes(tree, level));
+        }
     }
 }
 
 void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool swept)
 {
-    eng_wide_refit_vertices(wide, scene, 0, wide->trees[ENG_WIDE_VERTICES].slot_count,
-                            swept);
     for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        if (kind != ENG_WIDE_VERTICES) {
-            eng_wide_refit_features(wide, kind, 0, wide->trees[kind].slot_count);
+        uint32_t count = eng_wide_refit_chunks(wide, kind);
+        for (uint32_t i = 0; i < count; i++) {
+            eng_wide_refit_chunk(wide, scene, kind, i, swept);
         }
-        eng_wide_refit_levels(wide, kind, 1);
     }
+    eng_wide_refit_above(wide);
 }

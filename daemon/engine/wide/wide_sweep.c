@@ -134,6 +134,23 @@ static void perform(struct sweeper *sweeper, const struct tasks *tasks)
     eng_wide_join_flush(&sweeper->join);
 }
 
+static void refit(struct eng_wide *wide, const struct eng_scene *scene, uint32_t threads)
+{
+    if (threads == 1) {
+        eng_wide_refit(wide, scene, true);
+        return;
+    }
+#pragma omp parallel num_threads((int)threads)
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        uint32_t count = eng_wide_refit_chunks(wide, kind);
+#pragma omp for schedule(dynamic, 4)
+        for (uint32_t i = 0; i < count; i++) {
+            eng_wide_refit_chunk(wide, scene, kind, i, true);
+        }
+    }
+    eng_wide_refit_above(wide);
+}
+
 static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,
                  struct tasks *tasks)
 {
@@ -163,7 +180,7 @@ int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit vis
     }
     uint64_t begin_ns = eng_now_ns();
     if (status == ENG_OK) {
-        eng_wide_refit(wide, scene, true);
+        refit(wide, scene, threads);
         uint64_t refit_ns = eng_now_ns();
         for (uint32_t i = 0; i < threads; i++) {
             sweeper_init(&sweepers[i], wide, visit, context);

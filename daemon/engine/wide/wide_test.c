@@ -154,8 +154,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
 
 void eng_wide_work_end(struct eng_worker *worker)
 {
-    struct eng_wide_join *join = &worker->wide->join;
-    eng_wide_join_flush(join);
+    const struct eng_wide_join *join = &worker->wide->join;
     worker->record.box_tests = eng_wide_join_tests(join);
     worker->record.pairs = join->pairs;
 }

@@ -23,7 +23,7 @@ int eng_wide_work_reserve(struct eng_worker *worker);
 /* Get ready for the traversal of a step. [team] */
 void eng_wide_work_begin(struct eng_worker *worker);
 
-/* Test what is left in the chunks, and count what the join did. [team] */
+/* Count what the join did. [team] */
 void eng_wide_work_end(struct eng_worker *worker);
 
 #endif

@@ -1,0 +1,45 @@
+/* daemon/engine/schedule/method.h - what a step needs to know of a method.
+ *
+ * Room:     engine. May include: team.h.
+ * Does:     name what differs between the methods: their trees, their boxes, their tasks.
+ *           A task is a 64-bit word whose meaning is the method's, so that one scheduler
+ *           serves both.
+ * Threads:  functions say.
+ */
+#ifndef ENG_METHOD_H
+#define ENG_METHOD_H
+
+#include "team.h"
+
+struct eng_method_calls {
+    /* Whatever can fail for want of memory: put trees together, reserve for team->count
+     * threads, whose workers exist. Nothing moves. [compute] */
+    int (*prepare)(struct eng_team *team, const struct eng_step_settings *settings);
+    /* The positions have moved on; no thread is at work yet. [compute] */
+    void (*start)(struct eng_team *team, const struct eng_step_settings *settings);
+    /* All boxes, by one thread. [compute] */
+    void (*refit)(struct eng_scene *scene);
+    /* The same by all: true for the one that ended last, and sees every box. [team] */
+    bool (*refit_by_team)(struct eng_team *team, struct eng_worker *worker);
+    /* After the refit, while nobody traverses, by one thread. [team] */
+    void (*ready)(struct eng_worker *worker);
+    /* While others traverse, by one thread. [team] */
+    void (*beside)(struct eng_worker *worker);
+    /* Before a thread's first task, and after its last. [team] */
+    void (*enter)(struct eng_worker *worker);
+    void (*leave)(struct eng_worker *worker);
+
+    /* All tasks of a step by one thread. [compute] */
+    void (*perform_all)(struct eng_worker *worker);
+    /* Push the tasks that all others come from. [team], one thread */
+    void (*push_first)(struct eng_worker *worker);
+    /* Do a task, or push what it divides into to the worker's own deque. [team] */
+    void (*perform)(struct eng_worker *worker, uint64_t task);
+    /* The worker has no task: test the candidates that wait in its chunks. [team] */
+    void (*flush)(struct eng_worker *worker);
+};
+
+extern const struct eng_method_calls eng_method_paper;
+extern const struct eng_method_calls eng_method_wide;
+
+#endif

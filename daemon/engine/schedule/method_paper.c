@@ -1,0 +1,159 @@
+/* daemon/engine/schedule/method_paper.c - the method paper, as a step sees it.
+ *
+ * Room:     engine.
+ * Does:     keep the binary tree and what repairs it. For stealing, a task is a node (its
+ *           self-CD task unit and those below it) or a pair of nodes.
+ * Threads:  method.h.
+ *
+ * Any pair may go to any thread because gates guard what reconstruction changes
+ * (rebuild.h). A worker splits depth first, so its deque holds at most three siblings for
+ * each level of a pair and two for each level of a node; with ENG_LEVELS_MAX levels of
+ * either that is less than half of its capacity.
+ */
+#include "method.h"
+
+#include "build.h"
+#include "rebuild.h"
+#include "refit.h"
+#include "schedule.h"
+#include "step_memory.h"
+#include "taskunit.h"
+
+static uint64_t task_of(uint32_t n, uint32_t m)
+{
+    return (uint64_t)n << 32 | m;
+}
+
+static void push(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    bool pushed = eng_deque_push(&worker->deque, task_of(n, m));
+    assert(pushed);
+    (void)pushed;
+}
+
+/* All task units of a small subtree. */
+static void perform_subtree(struct eng_worker *worker, uint32_t node)
+{
+    struct eng_task_queue *units = &worker->units;
+    uint64_t begin_ns = eng_worker_slice(worker);
+    eng_taskunit_perform(worker, node, true);
+    while (eng_units_count(units) > 0 && !eng_stop_is_set(worker->stop)) {
+        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
+    }
+    units->head = units->tail;
+    eng_worker_trace(worker, ENG_TRACE_SUBTREE, begin_ns, node,
+                     worker->scene->nodes[node].count);
+}
+
+static void perform_unit(struct eng_worker *worker, uint32_t n)
+{
+    if (worker->scene->nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
+        perform_subtree(worker, n);
+        return;
+    }
+    uint64_t begin_ns = eng_worker_slice(worker);
+    const struct eng_node *node = eng_node_open(worker, n);
+    worker->record.task_units++;
+    push(worker, node->left, node->left);
+    push(worker, node->right, node->right);
+    push(worker, node->left, node->right);
+    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, node->count);
+}
+
+static void perform_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    const struct eng_node *nodes = worker->scene->nodes;
+    uint64_t begin_ns = eng_worker_slice(worker);
+    if ((uint64_t)nodes[n].count + nodes[m].count <= ENG_STEAL_PAIR_GRAIN) {
+        eng_taskunit_pairs(worker, n, m);
+    } else {
+        uint32_t n_out[4];
+        uint32_t m_out[4];
+        uint32_t count = eng_taskunit_refine(worker, n, m, n_out, m_out);
+        for (uint32_t i = 0; i < count; i++) {
+            push(worker, n_out[i], m_out[i]);
+        }
+    }
+    eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
+}
+
+static void perform(struct eng_worker *worker, uint64_t task)
+{
+    uint32_t n = (uint32_t)(task >> 32);
+    uint32_t m = (uint32_t)task;
+    if (n == m) {
+        perform_unit(worker, n);
+    } else {
+        perform_pair(worker, n, m);
+    }
+}
+
+static void push_first(struct eng_worker *worker)
+{
+    push(worker, worker->scene->root, worker->scene->root);
+}
+
+static int prepare(struct eng_team *team, const struct eng_step_settings *settings)
+{
+    struct eng_step_memory *memory = team->scene->memory;
+    int status = ENG_OK;
+    if (team->scene->top_is_stale) {
+        status = eng_refit_plan_features(&memory->plan, team->scene);
+        if (status == ENG_OK) {
+            status = eng_build_top(team->scene);
+        }
+    }
+    team->plan = &memory->plan;
+    team->assignment = &memory->assignment;
+    if (status == ENG_OK) {
+        status =
+            eng_refit_plan_tree(&memory->plan, team->scene, settings->refit, team->count);
+    }
+    if (status == ENG_OK && settings->scheduler == ENG_SCHEDULER_PAPER) {
+        status = eng_assignment_reserve(&memory->assignment, team->count);
+    }
+    for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
+        status = eng_worker_reserve_tree(memory->workers[i], team->scene);
+    }
+    return status;
+}
+
+static void start(struct eng_team *team, const struct eng_step_settings *settings)
+{
+    if (eng_aside_swap(&team->scene->memory->aside, team->scene)) {
+        /* The same division of a tree that has changed: no more memory is needed. */
+        int status =
+            eng_refit_plan_tree(team->plan, team->scene, settings->refit, team->count);
+        assert(status == ENG_OK);
+        (void)status;
+    }
+}
+
+static void ready(struct eng_worker *worker)
+{
+    eng_rebuild_top(worker);
+    eng_aside_examine(&worker->scene->memory->aside, worker);
+}
+
+static void beside(struct eng_worker *worker)
+{
+    eng_aside_share(&worker->scene->memory->aside, worker);
+}
+
+static void no_more(struct eng_worker *worker)
+{
+    (void)worker;
+}
+
+const struct eng_method_calls eng_method_paper = {.prepare = prepare,
+                                                  .start = start,
+                                                  .refit = eng_refit,
+                                                  .refit_by_team = eng_refit_by_team,
+                                                  .ready = ready,
+                                                  .beside = beside,
+                                                  .enter = no_more,
+                                                  .leave = no_more,
+                                                  .perform_all = eng_schedule_serial,
+                                                  .push_first = push_first,
+                                                  .perform = perform,
+                                                  .flush = eng_taskunit_flush};
