@@ -12,6 +12,7 @@ tests_truth_test_oracle_truth_CPPFLAGS = $(TRUTH_CPPFLAGS)
 tests_truth_test_oracle_truth_LDADD = $(TRUTH_LDADD)
 
 tests_truth_test_eng_truth_SOURCES = tests/truth/test_eng_truth.c
-tests_truth_test_eng_truth_CPPFLAGS = $(TRUTH_CPPFLAGS) $(ENGINE_CPPFLAGS)
+tests_truth_test_eng_truth_CPPFLAGS = $(TRUTH_CPPFLAGS) $(ENGINE_CPPFLAGS) \
+    -I$(top_srcdir)/tests/unit
 tests_truth_test_eng_truth_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
-tests_truth_test_eng_truth_LDADD = libengine.la $(TRUTH_LDADD)
+tests_truth_test_eng_truth_LDADD = libengkit.la libengine.la $(TRUTH_LDADD)
