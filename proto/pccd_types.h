@@ -65,7 +65,8 @@ enum pccd_mode {
 enum pccd_method {
     PCCD_METHOD_DEFAULT = 0,
     PCCD_METHOD_PAPER = 1, /* binary AABB tree, self-CD task units (PCCD, sections 3-6) */
-    PCCD_METHOD_COUNT = 2
+    PCCD_METHOD_WIDE = 2,  /* trees of 16 children over vertices, edges and faces */
+    PCCD_METHOD_COUNT = 3
 };
 
 /* How the threads of a step share its work (PCCD, sections 4 to 6). The answer never

@@ -69,7 +69,7 @@ static const struct argp_option option_list[] = {
      0},
     {"threads", OPTION_THREADS, "N", 0,
      "Use at most N threads (default: the daemon decides)", 0},
-    {"method", OPTION_METHOD, "NAME", 0, "Engine to use: default or paper", 0},
+    {"method", OPTION_METHOD, "NAME", 0, "Engine to use: default, paper or wide", 0},
     {"scheduler", OPTION_SCHEDULER, "NAME", 0,
      "How threads share the work: steal or paper (default: the daemon decides)", 0},
     {"high-level", OPTION_HIGH_LEVEL, "NAME", 0,

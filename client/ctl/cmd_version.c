@@ -1,7 +1,8 @@
 /* client/ctl/cmd_version.c - pccdctl version.
  *
  * Room:     client/ctl.
- * Does:     tells the versions of this tool and of the library, and the daemon's process.
+ * Does:     tells the versions of this tool and of the library, the daemon's process and
+ *           its instruction set.
  * Does not: start a daemon, or fail when none runs.
  * Threads:  one.
  * Source:   pccd.h.
@@ -39,7 +40,8 @@ int ctl_cmd_version(int argc, char **argv)
     fflush(stdout);
     int status = ctl_link_open(&link, &client);
     if (status == CTL_DONE) {
-        printf("daemon   answers, process %u\n", pccd_daemon_pid(client));
+        printf("daemon   answers, process %u, %s\n", pccd_daemon_pid(client),
+               pccd_daemon_cpu(client));
     } else {
         printf("daemon   does not answer\n");
     }

@@ -33,7 +33,7 @@ const char *report_mode_name(enum pccd_mode mode)
 
 const char *report_method_name(enum pccd_method method)
 {
-    static const char *const names[PCCD_METHOD_COUNT] = {"default", "paper"};
+    static const char *const names[PCCD_METHOD_COUNT] = {"default", "paper", "wide"};
     return (uint32_t)method < PCCD_METHOD_COUNT ? names[method] : NULL;
 }
 

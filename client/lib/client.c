@@ -239,6 +239,8 @@ static int say_hello(struct pccd_client *client, const char *name, uint64_t dead
                         result.version, PROTO_VERSION_MIN, PROTO_VERSION_MAX);
     }
     client->pid = result.pid;
+    static_assert(sizeof(client->cpu) == sizeof(result.cpu), "the whole string");
+    memcpy(client->cpu, result.cpu, sizeof(client->cpu));
     return 0;
 }
 
@@ -450,6 +452,11 @@ int pccd_fd(const struct pccd_client *client)
 uint32_t pccd_daemon_pid(const struct pccd_client *client)
 {
     return client != NULL ? client->pid : 0;
+}
+
+const char *pccd_daemon_cpu(const struct pccd_client *client)
+{
+    return client != NULL ? client->cpu : "";
 }
 
 const char *pccd_url(const struct pccd_client *client)

@@ -85,6 +85,7 @@ struct pccd_client {
     int socket;
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid;
+    char cpu[PROTO_STR_MAX + 1];
     bool slots_chosen; /* the user set slot_count: never take fewer */
     bool dead;
     int goaway; /* status of the daemon's last words, 0: none */

@@ -10,6 +10,7 @@
 
 #include "call.h"
 #include "invariant.h"
+#include "kernel.h"
 #include "loop.h"
 #include "memory.h"
 #include "now.h"
@@ -49,6 +50,7 @@ int srv_on_HELLO(struct srv_call *call)
         .threads_max = loop->options->threads_max,
         .daemon = DAEMON_NAME,
     };
+    strcpy(call->result.HELLO.cpu, eng_kernels()->name);
     srv_session_open(session, version);
     srv_log(SRV_LOG_INFO, session->id, "opened by \"%s\", user %u", request->client,
             (unsigned)session->user->uid);

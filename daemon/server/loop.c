@@ -23,6 +23,7 @@
 #include "conn.h"
 #include "dispatch.h"
 #include "invariant.h"
+#include "kernel.h"
 #include "limits.h"
 #include "now.h"
 #include "pccd_types.h"
@@ -293,8 +294,9 @@ static int serve(struct srv_loop *loop)
         srv_compute_stop(&loop->compute);
         close_handles(loop);
     } else {
-        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %u threads%s",
-                (long)getpid(), loop->options->socket_path, loop->options->threads_max,
+        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %s, %u threads%s",
+                (long)getpid(), loop->options->socket_path, eng_kernels()->name,
+                loop->options->threads_max,
                 loop->is_pinned ? ", each bound to a processor" : "");
         if (loop->options->listen_fd < 0) { /* else it listened before us */
             srv_listener_tell_ready(loop->options->ready_fd);

@@ -1,8 +1,9 @@
 /* main.c - program pccdd.
  *
  * Room:     server. May include: every header of the room.
- * Does:     set the environment that the OpenMP runtime reads, parse options, take the
- *           socket path's lock, serve or supervise.
+ * Does:     set the environment that the OpenMP runtime reads, parse options, refuse an
+ *           instruction set that is not here, take the socket path's lock, serve or
+ *           supervise.
  * Does not: daemonize: a supervisor, a shell or a client starts it.
  * Threads:  [loop]
  */
@@ -16,6 +17,7 @@
 
 #include "activate.h"
 #include "crash.h"
+#include "kernel.h"
 #include "listener.h"
 #include "lockfile.h"
 #include "log.h"
@@ -43,6 +45,26 @@ static void prepare_environment(char **argv)
         srv_log(SRV_LOG_WARN, 0, "cannot start anew with OpenMP's environment: %s",
                 strerror(errno));
     }
+}
+
+/* PCCD_CPU chooses among the instruction sets that this processor has; with one that it
+ * lacks the engine would take another, and whoever measures would not know. */
+static bool has_instruction_set(void)
+{
+    const char *name = getenv("PCCD_CPU");
+    char sets[128] = "";
+    if (eng_kernels_named(name) != NULL) {
+        return true;
+    }
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        if (kernels != NULL) {
+            strcat(strcat(sets, " "), kernels->name);
+        }
+    }
+    srv_log(SRV_LOG_ERROR, 0, "PCCD_CPU=%s: there is no such instruction set here, but%s",
+            name, sets);
+    return false;
 }
 
 static void ignore_signals(void)
@@ -94,6 +116,9 @@ int main(int argc, char **argv)
     struct srv_options options;
     srv_options_parse(&options, argc, argv);
     srv_log_set_level(options.log_level);
+    if (!has_instruction_set()) {
+        return 1;
+    }
     ignore_signals();
     umask(0077);
     srv_crash_install();

@@ -156,7 +156,9 @@ report "frames of different formats go together"
 
 ctl check --json --threads 1 t0.ply t1.ply && [ "$(json_value threads)" = 1 ] &&
     [ "$(json_value hash)" = "$hash" ] &&
-    ctl check --json --method paper t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ]
+    ctl check --json --method paper t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ] &&
+    ctl check --json --method wide t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ] &&
+    [ "$(json_value method)" = '"wide"' ]
 report "threads and method do not change the hash"
 
 ctl check --json --threads 2 --scheduler paper --high-level disjoint --refit paper \
@@ -289,8 +291,9 @@ ctl trace --socket "$dir/s" --steps 1 -o trace.json && wait $! && is_trace trace
 report "trace records what a daemon does for others"
 
 PCCD_URL="unix:$dir/s" "$PCCDCTL" version >out 2>err &&
-    says '^tool +pccdctl [0-9.]+$' '^library +libpccd [0-9.]+$' "^daemon +.*$daemon_pid"
-report "version names the daemon's process"
+    says '^tool +pccdctl [0-9.]+$' '^library +libpccd [0-9.]+$' \
+        "^daemon +.*$daemon_pid, (scalar|sse4|avx2|avx512|neon)$"
+report "version names the daemon's process and instruction set"
 
 kill "$daemon_pid" && wait "$daemon_pid"
 daemon_pid=
@@ -299,6 +302,19 @@ report "ping fails when nobody listens"
 
 ctl version --socket "$dir/s" && says '^daemon +does not answer'
 report "version works without a daemon"
+
+PCCD_CPU=scalar "$PCCD_DAEMON" --socket "$dir/s" --ready-fd 3 3>ready 2>daemon.log &
+daemon_pid=$!
+read -r -t 10 -N 1 _ <ready
+ctl version --socket "$dir/s" && says "$daemon_pid, scalar\$" &&
+    ctl check --json --url "unix:$dir/s" t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ]
+report "PCCD_CPU chooses the daemon's instruction set, which does not change the hash"
+
+kill "$daemon_pid" && wait "$daemon_pid"
+daemon_pid=
+PCCD_CPU=mmx "$PCCD_DAEMON" --socket "$dir/s" >out 2>err
+[ $? -eq 1 ] && grep -q 'PCCD_CPU=mmx: there is no such .*, but scalar' err
+report "an instruction set that is not there is refused by name"
 
 # ---- demo and help ------------------------------------------------------------------
 

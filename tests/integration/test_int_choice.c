@@ -1,8 +1,8 @@
 /* test_int_choice.c - the ways to compute that a client may choose between.
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     every scheduler, high-level method, refit scheme, quality and rebuild ratio
- *           gives the same bytes, and every answer says which were used.
+ * Does:     every method, scheduler, way with high-level nodes, refit scheme, quality and
+ *           rebuild ratio gives the same bytes, and every answer says which were used.
  * Threads:  one.
  */
 #include <math.h>
@@ -60,13 +60,14 @@ static void expect_same_hash(struct pccd_client *client,
     uint64_t hash[2][2];
 
     assert_int_equal(test_grid_make_with(client, SIDE, scene, &grid), 0);
-    for (uint32_t i = 0; i < 2 + 3 * 3 * 3 * 2; i++) {
+    for (uint32_t i = 0; i < 2 + 3 * 3 * 3 * 3 * 2; i++) {
         uint32_t choice = i < 2 ? 0 : (i - 2) / 2;
 
         settings.threads = i < 2 ? 1 : THREADS;
         settings.scheduler = (enum pccd_scheduler)(choice % 3);
         settings.high_level = (enum pccd_high_level)(choice / 3 % 3);
-        settings.refit = (enum pccd_refit)(choice / 9);
+        settings.refit = (enum pccd_refit)(choice / 9 % 3);
+        settings.method = (enum pccd_method)(choice / 27);
         assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
         assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
         assert_true(test_grid_is_right(&grid, &answer));
@@ -132,6 +133,11 @@ static void choice__the_answer_says_what_was_used(void **state)
     assert_int_equal(answer.scheduler, PCCD_SCHEDULER_DEFAULT);
     assert_int_equal(answer.refit, PCCD_REFIT_DEFAULT);
     assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DEFAULT);
+    for (int method = PCCD_METHOD_PAPER; method < PCCD_METHOD_COUNT; method++) {
+        settings.method = (enum pccd_method)method;
+        turn(client, NULL, &settings, &answer);
+        assert_int_equal(answer.method, method);
+    }
 }
 
 /* If it failed, a choice that this daemon does not know would be taken for another. */
