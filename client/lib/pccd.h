@@ -102,8 +102,8 @@ int pccd_fd(const struct pccd_client *client);
 /* Process id of the daemon. */
 uint32_t pccd_daemon_pid(const struct pccd_client *client);
 
-/* The instruction set that its steps use: "scalar", "sse4", "avx2", "avx512" or "neon"; ""
- * of a daemon that does not tell. Lives as long as the client. */
+/* The instruction set that its steps use: scalar, sse4, avx2, avx512 or neon; "" from a
+ * daemon that does not tell. Lives as long as the client. */
 const char *pccd_daemon_cpu(const struct pccd_client *client);
 
 /* "unix:PATH" of the daemon, for other processes to connect to; lives as long as the
