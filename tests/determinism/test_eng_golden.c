@@ -280,9 +280,7 @@ static void compare(struct fixture *f, const struct row *row, uint32_t step,
     f->rebuilds += result->counters.rebuilds;
     f->swaps += result->counters.swaps;
     const struct answer *want = &f->answers[step][row->level[MODE]];
-    uint32_t threads = thread_counts[row->level[THREADS]];
-    if (result->threads != threads &&
-        (result->method != ENG_METHOD_WIDE || result->threads != 1)) {
+    if (result->threads != thread_counts[row->level[THREADS]]) {
         fail_row(f, row, step, "not by as many threads as asked");
     }
     if (result->method != way_methods[row->level[METHOD]]) {

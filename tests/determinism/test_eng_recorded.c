@@ -98,7 +98,7 @@ static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply 
         eng_stage_x0x1(scene, object_idx, ENG_F64, 0, from->vertex_count, from->x, to->x),
         ENG_OK);
     assert_int_equal(eng_step(scene, &settings, result), ENG_OK);
-    assert_true(result->threads == row->threads || row->method == ENG_METHOD_WIDE);
+    assert_int_equal(result->threads, row->threads);
     assert_int_equal(result->incomplete, ENG_COMPLETE);
 }
 
