@@ -124,4 +124,5 @@ void close(void *state)
 
 } // namespace
 
-const peer peer_bullet = {"Bullet", false, version, open, update, collide, close};
+const peer peer_bullet = {"Bullet", false,   version, open,
+                          update,   collide, close,   nullptr};

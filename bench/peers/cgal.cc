@@ -98,4 +98,4 @@ void close(void *state)
 
 } // namespace
 
-const peer peer_cgal = {"CGAL", false, version, open, update, collide, close};
+const peer peer_cgal = {"CGAL", false, version, open, update, collide, close, nullptr};

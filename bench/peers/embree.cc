@@ -152,4 +152,4 @@ void close(void *state)
 
 } // namespace
 
-const peer peer_embree = {"Embree", true, version, open, update, collide, close};
+const peer peer_embree = {"Embree", true, version, open, update, collide, close, nullptr};

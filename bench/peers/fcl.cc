@@ -124,4 +124,4 @@ void close(void *state)
 
 } // namespace
 
-const peer peer_fcl = {"FCL", false, version, open, update, collide, close};
+const peer peer_fcl = {"FCL", false, version, open, update, collide, close, nullptr};

@@ -19,11 +19,14 @@ check_PROGRAMS += bench/peers/peers
 bench_peers_peers_SOURCES = \
     bench/peers/swept.c \
     bench/peers/swept.h \
+    bench/peers/ours.c \
+    bench/peers/ours.h \
     bench/peers/peer.h \
     bench/peers/peers.c \
     $(bench_engine_sources)
 bench_peers_peers_CPPFLAGS = $(bench_engine_cppflags) $(PEERS_CPPFLAGS) \
     -I$(top_srcdir)/bench/peers
+bench_peers_peers_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_peers_peers_CXXFLAGS = $(PEERS_CXXFLAGS)
 bench_peers_peers_LDADD = $(bench_engine_libs) $(PEERS_LIBS)
 if HAVE_EMBREE

@@ -1,9 +1,9 @@
 /* peers.c - candidate pairs: the libraries that are installed, in one run.
  *
  * Room:     bench/peers; engine headers.
- * Does:     give every library the same boxes, compare the sets of pairs that come back,
- *           then time them by turns: refit or whatever the library has for boxes that
- *           moved, and all pairs.
+ * Does:     give every library, and the method `wide`, the same boxes, compare the sets
+ *           of pairs that come back, then time them by turns: refit or whatever the
+ *           library has for boxes that moved, and all pairs.
  * Does not: time the building: what can be kept from step to step is kept, built for the
  *           very boxes that are asked about, the best case for a hierarchy.
  * Threads:  one; the libraries have their own.
@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ours.h"
 #include "report.h"
 #include "swept.h"
 
@@ -20,6 +21,8 @@
 #define THREADS_MAX 2u
 
 static const struct peer *const installed[] = {
+    &peers_ours, /* the others' ratios are to this one */
+    &peers_ours_named,
 #ifdef PEERS_EMBREE
     &peer_embree,
 #endif
@@ -82,10 +85,12 @@ static void take_turn(struct contestant *one, bool counts)
     uint64_t t1 = bench_now_ns();
     collide(one, false);
     uint64_t t2 = bench_now_ns();
+    uint64_t update_ns =
+        one->peer->update_ns ? one->peer->update_ns(one->state) : t1 - t0;
     uint64_t cpu1 = cpu_ns();
     one->spent_ns += t2 - t0;
     if (counts) {
-        bench_add(&one->update_ms, 1e-6 * (double)(t1 - t0));
+        bench_add(&one->update_ms, 1e-6 * (double)update_ns);
         bench_add(&one->whole_ms, 1e-6 * (double)(t2 - t0));
         bench_add(&one->cpu_ms, 1e-6 * (double)(cpu1 - cpu0));
     }
@@ -113,18 +118,6 @@ static bool agree(const char *scene, const struct contestant *all, unsigned coun
     return good;
 }
 
-static const struct contestant *fastest_of(const struct contestant *all, unsigned count)
-{
-    const struct contestant *fastest = NULL;
-    for (unsigned i = 0; i < count; i++) {
-        double least = fastest ? bench_summarise(&fastest->whole_ms).min : 0;
-        if (!fastest || bench_summarise(&all[i].whole_ms).min < least) {
-            fastest = &all[i];
-        }
-    }
-    return fastest;
-}
-
 static void print_row(const struct bench_row *like, const char *name, const char *of,
                       const struct bench_samples *samples,
                       const struct bench_samples *base)
@@ -143,13 +136,12 @@ static void print_row(const struct bench_row *like, const char *name, const char
 static void print(const char *scene, const struct contestant *all, unsigned count,
                   uint32_t threads)
 {
-    const struct contestant *fastest = fastest_of(all, count);
     for (unsigned i = 0; i < count; i++) {
         const char *name = all[i].peer->name;
         struct bench_row row = {
-            .scene = scene, .threads = threads, .base_name = fastest->peer->name};
-        print_row(&row, name, "", &all[i].whole_ms, &fastest->whole_ms);
-        print_row(&row, name, " cpu", &all[i].cpu_ms, &fastest->cpu_ms);
+            .scene = scene, .threads = threads, .base_name = all[0].peer->name};
+        print_row(&row, name, "", &all[i].whole_ms, &all[0].whole_ms);
+        print_row(&row, name, " cpu", &all[i].cpu_ms, &all[0].cpu_ms);
         print_row(&row, name, " update", &all[i].update_ms, NULL);
     }
 }
@@ -199,6 +191,7 @@ static void measure_scene(const struct bench_scene *source,
     bench_world_step(&world, &frames, &settings, &result);
     bench_frames_deinit(&frames);
     peers_swept_init(&input, &world);
+    peers_ours_scene(&world);
     uint32_t most = options->threads ? options->threads : THREADS_MAX;
     for (uint32_t threads = 1; threads <= most; threads *= 2) {
         measure(source->name, &input, threads, options->smoke ? 2 : REPEATS_MAX);
@@ -216,7 +209,7 @@ int main(int argc, char **argv)
                           &exit_status)) {
         return exit_status;
     }
-    for (unsigned i = 0; i < INSTALLED; i++) {
+    for (unsigned i = 1; i < INSTALLED; i++) {
         char text[80];
         installed[i]->version(text, sizeof text);
         fprintf(stderr, "peers: %s\n", text);

@@ -49,7 +49,7 @@ daemon/server       uv.h seccomp.h
 client/ctl          jansson.h png.h
 bench               omp.h
 bench/model         omp.h
-bench/peers         embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h
+bench/peers         omp.h embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h
 bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/config.h
 bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
 bench/peers         CGAL/Box_intersection_d/Box_d.h CGAL/box_intersection_d.h CGAL/version.h
