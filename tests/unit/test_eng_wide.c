@@ -445,6 +445,26 @@ static void wide__small_scenes_are_trees_too(void **state)
     eng_scene_free(f.scene);
 }
 
+/* If zeros with a sign were two places, features that touch there would be missed: two
+ * triangles that reach to z = 0 from below and from above, crossing each other there. */
+static void wide__zeros_of_both_signs_are_one_place(void **state)
+{
+    (void)state;
+    static const double low[3][3] = {{-1, 0, -0.0}, {1, 0, -0.0}, {0, 0, -1}};
+    static const double high[3][3] = {{0, -1, 0.0}, {0, 1, 0.0}, {0, 0, 1}};
+    static const uint32_t triangle[1][3] = {{0, 1, 2}};
+    for (uint32_t round = 0; round < 2; round++) { /* either may be the first object */
+        struct fixture f = {.random = {3}};
+        assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
+        add(&f, kit_mesh(round ? high : low, 3, triangle, 1));
+        add(&f, kit_mesh(round ? low : high, 3, triangle, 1));
+        assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_PAPER).count, 1);
+        assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 1);
+        assert_int_equal(step(&f, ENG_MODE_FIRST, ENG_METHOD_WIDE).count, 1);
+        eng_scene_free(f.scene);
+    }
+}
+
 /* If a cancelled step went on, a client could not stop it; if it said that it was
  * complete, the client would believe it. */
 static void wide__stops_when_cancelled(void **state)
@@ -474,6 +494,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(wide__answers_alike_by_any_number_of_threads,
                                         setup, teardown),
         cmocka_unit_test(wide__small_scenes_are_trees_too),
+        cmocka_unit_test(wide__zeros_of_both_signs_are_one_place),
         cmocka_unit_test_setup_teardown(wide__stops_when_cancelled, setup, teardown),
     };
     return cmocka_run_group_tests_name("eng_wide", tests, NULL, NULL);

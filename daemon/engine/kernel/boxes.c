@@ -15,7 +15,9 @@ typedef float four __attribute__((vector_size(16), may_alias));
 static const int64_t is_coordinate[8] = {-1, -1, -1, 0, -1, -1, -1, 0};
 
 /* Outward distances of coordinates, rounded outward: the nearest float, moved by one unit
- * where it lies on the wrong side, as eng_round_down and eng_round_up do (aabb.h). */
+ * where it lies on the wrong side, as eng_round_down and eng_round_up do (aabb.h). Zeros
+ * lose their sign (-0 + 0 is 0): the join takes the sum of two that meet for a gap if it
+ * has one, and -0 + -0 has. */
 ENG_INLINE void round_out(eng_d x, half *low, half *high)
 {
     half nearest = __builtin_convertvector(x, half);
@@ -23,8 +25,8 @@ ENG_INLINE void round_out(eng_d x, half *low, half *high)
     half_bits unit = ((half_bits)nearest >> 31) | 1;
     half_bits above = __builtin_convertvector((eng_di)(back > x), half_bits);
     half_bits below = __builtin_convertvector((eng_di)(back < x), half_bits);
-    *low = (half)(((half_bits)nearest - (unit & above)) ^ INT32_MIN);
-    *high = (half)((half_bits)nearest + (unit & below));
+    *low = (half)(((half_bits)nearest - (unit & above)) ^ INT32_MIN) + 0.0f;
+    *high = (half)((half_bits)nearest + (unit & below)) + 0.0f;
 }
 
 /* The same box at both ends: around both. */

@@ -6,7 +6,8 @@
  *
  * One box against sixteen takes, a register of sixteen lanes wide: per axis four sums and
  * two ands of sign bits, 18 operations in all, 9 cycles where two are done at a time (12
- * with compares, of which one is).
+ * with compares, of which one is). No box has a zero with a sign (boxes.c), so the sum of
+ * two bounds that touch is 0 without one.
  *
  * Up to a time. The gap along an axis, g(t) = (1 - t) g0 + t g1, is linear: where g0 > 0,
  * it stays positive up to t_end if g(t_end) > 0. What is computed here is h = -g: h0 and
