@@ -116,7 +116,7 @@ struct peer {
     /* Give every candidate once, to sinks 0 .. PEER_SINK_MAX - 1. */
     void (*collide)(void *self, struct peer_sink *sinks);
     void (*close)(void *self);
-    /* Where `collide` updates as well: what that took the last time. NULL: it does not. */
+    /* Where `collide` updates as well: what that took the last time. NULL: update did. */
     uint64_t (*update_ns)(void *self);
 };
 
