@@ -70,8 +70,8 @@ static void fill(struct fixture *f, struct kit_random *random)
 }
 
 /* If a box were rounded inward by one set, it would miss contacts; outward by more, mode
- * pairs would name other pairs than the method paper; with a negative zero in it, the join
- * would take touching boxes for ones that are apart. */
+ * pairs would name other pairs than the method paper; with a negative zero in it, boxes
+ * that touch would be taken for ones that are apart. */
 static void boxes__of_points_are_rounded_as_everywhere(void **state)
 {
     (void)state;
