@@ -151,7 +151,7 @@ static void recorded__cloth_funnel_has_the_same_bytes(void **state)
 {
     (void)state;
     check(&(struct known){
-        DATA_CLOTH_FUNNEL, 0, 134, {0x08bdba23e4f863fe, 0xecb453bb403e51a8}});
+        DATA_CLOTH_FUNNEL, 0, 134, {0x540407c41109e3db, 0x3023391dffd2c37f}});
 }
 
 /* If this failed, a scene of ninety thousand triangles would be answered by luck. */
@@ -159,7 +159,7 @@ static void recorded__cloth_ball_has_the_same_bytes(void **state)
 {
     (void)state;
     check(&(struct known){
-        DATA_CLOTH_BALL, 4, 113854, {0x6d297860a0703fb7, 0x465b8038e641082e}});
+        DATA_CLOTH_BALL, 4, 113854, {0x3d7470cd9a65f4de, 0xe00fceb11bf78099}});
 }
 
 int main(void)

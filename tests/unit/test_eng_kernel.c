@@ -164,6 +164,61 @@ static void kernels__filter_the_same_pairs(void **state)
     assert_true(apart > 5000 && filtered > 5000);
 }
 
+static struct eng_bracketed bracket(const struct eng_kernels *kernels, enum eng_kind kind,
+                                    const struct pairs *pairs, uint32_t index[PAIR_COUNT],
+                                    struct eng_hit hits[PAIR_COUNT],
+                                    uint32_t unsure[PAIR_COUNT])
+{
+    struct eng_bracketed out = {.index = index, .hits = hits, .unsure = unsure};
+    uint32_t list[PAIR_COUNT];
+    for (uint32_t i = 0; i < PAIR_COUNT; i++) {
+        list[i] = i;
+    }
+    memset(hits, 0, PAIR_COUNT * sizeof *hits);
+    kernels->bracket(kind, pairs->points, (const uint32_t(*)[4])pairs->quads, list,
+                     PAIR_COUNT, 1e-6, 1, &out);
+    return out;
+}
+
+/* If a set solved otherwise, the same scene would have other times, places and normals
+ * on another processor, or a contact that is proved here would be searched for there. */
+static void kernels__bracket_to_the_same_bits(void **state)
+{
+    (void)state;
+    static struct pairs pairs;
+    static struct eng_hit expected_hits[PAIR_COUNT];
+    static struct eng_hit hits[PAIR_COUNT];
+    uint32_t expected_list[2][PAIR_COUNT];
+    uint32_t list[2][PAIR_COUNT];
+    const struct eng_kernels *sets[ENG_ISA_COUNT];
+    unsigned set_count = others(sets);
+    struct kit_random random = {72};
+    uint32_t hit_count = 0;
+    uint32_t unsure_count = 0;
+    for (uint32_t round = 0; round < 200; round++) {
+        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        make_pairs(&random, kind, &pairs);
+        struct eng_bracketed expected =
+            bracket(eng_kernels_of(ENG_ISA_SCALAR), kind, &pairs, expected_list[0],
+                    expected_hits, expected_list[1]);
+        hit_count += expected.hit_count;
+        unsure_count += expected.unsure_count;
+        /* The second roots come after the first ones of all: the order is the same. */
+        for (unsigned k = 0; k < set_count; k++) {
+            struct eng_bracketed out =
+                bracket(sets[k], kind, &pairs, list[0], hits, list[1]);
+            assert_int_equal(out.hit_count, expected.hit_count);
+            assert_int_equal(out.unsure_count, expected.unsure_count);
+            assert_memory_equal(list[0], expected_list[0],
+                                out.hit_count * sizeof list[0][0]);
+            assert_memory_equal(list[1], expected_list[1],
+                                out.unsure_count * sizeof list[1][0]);
+            assert_memory_equal(hits, expected_hits, sizeof hits);
+        }
+    }
+    assert_true(hit_count > 5000 && unsure_count > 5000 && unsure_count < 50000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -171,6 +226,7 @@ int main(void)
         cmocka_unit_test(kernels__find_a_bad_value_at_any_place),
         cmocka_unit_test(kernels__widen_to_the_same_bits),
         cmocka_unit_test(kernels__filter_the_same_pairs),
+        cmocka_unit_test(kernels__bracket_to_the_same_bits),
     };
     return cmocka_run_group_tests_name("eng_kernel", tests, NULL, NULL);
 }

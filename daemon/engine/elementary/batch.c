@@ -39,19 +39,23 @@ uint32_t eng_batch_test(const struct eng_kernels *kernels, enum eng_kind kind,
                         uint32_t count, double tolerance, double t_end,
                         struct eng_exact *exact, struct eng_batch *batch)
 {
-    uint32_t hit_count = 0;
+    struct eng_bracketed out = {
+        .index = batch->index, .hits = batch->hits, .unsure = batch->unsure};
     batch->survivors = filter(kernels, kind, points, quads, count, batch);
-    for (uint32_t i = 0; i < batch->survivors; i++) {
+    kernels->bracket(kind, points, quads, batch->left, batch->survivors, tolerance, t_end,
+                     &out);
+    batch->unsure_count = out.unsure_count;
+    for (uint32_t i = 0; i < out.unsure_count; i++) {
         struct eng_query query;
         uint64_t exact_queries = exact->queries;
-        load(kind, points, quads[batch->left[i]], &query);
-        if (eng_solve(&query, tolerance, t_end, exact, &batch->hits[hit_count])) {
-            batch->index[hit_count++] = batch->left[i];
+        load(kind, points, quads[batch->unsure[i]], &query);
+        if (eng_search(&query, tolerance, t_end, exact, &batch->hits[out.hit_count])) {
+            batch->index[out.hit_count++] = batch->unsure[i];
         }
         if (exact->queries != exact_queries && batch->should_stop &&
             batch->should_stop(batch->owner)) {
-            return hit_count;
+            break;
         }
     }
-    return hit_count;
+    return out.hit_count;
 }

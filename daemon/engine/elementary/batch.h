@@ -14,7 +14,7 @@
 /* Pairs of one kind that are tested together: what they touch stays in the cache. */
 #define ENG_CHUNK_MAX 1024u
 
-/* Answers to a chunk, and what the owner wants to be asked meanwhile. 60 KiB. */
+/* Answers to a chunk, and what the owner wants to be asked meanwhile. 64 KiB. */
 struct eng_batch {
     /* Set by the owner; NULL: never. Called after each query that needed exact
      * arithmetic (up to 0.3 s for coordinates of very different size); true: the rest of
@@ -25,9 +25,11 @@ struct eng_batch {
      * again whether an axis separates it would be a waste. */
     bool boxes_tested;
     uint32_t survivors;            /* pairs that no filter rejected */
+    uint32_t unsure_count;         /* of them: pairs that took a search one by one */
     uint32_t index[ENG_CHUNK_MAX]; /* of the pairs with a contact, in no order */
     struct eng_hit hits[ENG_CHUNK_MAX];
     uint32_t left[ENG_CHUNK_MAX]; /* scratch: pairs on their way through */
+    uint32_t unsure[ENG_CHUNK_MAX];
 };
 
 /* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`; VF: vertex,

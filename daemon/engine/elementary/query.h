@@ -24,6 +24,15 @@ struct eng_query {
     double x[2][4][3];
 };
 
+/* A contact; what its members mean, struct eng_contact says. */
+struct eng_hit {
+    uint32_t flags; /* enum eng_contact_flag */
+    double toi;
+    double toi_hi;
+    float param[2];
+    float normal[3];
+};
+
 /* u = 2^-53, half an ulp of 1: the relative error of one rounding. */
 #define ENG_U 0x1p-53
 

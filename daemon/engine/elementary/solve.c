@@ -15,8 +15,10 @@
 #include "solve.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "direction.h"
+#include "kernel.h"
 #include "motion.h"
 #include "rebase.h"
 
@@ -227,8 +229,8 @@ static bool touches_at_start(struct search *search)
     return moment_at(search, 0)->touching;
 }
 
-bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
-               struct eng_exact *exact, struct eng_hit *hit)
+bool eng_search(const struct eng_query *query, double tolerance, double t_end,
+                struct eng_exact *exact, struct eng_hit *hit)
 {
     struct search search;
     search.base = eng_query_rebase(query, &search.query);
@@ -259,4 +261,25 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
         }
     }
     return false;
+}
+
+bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
+               struct eng_exact *exact, struct eng_hit *hit)
+{
+    static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
+    struct eng_point points[4];
+    uint32_t pair = 0;
+    uint32_t index;
+    uint32_t unsure;
+    struct eng_bracketed out = {.index = &index, .hits = hit, .unsure = &unsure};
+    for (int i = 0; i < 4; i++) {
+        memcpy(points[i].x0, query->x[0][i], sizeof points[i].x0);
+        memcpy(points[i].x1, query->x[1][i], sizeof points[i].x1);
+    }
+    eng_kernels_of(ENG_ISA_SCALAR)
+        ->bracket(query->kind, points, quads, &pair, 1, tolerance, t_end, &out);
+    if (out.unsure_count > 0) {
+        return eng_search(query, tolerance, t_end, exact, hit);
+    }
+    return out.hit_count > 0;
 }

@@ -11,18 +11,16 @@
 
 #include "exact.h"
 
-struct eng_hit {
-    uint32_t flags; /* enum eng_contact_flag */
-    double toi;
-    double toi_hi;
-    float param[2];
-    float normal[3];
-};
-
 /* True: a contact, *hit is set. False: certainly no contact, or none that
  * begins before or at `t_end` (pass 1 to search the whole step). The bytes of *hit depend
  * on the query and on `tolerance` alone, not on t_end. */
 bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
                struct eng_exact *exact, struct eng_hit *hit);
+
+/* What eng_solve does where the bracket kernel is unsure: the search by spans of time,
+ * and exact arithmetic behind it. Decides any query, in some 500 ns; its *hit need not
+ * have the bytes of eng_solve. */
+bool eng_search(const struct eng_query *query, double tolerance, double t_end,
+                struct eng_exact *exact, struct eng_hit *hit);
 
 #endif

@@ -40,6 +40,15 @@ struct eng_point {
     uint64_t word1;
 };
 
+/* What the certified solver decides of a chunk. */
+struct eng_bracketed {
+    uint32_t hit_count;
+    uint32_t unsure_count;
+    uint32_t *index;      /* of the pairs with a contact, in no order */
+    struct eng_hit *hits; /* proved, not initial */
+    uint32_t *unsure;     /* pairs that are not decided */
+};
+
 struct eng_kernels {
     enum eng_isa isa;
     const char *name; /* as in PCCD_CPU */
@@ -85,6 +94,12 @@ struct eng_kernels {
     uint32_t (*filter)(enum eng_kind kind, const struct eng_point *points,
                        const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
                        uint32_t *kept);
+    /* Decide pairs[count], which is changed: append the contacts that begin before or at
+     * t_end and what is unsure to `out`, whose arrays have room for `count` more; the
+     * rest are misses. */
+    void (*bracket)(enum eng_kind kind, const struct eng_point *points,
+                    const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
+                    double tolerance, double t_end, struct eng_bracketed *out);
 };
 
 /* The kernels of an instruction set; NULL if this processor, or this build, has none. */

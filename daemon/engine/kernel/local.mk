@@ -4,11 +4,13 @@
 # the processor, is compiled for the least one.
 
 kernel_sources = \
+    daemon/engine/kernel/apart.c \
     daemon/engine/kernel/boxes.c \
     daemon/engine/kernel/boxes.h \
-    daemon/engine/kernel/join.c \
-    daemon/engine/kernel/apart.c \
+    daemon/engine/kernel/bracket.c \
+    daemon/engine/kernel/cubic.h \
     daemon/engine/kernel/filter.c \
+    daemon/engine/kernel/join.c \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lanes.h \
     daemon/engine/kernel/lanes_avx512.h \

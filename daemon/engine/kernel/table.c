@@ -24,4 +24,5 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .join_faces = ENG_KERNEL(join_faces),
     .apart = ENG_KERNEL(apart),
     .filter = ENG_KERNEL(filter),
+    .bracket = ENG_KERNEL(bracket),
 };
