@@ -4,7 +4,7 @@
 # make bench BENCH_ARGS=--json      one JSON line a row
 # make bench BENCH_ARGS=cloth-20k   one scene
 
-bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild bench/kernels bench/ipc
+bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild bench/kernels bench/roofline bench/ipc
 check_PROGRAMS += $(bench_names)
 
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
@@ -75,6 +75,14 @@ bench_kernels_SOURCES = \
 bench_kernels_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_kernels_CPPFLAGS = $(bench_engine_cppflags)
 bench_kernels_LDADD = $(bench_engine_libs)
+
+bench_roofline_SOURCES = \
+    bench/floor.c \
+    bench/floor.h \
+    bench/roofline.c \
+    $(bench_engine_sources)
+bench_roofline_CPPFLAGS = $(bench_engine_cppflags)
+bench_roofline_LDADD = $(bench_engine_libs)
 
 # The public header alone: what a client can see.
 bench_ipc_SOURCES = bench/ipc.c bench/report.c bench/report.h

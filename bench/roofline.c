@@ -1,0 +1,524 @@
+/* bench/roofline.c - every kernel and phase of the method `wide` beside its floor.
+ *
+ * Room:     bench; engine headers.
+ * Does:     run the kernels of every instruction set by turns on the same step of a
+ *           scene, with the boxes around both ends of the step: refit, join, filters,
+ *           elementary tests. Compare what they make with the scalar set's before a time
+ *           is printed, and say how many times the floor it takes.
+ * Does not: count what the compiler made: operations are those of the sources.
+ * Threads:  one.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "batch.h"
+#include "floor.h"
+#include "report.h"
+#include "resident.h"
+#include "wide_join.h"
+#include "world.h"
+
+#define REPEATS    9u
+#define L1_BYTES   ((size_t)16 << 10)
+#define PAIRS_MAX  1500000u /* tested in a repeat: of more, every n-th chunk */
+#define TOLERANCE  1e-6
+#define WITHIN_MAX 300000u
+
+enum part {
+    PART_POINTS, /* a vertex: its box */
+    PART_EDGES,  /* an edge: its box, from two vertices, and the block's */
+    PART_FACES,
+    PART_FOLD,     /* a vertex: its box to the block */
+    PART_JOIN,     /* a box against a block of 16 */
+    PART_APART_VF, /* a candidate */
+    PART_APART_EE,
+    PART_FILTER_VF, /* a candidate that no axis separates */
+    PART_FILTER_EE,
+    PART_TESTS_VF, /* a candidate: filters and solver */
+    PART_TESTS_EE,
+    PART_WITHIN, /* a double */
+    PART_WIDEN,  /* a float, to a double */
+    PART_COUNT
+};
+
+static const char *const part_names[PART_COUNT] = {
+    "box a vertex", "box an edge",  "box a face", "block a vertex", "join 1 x 16",
+    "apart VF",     "apart EE",     "filter VF",  "filter EE",      "tests VF",
+    "tests EE",     "check double", "check float"};
+
+/* What an instruction set did in one repeat, and what came out. */
+struct outcome {
+    uint64_t ns[PART_COUNT];
+    uint64_t items[PART_COUNT];
+    uint64_t sum; /* of hashes: equal for all sets */
+    uint64_t refit_ns;
+    uint64_t pairs_ns;
+};
+
+struct bench {
+    const char *name;
+    struct eng_scene *scene;
+    struct eng_exact exact;
+    struct eng_wide_join join;
+    struct eng_batch batch;
+    uint32_t quads[ENG_CHUNK_MAX][4];
+    uint32_t pairs[ENG_CHUNK_MAX];
+    const struct eng_kernels *kernels;
+    struct outcome *outcome;
+    bool is_testing;
+    uint64_t chunks;
+    uint64_t stride; /* of the chunks that are tested */
+    double *numbers; /* [WITHIN_MAX] */
+    float *floats;
+};
+
+static struct bench_samples samples[PART_COUNT][ENG_ISA_COUNT];
+static struct bench_samples refit_ms[ENG_ISA_COUNT];
+static struct bench_samples pairs_ms[ENG_ISA_COUNT];
+
+/* ---- floors --------------------------------------------------------------------- */
+
+/* Lanes of doubles and of floats. */
+static double double_lanes(enum eng_isa isa)
+{
+    static const double lanes[ENG_ISA_COUNT] = {1, 2, 4, 8, 2};
+    return lanes[isa];
+}
+
+static double float_lanes(enum eng_isa isa)
+{
+    static const double lanes[ENG_ISA_COUNT] = {1, 4, 8, 16, 4};
+    return lanes[isa];
+}
+
+/* Of a part's item. Bytes: what has to come from or go to where it is kept, once: a point
+ * and its box are 64, a box in a block is 48, a pair has 16 of indices; a vertex has some
+ * 3 edges and 2 faces. Operations: those that the comment names, by all lanes at a time;
+ * loads, turning points round and what is done once a group are not among them. */
+static struct bench_cost cost_of(enum part part, enum eng_isa isa)
+{
+    double d = double_lanes(isa);
+    double f = float_lanes(isa);
+    switch (part) {
+    case PART_POINTS: /* 16 of 8 doubles: there and back, compare, one up or down */
+        return (struct bench_cost){64 + 64, 16 * 8 / d};
+    case PART_FOLD: /* a maximum of 16 floats; 4 sides of 4 boxes turn with 7 shuffles */
+        return (struct bench_cost){64 + 48, 16 / f + 7};
+    case PART_EDGES: /* a maximum more */
+        return (struct bench_cost){64.0 / 3 + 8 + 48, 2 * 16 / f + 7};
+    case PART_FACES: /* two more */
+        return (struct bench_cost){64.0 / 2 + 12 + 48, 3 * 16 / f + 7};
+    case PART_JOIN: /* 4 sums and 2 ands an axis, of 16 floats; the block stays near */
+        return (struct bench_cost){64, 18 * 16 / f};
+    case PART_APART_VF: /* 4 extremes and 2 compares of 8 doubles */
+    case PART_APART_EE:
+        return (struct bench_cost){4 * 64 + 16, 6 * 8 / d};
+    case PART_FILTER_VF: /* differences 18, times 126, cubic 105 */
+        return (struct bench_cost){4 * 64 + 16, (18 + 126 + 105) / d};
+    case PART_FILTER_EE: /* 30, 138, 105 */
+        return (struct bench_cost){4 * 64 + 16, (30 + 138 + 105) / d};
+    case PART_WITHIN: /* clear the sign, compare, and */
+        return (struct bench_cost){8, 3 / d};
+    default: /* PART_WIDEN: widen before */
+        return (struct bench_cost){4 + 8, 4 / d};
+    }
+}
+
+/* Bytes a nanosecond, where a part's bytes are. */
+struct speeds {
+    double ghz;
+    double near; /* read: the first cache */
+    double far;  /* copied: the trees */
+    double read; /* as many numbers as are checked */
+    double copy;
+};
+
+static double floor_of(enum part part, enum eng_isa isa, const struct outcome *outcome,
+                       const struct speeds *speeds)
+{
+    if (part == PART_TESTS_VF || part == PART_TESTS_EE) {
+        /* The filters, on what reaches them. */
+        bool is_vf = part == PART_TESTS_VF;
+        enum part apart = is_vf ? PART_APART_VF : PART_APART_EE;
+        enum part filter = is_vf ? PART_FILTER_VF : PART_FILTER_EE;
+        double share = (double)outcome->items[filter] / (double)outcome->items[apart];
+        return floor_of(apart, isa, outcome, speeds) +
+               share * floor_of(filter, isa, outcome, speeds);
+    }
+    double gbps = part <= PART_FOLD     ? speeds->far
+                  : part == PART_WITHIN ? speeds->read
+                  : part == PART_WIDEN  ? speeds->copy
+                                        : speeds->near;
+    return bench_floor_ns(cost_of(part, isa), speeds->ghz, gbps);
+}
+
+/* ---- kernels -------------------------------------------------------------------- */
+
+static uint64_t mix(uint64_t sum, uint64_t value)
+{
+    return (sum ^ value) * 0x9e3779b97f4a7c15u;
+}
+
+static uint64_t hash_blocks(const struct eng_wide_tree *tree, uint32_t levels)
+{
+    uint64_t sum = 1;
+    uint32_t count = tree->first[levels - 1] + tree->block_count[levels - 1];
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t words[sizeof tree->blocks[0] / 8];
+        memcpy(words, &tree->blocks[i], sizeof words);
+        for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
+            sum = mix(sum, words[k]);
+        }
+    }
+    return sum;
+}
+
+static void count_part(struct bench *bench, enum part part, uint64_t begin_ns,
+                       uint64_t items)
+{
+    bench->outcome->ns[part] += bench_now_ns() - begin_ns;
+    bench->outcome->items[part] += items;
+}
+
+/* The leaves of the trees, kernel by kernel over whole arrays. */
+static void box_all(struct bench *bench)
+{
+    struct eng_wide *wide = &bench->scene->wide;
+    const struct eng_kernels *kernels = bench->kernels;
+    struct eng_wide_tree *tree = &wide->trees[ENG_WIDE_VERTICES];
+    uint64_t begin_ns = bench_now_ns();
+    for (uint32_t slot = 0; slot < tree->slot_count;) {
+        uint32_t run = slot;
+        while (slot < tree->slot_count && wide->points[slot].word0 != ENG_WIDE_NOBODY) {
+            slot++;
+        }
+        kernels->box_points(wide->points + run, slot - run, true,
+                            wide->point_boxes + run);
+        bench->outcome->items[PART_POINTS] += slot - run;
+        while (slot < tree->slot_count && wide->points[slot].word0 == ENG_WIDE_NOBODY) {
+            slot++;
+        }
+    }
+    count_part(bench, PART_POINTS, begin_ns, 0);
+    begin_ns = bench_now_ns();
+    kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, tree->blocks,
+                      tree->boxes);
+    count_part(bench, PART_FOLD, begin_ns, tree->slot_count);
+    for (enum eng_wide_kind kind = ENG_WIDE_EDGES; kind <= ENG_WIDE_FACES; kind++) {
+        tree = &wide->trees[kind];
+        const uint32_t *const corner[3] = {tree->corner[0], tree->corner[1],
+                                           kind == ENG_WIDE_FACES ? tree->corner[2]
+                                                                  : NULL};
+        begin_ns = bench_now_ns();
+        kernels->box_unite(wide->point_boxes, corner, tree->slot_count / ENG_WIDE,
+                           tree->blocks, tree->boxes);
+        count_part(bench, kind == ENG_WIDE_EDGES ? PART_EDGES : PART_FACES, begin_ns,
+                   tree->slot_count);
+    }
+}
+
+static void make_quads(struct bench *bench, enum eng_kind kind,
+                       const struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide_tree *trees = bench->scene->wide.trees;
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        uint32_t a = chunk->a[i];
+        uint32_t b = chunk->b[i];
+        uint32_t *quad = bench->quads[i];
+        if (kind == ENG_VF) {
+            quad[0] = a;
+            for (int k = 0; k < 3; k++) {
+                quad[1 + k] = trees[ENG_WIDE_FACES].corner[k][b];
+            }
+            continue;
+        }
+        for (int k = 0; k < 2; k++) {
+            quad[k] = trees[ENG_WIDE_EDGES].corner[k][a < b ? a : b];
+            quad[2 + k] = trees[ENG_WIDE_EDGES].corner[k][a < b ? b : a];
+        }
+    }
+}
+
+/* The tests come first, as in a step: the points are where the join has left them. The
+ * filters by themselves find them in the first caches. */
+static void test_chunk(struct bench *bench, enum eng_kind kind, uint32_t count)
+{
+    const struct eng_point *points = bench->scene->wide.points;
+    const uint32_t(*quads)[4] = (const uint32_t(*)[4])bench->quads;
+    const struct eng_kernels *kernels = bench->kernels;
+    struct outcome *outcome = bench->outcome;
+    bool is_vf = kind == ENG_VF;
+    uint64_t begin_ns = bench_now_ns();
+    uint32_t hits = eng_batch_test(kernels, kind, points, quads, count, TOLERANCE, 1,
+                                   &bench->exact, &bench->batch);
+    count_part(bench, is_vf ? PART_TESTS_VF : PART_TESTS_EE, begin_ns, count);
+    begin_ns = bench_now_ns();
+    uint32_t kept = kernels->apart(kind, points, quads, count, bench->pairs);
+    count_part(bench, is_vf ? PART_APART_VF : PART_APART_EE, begin_ns, count);
+    begin_ns = bench_now_ns();
+    uint32_t left =
+        kernels->filter(kind, points, quads, bench->pairs, kept, bench->pairs);
+    count_part(bench, is_vf ? PART_FILTER_VF : PART_FILTER_EE, begin_ns, kept);
+    for (uint32_t i = 0; i < hits; i++) {
+        const struct eng_hit *hit = &bench->batch.hits[i];
+        const uint32_t *quad = bench->quads[bench->batch.index[i]];
+        uint64_t words[2];
+        memcpy(&words[0], &hit->toi, 8);
+        memcpy(&words[1], hit->param, 8);
+        outcome->sum += mix(mix(mix(quad[0], quad[2]), words[0]), words[1]);
+    }
+    outcome->sum += mix(left, kept) * bench->batch.survivors;
+}
+
+static void on_chunk(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
+{
+    struct bench *bench = owner;
+    uint64_t sum = 0;
+    if (bench->is_testing && bench->chunks % bench->stride == 0) {
+        make_quads(bench, kind, chunk);
+        test_chunk(bench, kind, chunk->count);
+    } else {
+        for (uint32_t i = 0; i < chunk->count; i++) {
+            sum += (uint64_t)(chunk->a[i] + 1) * (chunk->b[i] + 1);
+        }
+    }
+    bench->outcome->sum += sum + chunk->count;
+    bench->chunks++;
+    chunk->count = 0;
+}
+
+static void on_look(void *owner)
+{
+    (void)owner;
+}
+
+/* All pairs of plain swept boxes. */
+static void join_all(struct bench *bench, bool is_testing)
+{
+    const struct eng_wide *wide = &bench->scene->wide;
+    struct eng_wide_join *join = &bench->join;
+    uint32_t top = wide->level_count - 1;
+    join->owner = bench;
+    join->flush = on_chunk;
+    join->look = on_look;
+    bench->is_testing = is_testing;
+    bench->chunks = 0;
+    eng_wide_join_begin(join, wide);
+    uint64_t begin_ns = bench_now_ns();
+    eng_wide_join_nodes(join, ENG_VF, top, 0, 0);
+    eng_wide_join_nodes(join, ENG_EE, top, 0, 0);
+    eng_wide_join_flush(join);
+    if (!is_testing) {
+        count_part(bench, PART_JOIN, begin_ns, eng_wide_join_tests(join));
+        bench->outcome->pairs_ns = bench_now_ns() - begin_ns;
+    }
+}
+
+static void check_numbers(struct bench *bench)
+{
+    uint64_t begin_ns = bench_now_ns();
+    bool good = bench->kernels->all_within(bench->numbers, WITHIN_MAX, 1e18);
+    count_part(bench, PART_WITHIN, begin_ns, WITHIN_MAX);
+    begin_ns = bench_now_ns();
+    good &= bench->kernels->widen_within(bench->numbers, bench->floats, WITHIN_MAX, 1e18);
+    count_part(bench, PART_WIDEN, begin_ns, WITHIN_MAX);
+    bench->outcome->sum += good;
+}
+
+static void run(struct bench *bench, const struct eng_kernels *kernels,
+                struct outcome *outcome)
+{
+    struct eng_wide *wide = &bench->scene->wide;
+    *outcome = (struct outcome){.sum = 0};
+    bench->kernels = kernels;
+    bench->outcome = outcome;
+    wide->kernels = kernels;
+    box_all(bench);
+    uint64_t begin_ns = bench_now_ns();
+    eng_wide_refit(wide, bench->scene, true);
+    outcome->refit_ns = bench_now_ns() - begin_ns;
+    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        outcome->sum += hash_blocks(&wide->trees[kind], wide->level_count);
+    }
+    join_all(bench, false);
+    join_all(bench, true);
+    check_numbers(bench);
+}
+
+/* ---- report --------------------------------------------------------------------- */
+
+static void keep(enum eng_isa isa, const struct outcome *outcome)
+{
+    for (int part = 0; part < PART_COUNT; part++) {
+        if (outcome->items[part] > 0) {
+            bench_add(&samples[part][isa],
+                      (double)outcome->ns[part] / (double)outcome->items[part]);
+        }
+    }
+    bench_add(&refit_ms[isa], 1e-6 * (double)outcome->refit_ns);
+    bench_add(&pairs_ms[isa], 1e-6 * (double)outcome->pairs_ns);
+}
+
+static void print_phase(const struct bench *bench, const char *phase,
+                        const struct bench_samples *of, enum eng_isa isa, double floor_ms)
+{
+    char what[64];
+    struct bench_samples floor = {&floor_ms, 1, 1};
+    snprintf(what, sizeof what, "%s, %s", phase, eng_kernels_of(isa)->name);
+    bench_row(&(struct bench_row){.scene = bench->name,
+                                  .what = what,
+                                  .unit = "ms",
+                                  .samples = of,
+                                  .base_name = "floor",
+                                  .base = &floor});
+}
+
+static void print_part(const struct bench *bench, enum part part,
+                       const struct outcome *outcome, const struct speeds *speeds)
+{
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        char what[64];
+        if (samples[part][isa].count == 0) {
+            continue;
+        }
+        double floor_ns = floor_of(part, (enum eng_isa)isa, outcome, speeds);
+        struct bench_samples floor = {&floor_ns, 1, 1};
+        snprintf(what, sizeof what, "%s, %s", part_names[part],
+                 eng_kernels_of((enum eng_isa)isa)->name);
+        bench_row(&(struct bench_row){.scene = bench->name,
+                                      .what = what,
+                                      .unit = "ns",
+                                      .samples = &samples[part][isa],
+                                      .base_name = "floor",
+                                      .base = &floor});
+    }
+}
+
+/* Refit: the kernels' floors, and the positions that are copied. */
+static double refit_floor_ms(const struct outcome *outcome, enum eng_isa isa,
+                             const struct speeds *speeds)
+{
+    double ns = (double)outcome->items[PART_POINTS] * 2 * 48 / speeds->far;
+    for (enum part part = PART_POINTS; part <= PART_FOLD; part++) {
+        ns += (double)outcome->items[part] * floor_of(part, isa, outcome, speeds);
+    }
+    return 1e-6 * ns;
+}
+
+static void print(const struct bench *bench, const struct outcome *outcome)
+{
+    const struct eng_wide *wide = &bench->scene->wide;
+    size_t bytes = 0;
+    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        bytes += (size_t)wide->trees[kind].slot_count * 48;
+    }
+    const struct speeds speeds = {bench_clock_ghz(), bench_read_gbps(L1_BYTES),
+                                  bench_copy_gbps(bytes), bench_read_gbps(WITHIN_MAX * 8),
+                                  bench_copy_gbps(WITHIN_MAX * 12)};
+    bench_number(bench->name, "clock", "GHz", speeds.ghz);
+    bench_number(bench->name, "read the first cache", "GB/s", speeds.near);
+    bench_number(bench->name, "copy the trees", "GB/s", speeds.far);
+    bench_number(bench->name, "tests 1 x 16", "", (double)outcome->items[PART_JOIN]);
+    for (int part = 0; part < PART_COUNT; part++) {
+        print_part(bench, (enum part)part, outcome, &speeds);
+    }
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        if (refit_ms[isa].count > 0) {
+            enum eng_isa set = (enum eng_isa)isa;
+            print_phase(bench, "refit", &refit_ms[isa], set,
+                        refit_floor_ms(outcome, set, &speeds));
+            print_phase(bench, "pairs", &pairs_ms[isa], set,
+                        1e-6 * (double)outcome->items[PART_JOIN] *
+                            floor_of(PART_JOIN, set, outcome, &speeds));
+        }
+    }
+}
+
+static void clear_samples(void)
+{
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        for (int part = 0; part < PART_COUNT; part++) {
+            bench_free(&samples[part][isa]);
+        }
+        bench_free(&refit_ms[isa]);
+        bench_free(&pairs_ms[isa]);
+    }
+}
+
+static void measure(struct bench *bench, unsigned repeats)
+{
+    struct outcome outcome;
+    uint64_t expected = 0;
+    bool good = true;
+    bench->stride = 1;
+    for (unsigned r = 0; r < repeats && good; r++) {
+        for (int isa = 0; isa < ENG_ISA_COUNT && good; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            if (!kernels) {
+                continue;
+            }
+            run(bench, kernels, &outcome);
+            if (isa == ENG_ISA_SCALAR) {
+                expected = outcome.sum;
+            }
+            good = bench_check(outcome.sum == expected, bench->name,
+                               "an instruction set differs from scalar");
+            if (r > 0) {
+                keep((enum eng_isa)isa, &outcome);
+            }
+        }
+        if (r == 0) { /* how many chunks there are is known now */
+            bench->stride = bench->chunks * ENG_CHUNK_MAX / PAIRS_MAX + 1;
+        }
+    }
+    if (good) {
+        print(bench, &outcome);
+    }
+    clear_samples();
+}
+
+static void measure_scene(const struct bench_scene *source, unsigned repeats)
+{
+    static struct bench bench; /* chunks and queues, a few hundred KiB */
+    struct eng_step_settings settings = bench_step_settings(ENG_MODE_PAIRS);
+    struct eng_step_result result;
+    struct bench_frames frames;
+    struct bench_world world;
+    bench_heading(source->name);
+    bench_frames_init(&frames, source, source->break_frame);
+    bench_world_init(&world, &frames, NULL);
+    settings.method = ENG_METHOD_WIDE;
+    bench_world_step(&world, &frames, &settings, &result);
+    bench_frames_deinit(&frames);
+    memset(&bench, 0, sizeof bench);
+    bench.name = source->name;
+    bench.scene = world.scene;
+    bench.numbers = bench_alloc(WITHIN_MAX, sizeof *bench.numbers);
+    bench.floats = bench_alloc(WITHIN_MAX, sizeof *bench.floats);
+    for (uint32_t i = 0; i < WITHIN_MAX; i++) {
+        bench.floats[i] = (float)i;
+        bench.numbers[i] = i;
+    }
+    eng_exact_init(&bench.exact);
+    measure(&bench, repeats);
+    eng_exact_deinit(&bench.exact);
+    free(bench.numbers);
+    free(bench.floats);
+    bench_world_deinit(&world);
+}
+
+int main(int argc, char **argv)
+{
+    struct bench_options options;
+    int exit_status;
+    if (!bench_begin("roofline", argc, argv, &options, &exit_status)) {
+        return exit_status;
+    }
+    struct bench_scene scene;
+    for (unsigned i = 0; bench_next_scene(&options, NULL, &i, &scene);) {
+        measure_scene(&scene, options.smoke ? 2 : REPEATS);
+        bench_scene_free(&scene);
+    }
+    return bench_end();
+}
