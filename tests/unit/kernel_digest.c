@@ -1,0 +1,218 @@
+/* tests/unit/kernel_digest.c - what the kernels of every instruction set write, in short.
+ *
+ * Room:     engine (kernel.h); no cmocka, so that it can be built for another processor.
+ * Does:     run all kernels on the same numbers; print a line for each: the set, the
+ *           kernel, a digest of what it wrote.
+ * Does not: say which is right: test_eng_neon.sh compares the lines of two processors.
+ * Threads:  one.
+ * Source:   the numbers are made of integers by exact operations, the same everywhere.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernel.h"
+#include "prng.h"
+
+#define POINTS 512u
+#define BLOCKS (POINTS / ENG_WIDE)
+#define PAIRS  1024u
+#define VALUES 67u /* more than four vectors of any set */
+#define LIMIT  1e18
+
+struct ground {
+    struct eng_point points[POINTS];
+    struct eng_extents boxes[POINTS];
+    struct eng_extents around[BLOCKS];
+    struct eng_wide_block blocks[BLOCKS];
+    uint32_t corner[3][POINTS]; /* of features */
+    uint32_t quads[PAIRS][4];
+    uint32_t all[PAIRS]; /* 0, 1, 2 .. */
+};
+
+/* FNV-1a. */
+static uint64_t digest(uint64_t before, const void *bytes, size_t count)
+{
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < count; i++) {
+        before = (before ^ byte[i]) * 0x100000001b3u;
+    }
+    return before;
+}
+
+#define DIGEST_BEGIN 0xcbf29ce484222325u
+
+static void say(const struct eng_kernels *kernels, const char *what, uint64_t digest_now)
+{
+    printf("%s %s %016llx\n", kernels->name, what, (unsigned long long)digest_now);
+}
+
+/* Lattices, where much is coplanar and touches; a cloud; the same cloud far away, and
+ * very large. A point is near those before it, so that boxes and features meet. */
+static double some_coordinate(struct prng *prng, uint32_t family)
+{
+    double lattice = (double)prng_below(prng, 5) - 2;
+    double unit = prng_between(prng, -1, 1);
+    return family == 0   ? lattice
+           : family == 1 ? unit
+           : family == 2 ? 1e6 + unit
+                         : unit * 0x1p50;
+}
+
+static void make(struct ground *ground)
+{
+    struct prng prng = {12};
+    memset(ground, 0, sizeof *ground);
+    for (uint32_t i = 0; i < POINTS; i++) {
+        struct eng_point *point = &ground->points[i];
+        uint32_t family = i / (POINTS / 4);
+        for (int k = 0; k < 3; k++) {
+            point->x0[k] = some_coordinate(&prng, family);
+            point->x1[k] = some_coordinate(&prng, family);
+        }
+        for (int k = 0; k < 3; k++) {
+            ground->corner[k][i] =
+                i - i % ENG_WIDE + (uint32_t)prng_below(&prng, ENG_WIDE);
+        }
+    }
+    for (uint32_t i = 0; i < PAIRS; i++) {
+        uint32_t first = (uint32_t)prng_below(&prng, 4) * (POINTS / 4);
+        for (int k = 0; k < 4; k++) {
+            ground->quads[i][k] = first + (uint32_t)prng_below(&prng, POINTS / 4);
+        }
+        ground->all[i] = i;
+    }
+}
+
+/* The fourth number of a side is nobody's. */
+static uint64_t digest_boxes(uint64_t before, const struct eng_extents *boxes,
+                             size_t count)
+{
+    for (size_t i = 0; i < count * ENG_SIDES; i++) {
+        before =
+            digest(before, boxes[i / ENG_SIDES].side[i % ENG_SIDES], 3 * sizeof(float));
+    }
+    return before;
+}
+
+static void run_within(const struct eng_kernels *kernels)
+{
+    struct prng prng = {5};
+    double x[VALUES];
+    float narrow[VALUES];
+    double wide[VALUES];
+    uint64_t within = DIGEST_BEGIN;
+    uint64_t widen = DIGEST_BEGIN;
+    for (uint32_t count = 0; count <= VALUES; count++) {
+        for (uint32_t i = 0; i < VALUES; i++) {
+            x[i] = prng_between(&prng, -1.01, 1) * LIMIT;
+            narrow[i] = (float)(x[i] * (i % 3 ? 1 : 0x1p-190));
+        }
+        bool good[2] = {kernels->all_within(x, count, LIMIT)};
+        memset(wide, 0, sizeof wide);
+        good[1] = kernels->widen_within(wide, narrow, count, LIMIT);
+        within = digest(within, &good[0], sizeof good[0]);
+        widen =
+            digest(digest(widen, &good[1], sizeof good[1]), wide, count * sizeof *wide);
+    }
+    say(kernels, "all_within", within);
+    say(kernels, "widen_within", widen);
+}
+
+static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
+{
+    const uint32_t *const corner[3] = {ground->corner[0], ground->corner[1],
+                                       ground->corner[2]};
+    const uint32_t *const edge[3] = {ground->corner[0], ground->corner[1], NULL};
+    uint64_t points = DIGEST_BEGIN;
+    uint64_t unite = DIGEST_BEGIN;
+    uint64_t fold = DIGEST_BEGIN;
+    for (int swept = 1; swept >= 0; swept--) {
+        for (uint32_t count = POINTS - 17; count <= POINTS; count++) {
+            kernels->box_points(ground->points, count, swept == 1, ground->boxes);
+            points = digest_boxes(points, ground->boxes, count);
+        }
+        for (int k = 0; k < 2; k++) {
+            kernels->box_unite(ground->boxes, k ? corner : edge, BLOCKS, ground->blocks,
+                               ground->around);
+            unite = digest(unite, ground->blocks, sizeof ground->blocks);
+            unite = digest_boxes(unite, ground->around, BLOCKS);
+        }
+        kernels->box_fold(ground->boxes, BLOCKS, ground->blocks, ground->around);
+        fold = digest(fold, ground->blocks, sizeof ground->blocks);
+        fold = digest_boxes(fold, ground->around, BLOCKS);
+    }
+    say(kernels, "box_points", points);
+    say(kernels, "box_unite", unite);
+    say(kernels, "box_fold", fold);
+}
+
+typedef uint32_t join_fn(struct eng_join *job, uint32_t n, uint32_t m, bool self,
+                         uint32_t *out_a, uint32_t *out_b);
+
+/* The blocks as lists of points, edges or faces: every block with those after it. */
+static void run_join(const struct eng_kernels *kernels, const struct ground *ground,
+                     const char *what, join_fn *join, uint32_t a_corners,
+                     uint32_t b_corners)
+{
+    static uint32_t out[2][ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint64_t all = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < 2 * BLOCKS * BLOCKS; i++) {
+        struct eng_join job = {.a = ground->blocks,
+                               .b = ground->blocks,
+                               .b_boxes = ground->around,
+                               .t_end = i % 2 ? 1 : 0.375f};
+        uint32_t n = i / 2 / BLOCKS;
+        uint32_t m = i / 2 % BLOCKS;
+        bool is_self_join = a_corners == b_corners;
+        for (uint32_t k = 0; k < 3; k++) {
+            job.a_corner[k] = k < a_corners ? ground->corner[k] : NULL;
+            job.b_corner[k] = k < b_corners ? ground->corner[k] : NULL;
+        }
+        if (is_self_join && m < n) {
+            continue;
+        }
+        uint32_t count = join(&job, n, m, is_self_join && n == m, out[0], out[1]);
+        all = digest(all, &count, sizeof count);
+        all = digest(all, out[0], count * sizeof *out[0]);
+        all = digest(all, out[1], count * sizeof *out[1]);
+    }
+    say(kernels, what, all);
+}
+
+static void run_tests(const struct eng_kernels *kernels, const struct ground *ground)
+{
+    static uint32_t kept[PAIRS];
+    uint64_t apart = DIGEST_BEGIN;
+    uint64_t filter = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < 2 * 40; i++) {
+        enum eng_kind kind = i % 2 ? ENG_EE : ENG_VF;
+        uint32_t count = PAIRS - i / 2;
+        uint32_t left = kernels->apart(kind, ground->points, ground->quads, count, kept);
+        apart = digest(digest(apart, &left, sizeof left), kept, left * sizeof *kept);
+        left = kernels->filter(kind, ground->points, ground->quads, ground->all, count,
+                               kept);
+        filter = digest(digest(filter, &left, sizeof left), kept, left * sizeof *kept);
+    }
+    say(kernels, "apart", apart);
+    say(kernels, "filter", filter);
+}
+
+int main(void)
+{
+    static struct ground ground;
+    make(&ground);
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        if (!kernels) {
+            continue;
+        }
+        run_within(kernels);
+        run_boxes(kernels, &ground);
+        run_join(kernels, &ground, "join_nodes", kernels->join_nodes, 0, 0);
+        run_join(kernels, &ground, "join_edges", kernels->join_edges, 2, 2);
+        run_join(kernels, &ground, "join_faces", kernels->join_faces, 0, 3);
+        run_tests(kernels, &ground);
+    }
+    return 0;
+}
