@@ -198,6 +198,53 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     say(kernels, "filter", filter);
 }
 
+/* Hits and what is unsure come in an order that is the set's own: one place a pair. */
+static uint64_t digest_decided(uint64_t before, const struct eng_bracketed *out,
+                               uint32_t count)
+{
+    static const struct eng_hit *hit_of[PAIRS];
+    static bool is_unsure[PAIRS];
+    memset(hit_of, 0, sizeof hit_of);
+    memset(is_unsure, 0, sizeof is_unsure);
+    for (uint32_t i = 0; i < out->hit_count; i++) {
+        hit_of[out->index[i]] = &out->hits[i];
+    }
+    for (uint32_t i = 0; i < out->unsure_count; i++) {
+        is_unsure[out->unsure[i]] = true;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const struct eng_hit *hit = hit_of[i];
+        before = digest(before, &is_unsure[i], sizeof is_unsure[i]);
+        if (hit) {
+            before = digest(before, &hit->flags, sizeof hit->flags);
+            before = digest(before, &hit->toi, sizeof hit->toi);
+            before = digest(before, &hit->toi_hi, sizeof hit->toi_hi);
+            before = digest(before, hit->param, sizeof hit->param);
+            before = digest(before, hit->normal, sizeof hit->normal);
+        }
+    }
+    return before;
+}
+
+static void run_bracket(const struct eng_kernels *kernels, const struct ground *ground)
+{
+    static uint32_t pairs[PAIRS];
+    static uint32_t index[PAIRS];
+    static uint32_t unsure[PAIRS];
+    static struct eng_hit hits[PAIRS];
+    uint64_t bracket = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < 4 * 20; i++) {
+        struct eng_bracketed out = {0, 0, index, hits, unsure};
+        enum eng_kind kind = i % 2 ? ENG_EE : ENG_VF;
+        uint32_t count = PAIRS - i / 4;
+        memcpy(pairs, ground->all, sizeof pairs);
+        kernels->bracket(kind, ground->points, ground->quads, pairs, count, 1e-6,
+                         i % 4 < 2 ? 1 : 0.375, &out);
+        bracket = digest_decided(bracket, &out, count);
+    }
+    say(kernels, "bracket", bracket);
+}
+
 int main(void)
 {
     static struct ground ground;
@@ -213,6 +260,7 @@ int main(void)
         run_join(kernels, &ground, "join_edges", kernels->join_edges, 2, 2);
         run_join(kernels, &ground, "join_faces", kernels->join_faces, 0, 3);
         run_tests(kernels, &ground);
+        run_bracket(kernels, &ground);
     }
     return 0;
 }
