@@ -35,6 +35,8 @@ enum part {
     PART_APART_EE,
     PART_FILTER_VF, /* a candidate that no axis separates */
     PART_FILTER_EE,
+    PART_BRACKET_VF, /* a candidate that no filter rejects */
+    PART_BRACKET_EE,
     PART_TESTS_VF, /* a candidate: filters and solver */
     PART_TESTS_EE,
     PART_WITHIN, /* a double */
@@ -43,15 +45,18 @@ enum part {
 };
 
 static const char *const part_names[PART_COUNT] = {
-    "box a vertex", "box an edge",  "box a face", "block a vertex", "join 1 x 16",
-    "apart VF",     "apart EE",     "filter VF",  "filter EE",      "tests VF",
-    "tests EE",     "check double", "check float"};
+    "box a vertex", "box an edge", "box a face", "block a vertex", "join 1 x 16",
+    "apart VF",     "apart EE",    "filter VF",  "filter EE",      "bracket VF",
+    "bracket EE",   "tests VF",    "tests EE",   "check double",   "check float"};
 
 /* What an instruction set did in one repeat, and what came out. */
 struct outcome {
     uint64_t ns[PART_COUNT];
     uint64_t items[PART_COUNT];
     uint64_t sum; /* of hashes: equal for all sets */
+    uint64_t hits;
+    uint64_t unsure; /* pairs that took a search one by one */
+    uint64_t exact;  /* answers of exact arithmetic */
     uint64_t refit_ns;
     uint64_t pairs_ns;
 };
@@ -118,6 +123,11 @@ static struct bench_cost cost_of(enum part part, enum eng_isa isa)
         return (struct bench_cost){4 * 64 + 16, (18 + 126 + 105) / d};
     case PART_FILTER_EE: /* 30, 138, 105 */
         return (struct bench_cost){4 * 64 + 16, (30 + 138 + 105) / d};
+    case PART_BRACKET_VF: /* 33 of differences, cubic 85, four rounds to its root 112,
+                           * bracket 72, place and normal 118; 8 divisions or roots, each
+                           * two cycles a lane */
+    case PART_BRACKET_EE:
+        return (struct bench_cost){4 * 64 + 16, 420 / d + 32};
     case PART_WITHIN: /* clear the sign, compare, and */
         return (struct bench_cost){8, 3 / d};
     default: /* PART_WIDEN: widen before */
@@ -138,13 +148,17 @@ static double floor_of(enum part part, enum eng_isa isa, const struct outcome *o
                        const struct speeds *speeds)
 {
     if (part == PART_TESTS_VF || part == PART_TESTS_EE) {
-        /* The filters, on what reaches them. */
-        bool is_vf = part == PART_TESTS_VF;
-        enum part apart = is_vf ? PART_APART_VF : PART_APART_EE;
-        enum part filter = is_vf ? PART_FILTER_VF : PART_FILTER_EE;
-        double share = (double)outcome->items[filter] / (double)outcome->items[apart];
-        return floor_of(apart, isa, outcome, speeds) +
-               share * floor_of(filter, isa, outcome, speeds);
+        /* The kernels, on what reaches them. */
+        static const enum part parts[2][3] = {
+            {PART_APART_VF, PART_FILTER_VF, PART_BRACKET_VF},
+            {PART_APART_EE, PART_FILTER_EE, PART_BRACKET_EE}};
+        double ns = 0;
+        for (int i = 0; i < 3 && outcome->items[part] > 0; i++) {
+            enum part one = parts[part == PART_TESTS_EE][i];
+            ns += (double)outcome->items[one] / (double)outcome->items[part] *
+                  floor_of(one, isa, outcome, speeds);
+        }
+        return ns;
     }
     double gbps = part <= PART_FOLD     ? speeds->far
                   : part == PART_WITHIN ? speeds->read
@@ -240,19 +254,37 @@ static void make_quads(struct bench *bench, enum eng_kind kind,
     }
 }
 
+static void sum_hits(struct bench *bench, uint32_t hits)
+{
+    for (uint32_t i = 0; i < hits; i++) {
+        const struct eng_hit *hit = &bench->batch.hits[i];
+        const uint32_t *quad = bench->quads[bench->batch.index[i]];
+        uint64_t words[2];
+        memcpy(&words[0], &hit->toi, 8);
+        memcpy(&words[1], hit->param, 8);
+        bench->outcome->sum += mix(mix(mix(quad[0], quad[2]), words[0]), words[1]);
+    }
+}
+
 /* The tests come first, as in a step: the points are where the join has left them. The
- * filters by themselves find them in the first caches. */
+ * kernels by themselves find them in the first caches. */
 static void test_chunk(struct bench *bench, enum eng_kind kind, uint32_t count)
 {
     const struct eng_point *points = bench->scene->wide.points;
     const uint32_t(*quads)[4] = (const uint32_t(*)[4])bench->quads;
     const struct eng_kernels *kernels = bench->kernels;
+    struct eng_batch *batch = &bench->batch;
     struct outcome *outcome = bench->outcome;
     bool is_vf = kind == ENG_VF;
+    uint64_t exact = bench->exact.queries;
     uint64_t begin_ns = bench_now_ns();
     uint32_t hits = eng_batch_test(kernels, kind, points, quads, count, TOLERANCE, 1,
-                                   &bench->exact, &bench->batch);
+                                   &bench->exact, batch);
     count_part(bench, is_vf ? PART_TESTS_VF : PART_TESTS_EE, begin_ns, count);
+    outcome->hits += hits;
+    outcome->unsure += batch->unsure_count;
+    outcome->exact += bench->exact.queries - exact;
+    sum_hits(bench, hits);
     begin_ns = bench_now_ns();
     uint32_t kept = kernels->apart(kind, points, quads, count, bench->pairs);
     count_part(bench, is_vf ? PART_APART_VF : PART_APART_EE, begin_ns, count);
@@ -260,15 +292,13 @@ static void test_chunk(struct bench *bench, enum eng_kind kind, uint32_t count)
     uint32_t left =
         kernels->filter(kind, points, quads, bench->pairs, kept, bench->pairs);
     count_part(bench, is_vf ? PART_FILTER_VF : PART_FILTER_EE, begin_ns, kept);
-    for (uint32_t i = 0; i < hits; i++) {
-        const struct eng_hit *hit = &bench->batch.hits[i];
-        const uint32_t *quad = bench->quads[bench->batch.index[i]];
-        uint64_t words[2];
-        memcpy(&words[0], &hit->toi, 8);
-        memcpy(&words[1], hit->param, 8);
-        outcome->sum += mix(mix(mix(quad[0], quad[2]), words[0]), words[1]);
-    }
-    outcome->sum += mix(left, kept) * bench->batch.survivors;
+    outcome->sum += mix(left, kept) * batch->survivors;
+    struct eng_bracketed out = {
+        .index = batch->index, .hits = batch->hits, .unsure = batch->unsure};
+    begin_ns = bench_now_ns();
+    kernels->bracket(kind, points, quads, bench->pairs, left, TOLERANCE, 1, &out);
+    count_part(bench, is_vf ? PART_BRACKET_VF : PART_BRACKET_EE, begin_ns, left);
+    outcome->sum += mix(out.hit_count, out.unsure_count);
 }
 
 static void on_chunk(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
@@ -406,6 +436,25 @@ static double refit_floor_ms(const struct outcome *outcome, enum eng_isa isa,
     return 1e-6 * ns;
 }
 
+/* How many of the candidates get how far. */
+static void print_shares(const struct bench *bench, const struct outcome *outcome)
+{
+    const uint64_t *items = outcome->items;
+    double tested = (double)(items[PART_TESTS_VF] + items[PART_TESTS_EE]);
+    const struct {
+        const char *what;
+        uint64_t count;
+    } rows[] = {{"not apart", items[PART_FILTER_VF] + items[PART_FILTER_EE]},
+                {"not filtered", items[PART_BRACKET_VF] + items[PART_BRACKET_EE]},
+                {"searched", outcome->unsure},
+                {"exact answers", outcome->exact},
+                {"contacts", outcome->hits}};
+    bench_number(bench->name, "candidates tested", "", tested);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0] && tested > 0; i++) {
+        bench_number(bench->name, rows[i].what, "share", (double)rows[i].count / tested);
+    }
+}
+
 static void print(const struct bench *bench, const struct outcome *outcome)
 {
     const struct eng_wide *wide = &bench->scene->wide;
@@ -420,6 +469,7 @@ static void print(const struct bench *bench, const struct outcome *outcome)
     bench_number(bench->name, "read the first cache", "GB/s", speeds.near);
     bench_number(bench->name, "copy the trees", "GB/s", speeds.far);
     bench_number(bench->name, "tests 1 x 16", "", (double)outcome->items[PART_JOIN]);
+    print_shares(bench, outcome);
     for (int part = 0; part < PART_COUNT; part++) {
         print_part(bench, (enum part)part, outcome, &speeds);
     }
