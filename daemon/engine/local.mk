@@ -28,6 +28,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/exact_span.c \
     daemon/engine/elementary/motion.c \
     daemon/engine/elementary/motion.h \
+    daemon/engine/elementary/plane.c \
+    daemon/engine/elementary/plane.h \
     daemon/engine/elementary/poly.c \
     daemon/engine/elementary/poly.h \
     daemon/engine/elementary/query.h \

@@ -34,6 +34,7 @@ ENG_TESTS = \
     tests/unit/test_eng_stage \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_exact \
+    tests/unit/test_eng_plane \
     tests/unit/test_eng_solve \
     tests/unit/test_eng_batch \
     tests/unit/test_eng_hash \
@@ -120,6 +121,10 @@ tests_unit_test_eng_kernel_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_batch_SOURCES = tests/unit/test_eng_batch.c
 tests_unit_test_eng_batch_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_batch_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_plane_SOURCES = tests/unit/test_eng_plane.c
+tests_unit_test_eng_plane_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_plane_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_hash_SOURCES = tests/unit/test_eng_hash.c
 tests_unit_test_eng_hash_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

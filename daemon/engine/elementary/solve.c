@@ -20,6 +20,7 @@
 #include "direction.h"
 #include "kernel.h"
 #include "motion.h"
+#include "plane.h"
 #include "rebase.h"
 
 /* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
@@ -165,12 +166,21 @@ static enum look look_at_short(struct search *search, const struct span *span,
     if (domain == ENG_OUTSIDE) {
         return LOOK_EMPTY;
     }
-    if (domain == ENG_INSIDE) {
+    bool certain_at_ends = (fabs(f[0]) > search->motion.e_det || span->l == 0) &&
+                           (fabs(f[3]) > search->motion.e_det || span->r == 1);
+    if (certain_at_ends && (domain == ENG_INSIDE || span->is_bracket)) {
         int sign_l = sign_at(search, span->l, f[0]);
         int sign_r = sign_at(search, span->r, f[3]);
-        if (sign_l * sign_r < 0) {
+        enum eng_plane plane = sign_l * sign_r >= 0 ? ENG_PLANE_UNSURE
+                               : domain == ENG_INSIDE
+                                   ? ENG_PLANE_MEET
+                                   : eng_plane_look(&search->query, span->l, span->r);
+        if (plane == ENG_PLANE_MEET) {
             set_hit(search, span->l, span->r, ENG_PROVED, hit);
             return LOOK_HIT;
+        }
+        if (plane == ENG_PLANE_MISS) {
+            return LOOK_EMPTY;
         }
     }
     /* Nearly parallel edges and slivers hide (beta, gamma); a gap in the plane shows. */
@@ -245,6 +255,17 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     if (touches_at_start(&search)) {
         set_hit(&search, 0, 0, ENG_PROVED | ENG_INITIAL, hit);
         return true;
+    }
+    double l;
+    double r;
+    switch (eng_plane_first(&search.query, tolerance, &l, &r)) {
+    case ENG_PLANE_MEET:
+        set_hit(&search, l, r, ENG_PROVED, hit);
+        return l <= t_end;
+    case ENG_PLANE_MISS:
+        return false;
+    case ENG_PLANE_UNSURE:
+        break;
     }
     push(&search, 0, 1, false);
     for (uint32_t work = 0; search.span_count > 0; work++) {

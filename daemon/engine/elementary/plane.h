@@ -1,0 +1,27 @@
+/* daemon/engine/elementary/plane.h - contacts within the plane of two axes.
+ *
+ * Room:     engine. May include: query.h.
+ * Does:     decide queries in which three or four points have exactly equal x, y or z at
+ *           both ends of the step, as in meshes that are symmetric, regular or on a
+ *           table: there a point meets an edge in a plane, and whether it is inside the
+ *           domain, or coplanar at all, is a zero that rounding hides.
+ * Threads:  [any].
+ */
+#ifndef ENG_PLANE_H
+#define ENG_PLANE_H
+
+#include "query.h"
+
+enum eng_plane { ENG_PLANE_UNSURE, ENG_PLANE_MEET, ENG_PLANE_MISS };
+
+/* The cubic of `query` certainly has other signs at l than at r, 0 <= l < r <= 1: do the
+ * features meet in the span? ENG_PLANE_UNSURE where they are not as described. */
+enum eng_plane eng_plane_look(const struct eng_query *query, double l, double r);
+
+/* The features do not touch at t = 0 and all four points have a coordinate in common:
+ * MEET: the first contact is in [*l, *r], which is at most as long as `tolerance`; MISS:
+ * there is none in the step. */
+enum eng_plane eng_plane_first(const struct eng_query *query, double tolerance, double *l,
+                               double *r);
+
+#endif

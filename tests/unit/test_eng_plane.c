@@ -1,0 +1,133 @@
+/* tests/unit/test_eng_plane.c - contacts within the plane of two axes.
+ *
+ * Room:     engine (plane.h, solve.h).
+ * Does:     queries of which three or four points share a coordinate, in general position
+ *           and on grids, against exact arithmetic.
+ * Threads:  one.
+ * Source:   daemon/engine/elementary/plane.h.
+ */
+#include "eng_case.h"
+
+#include <math.h>
+
+#include "plane.h"
+
+/* Points `first` to 3 but `odd` (4: none) get the coordinate of the others along a random
+ * axis at both ends. `grid` 0: any numbers; else integers up to it. */
+static struct eng_query plane_query(struct kit_random *random, enum eng_kind kind,
+                                    unsigned odd, uint32_t grid)
+{
+    struct eng_query query = {.kind = kind};
+    unsigned axis = kit_below(random, 3);
+    for (unsigned end = 0; end < 2; end++) {
+        double shared = kit_between(random, -3, 3);
+        for (unsigned i = 0; i < 12; i++) {
+            double x = grid > 0 ? kit_integer(random, grid) : kit_between(random, -1, 1);
+            bool in_plane = i % 3 == axis && i / 3 != odd;
+            query.x[end][i / 3][i % 3] = in_plane ? shared : x;
+        }
+        if (odd < 4) {
+            query.x[end][odd][axis] = shared + kit_between(random, 0.1, 1);
+        }
+    }
+    return query;
+}
+
+/* What the solver says of the query is the exact truth; true: a contact. */
+static bool check(const struct eng_query *query)
+{
+    struct eng_hit hit;
+    bool found = eng_solve(query, 1e-6, 1, case_exact(), &hit);
+    assert_int_equal(found, eng_exact_meets(case_exact(), query, 0, 1));
+    if (!found) {
+        return false;
+    }
+    case_check_form(query, 1e-6, &hit);
+    if (hit.toi > 0) {
+        assert_false(eng_exact_meets(case_exact(), query, 0, nextafter(hit.toi, 0)));
+    }
+    if (hit.toi < hit.toi_hi) {
+        assert_true(eng_exact_meets(case_exact(), query, hit.toi, hit.toi_hi));
+    }
+    return true;
+}
+
+/* If it failed: meshes cut along an axis would have contacts missed, made up or late
+ * where a point meets an edge in the plane of the cut. */
+static void plane__rims_are_decided_exactly(void **state)
+{
+    (void)state;
+    struct kit_random random = {611};
+    int hits = 0;
+    uint64_t exact_before = case_exact()->queries;
+    uint64_t exact_here = 0;
+    enum { ROUNDS = 12000 };
+    for (int round = 0; round < ROUNDS; round++) {
+        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        unsigned odd = kind == ENG_VF ? 1 + kit_below(&random, 3) : kit_below(&random, 4);
+        struct eng_query query =
+            plane_query(&random, kind, odd, round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0);
+        struct eng_hit hit;
+        exact_before = case_exact()->queries;
+        eng_solve(&query, 1e-6, 1, case_exact(), &hit);
+        exact_here += round % 8 < 2 ? 0 : case_exact()->queries - exact_before;
+        hits += check(&query);
+    }
+    assert_in_range(hits, ROUNDS / 10, ROUNDS * 9 / 10);
+    assert_in_range(exact_here, 0, ROUNDS / 50); /* in general position */
+}
+
+/* If it failed: sheets that slide on a table would have contacts missed, made up or
+ * late. */
+static void plane__motion_within_the_plane_is_decided_exactly(void **state)
+{
+    (void)state;
+    struct kit_random random = {612};
+    int hits = 0;
+    int decided[3] = {0, 0, 0};
+    enum { ROUNDS = 12000 };
+    for (int round = 0; round < ROUNDS; round++) {
+        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        uint32_t grid = round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0;
+        struct eng_query query = plane_query(&random, kind, 4, grid);
+        hits += check(&query);
+        if (!eng_exact_moment(case_exact(), &query, 0).touching) {
+            double l;
+            double r;
+            decided[eng_plane_first(&query, 1e-6, &l, &r)]++;
+        }
+    }
+    assert_in_range(hits, ROUNDS / 10, ROUNDS * 9 / 10);
+    assert_true(decided[ENG_PLANE_MEET] > ROUNDS / 10);
+    assert_true(decided[ENG_PLANE_MISS] > ROUNDS / 20);
+}
+
+/* If it failed: a plane would be seen where coordinates differ in the last bit. */
+static void plane__a_bit_beside_is_no_plane(void **state)
+{
+    (void)state;
+    struct kit_random random = {613};
+    for (int round = 0; round < 2000; round++) {
+        struct eng_query query = plane_query(&random, round % 2 ? ENG_EE : ENG_VF, 4, 0);
+        double *x = query.x[round % 4 / 2][kit_below(&random, 4)];
+        double l;
+        double r;
+        for (int k = 0; k < 3; k++) {
+            x[k] = nextafter(x[k], 4);
+        }
+        assert_int_equal(eng_plane_first(&query, 1e-6, &l, &r), ENG_PLANE_UNSURE);
+        check(&query);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(plane__rims_are_decided_exactly),
+        cmocka_unit_test(plane__motion_within_the_plane_is_decided_exactly),
+        cmocka_unit_test(plane__a_bit_beside_is_no_plane),
+    };
+    int status = cmocka_run_group_tests_name("eng_plane", tests, NULL, NULL);
+    eng_exact_deinit(case_exact());
+    return status;
+}
