@@ -83,6 +83,7 @@ struct eng_step_settings bench_step_settings(enum eng_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
+    settings.method = ENG_METHOD_PAPER;
     settings.contact_max = UINT32_MAX;
     return settings;
 }

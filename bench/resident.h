@@ -36,7 +36,8 @@ void bench_world_deinit(struct bench_world *world);
 void bench_world_replace(struct bench_world *world, const struct bench_frames *frames,
                          uint32_t object);
 
-/* All contacts or what the mode says, of one thread, none left out. */
+/* All contacts or what the mode says, of one thread, none left out, by the
+ * method paper. */
 struct eng_step_settings bench_step_settings(enum eng_mode mode);
 
 /* Step from the start to the end of `frames`: by end positions alone where the scene

@@ -63,7 +63,7 @@ enum pccd_mode {
 
 /* Which engine computes it. Both give the same bytes. */
 enum pccd_method {
-    PCCD_METHOD_DEFAULT = 0,
+    PCCD_METHOD_DEFAULT = 0, /* wide; paper where its scheduler is asked for */
     PCCD_METHOD_PAPER = 1, /* binary AABB tree, self-CD task units (PCCD, sections 3-6) */
     PCCD_METHOD_WIDE = 2,  /* trees of 16 children over vertices, edges and faces */
     PCCD_METHOD_COUNT = 3

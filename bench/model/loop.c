@@ -46,6 +46,7 @@ static double run(struct eng_scene *scene, bool by_paper)
                             .workers = memory->workers,
                             .count = 1,
                             .assignment = &memory->assignment};
+    settings.method = ENG_METHOD_PAPER;
     eng_stop_init(&stop, &settings);
     eng_pool_reset(&memory->pool, 1);
     if (eng_assignment_reserve(&memory->assignment, 1) != ENG_OK ||

@@ -34,7 +34,11 @@ static bool settings_are_valid(const struct eng_step_settings *settings)
 
 static enum eng_method method_of(const struct eng_step_settings *settings)
 {
-    return settings->method == ENG_METHOD_DEFAULT ? ENG_METHOD_PAPER : settings->method;
+    if (settings->method != ENG_METHOD_DEFAULT) {
+        return settings->method;
+    }
+    return settings->scheduler == ENG_SCHEDULER_PAPER ? ENG_METHOD_PAPER
+                                                      : ENG_METHOD_WIDE;
 }
 
 /* Triangles of the scene; of the method wide, those that there is room for. */

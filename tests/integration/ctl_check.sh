@@ -214,11 +214,12 @@ is_trace() {
         grep -q '"name":"unit"' "$1" && grep -q '"name":"answer frame.submit"' "$1" &&
         grep -q '"name":"frame.submit"' "$1" && grep -q '"args":{"name":"team 0"}' "$1"
 }
-ctl check --repeat 0 --trace trace.json s0.ply s1.ply && is_trace trace.json &&
+ctl check --repeat 0 --method paper --trace trace.json s0.ply s1.ply && is_trace trace.json &&
     [ "$(grep -c '"name":"unit"' trace.json)" = 79 ] &&
     says '^trace +trace\.json: [0-9]+ events$' &&
-    ctl check --repeat 0 --trace trace.json --events 10 s0.ply s1.ply && says 'older ones were lost' &&
-    ctl check --json --repeat 0 --trace trace.json --min-us 1000000 s0.ply s1.ply &&
+    ctl check --repeat 0 --method paper --trace trace.json --events 10 s0.ply s1.ply &&
+    says 'older ones were lost' &&
+    ctl check --json --repeat 0 --method paper --trace trace.json --min-us 1000000 s0.ply s1.ply &&
     ! grep -q '"name":"unit"' trace.json && [ "$(json_value complete)" = true ]
 report "check --trace writes what its daemon did"
 

@@ -427,7 +427,7 @@ static void step__modes_answer_what_they_say(void **state)
     assert_int_equal(answer.incomplete, PCCD_COMPLETE)
     STEP();
     assert_int_equal(answer.count, 3);
-    assert_int_equal(answer.method, PCCD_METHOD_PAPER);
+    assert_int_equal(answer.method, PCCD_METHOD_WIDE);
     assert_int_equal(answer.threads, 1);
     assert_int_equal(answer.verdict, PCCD_VERDICT_NONE);
     assert_true(answer.contacts[2].toi <= 2.0 / 3 &&

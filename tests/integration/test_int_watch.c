@@ -52,7 +52,9 @@ static void close_grid(void)
 /* A turn of the grid by so many threads; *answer has no records any more. */
 static void turn(uint32_t threads, struct pccd_answer *answer)
 {
-    const struct pccd_step_settings settings = {.threads = threads};
+    /* The method with many small task units. */
+    const struct pccd_step_settings settings = {.threads = threads,
+                                                .method = PCCD_METHOD_PAPER};
     uint64_t step = 0;
 
     assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);

@@ -79,6 +79,7 @@ struct eng_step_settings crew_alone(enum eng_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
+    settings.method = ENG_METHOD_PAPER; /* whose schedulers are compared */
     return settings;
 }
 

@@ -28,6 +28,7 @@ static void start(double ratio, enum eng_quality quality)
 static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = ENG_METHOD_PAPER;
     settings.threads = threads;
     settings.scheduler = scheduler;
     return settings;

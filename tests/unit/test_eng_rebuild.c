@@ -30,6 +30,7 @@ static void start(double ratio, uint32_t triangles_max, enum eng_quality quality
 static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = ENG_METHOD_PAPER;
     settings.threads = threads;
     settings.team_always = true;
     settings.scheduler = scheduler;
@@ -114,6 +115,7 @@ static void rebuild__good_nodes_are_left_alone(void **state)
     (void)state;
     static double x[BLAST_VERTICES][3];
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = ENG_METHOD_PAPER;
     struct eng_step_result result;
     start(0.9, 300, ENG_QUALITY_MEDIAN);
     for (uint32_t step = 1; step < STEPS; step++) {
@@ -138,6 +140,7 @@ static void rebuild__nodes_that_stay_poor_are_built_once(void **state)
     (void)state;
     struct kit_random random = {62};
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = ENG_METHOD_PAPER;
     struct eng_scene *scene;
     uint32_t idx;
     uint32_t poor = 0;
@@ -356,6 +359,7 @@ static void fly_apart(struct eng_scene *scene, const uint32_t *objects, double t
                       struct eng_step_result *result)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = ENG_METHOD_PAPER;
     struct kit_random random = {63};
     eng_stage_begin(scene);
     for (uint32_t i = 0; i < OBJECTS; i++) {

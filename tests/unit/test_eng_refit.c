@@ -39,6 +39,7 @@ static void run(struct eng_scene *scene)
 {
     const atomic_bool cancel = true;
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = ENG_METHOD_PAPER;
     struct eng_step_result result;
     settings.mode = ENG_MODE_ANY;
     settings.cancel = &cancel;

@@ -15,7 +15,8 @@
 enum eng_trace_kind {
     ENG_TRACE_STEP = 0,    /* a whole step; a: triangles, b: threads */
     ENG_TRACE_REFIT = 1,   /* a thread's part of it */
-    ENG_TRACE_UNIT = 2,    /* self-CD task unit; a: node, b: triangles below it */
+    ENG_TRACE_UNIT = 2,    /* self-CD task unit; a: node, b: triangles below it. Method
+                            * wide: a task; a, b: its nodes */
     ENG_TRACE_SUBTREE = 3, /* a task: all units below a node; a: node, b: triangles */
     ENG_TRACE_PAIRS = 4,   /* a task: what a pair of nodes leads to; a, b: nodes */
     ENG_TRACE_HIGH = 5,    /* a thread's part of a high-level unit, which has no slice

@@ -47,7 +47,7 @@ static void perform(struct eng_worker *worker, uint64_t task)
         }
         below->count = 0;
     }
-    eng_worker_trace(worker, ENG_TRACE_PAIRS, begin_ns, n, m);
+    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, m);
 }
 
 static uint32_t top_level(const struct eng_worker *worker)
@@ -64,11 +64,13 @@ static void push_first(struct eng_worker *worker)
 
 static void perform_all(struct eng_worker *worker)
 {
-    struct eng_wide_join *join = &worker->wide->join;
-    eng_wide_join_nodes(join, ENG_EE, top_level(worker), 0, 0);
-    eng_wide_join_nodes(join, ENG_VF, top_level(worker), 0, 0);
-    eng_wide_join_flush(join);
-    worker->record.task_units++;
+    for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
+        uint64_t begin_ns = eng_worker_slice(worker);
+        eng_wide_join_nodes(&worker->wide->join, kind, top_level(worker), 0, 0);
+        worker->record.task_units++;
+        eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, 0, 0);
+    }
+    eng_wide_join_flush(&worker->wide->join);
 }
 
 static void flush(struct eng_worker *worker)
