@@ -42,6 +42,7 @@ ENG_TESTS = \
     tests/unit/test_eng_result \
     tests/unit/test_eng_merge \
     tests/unit/test_eng_step \
+    tests/unit/test_eng_teleport \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_fault \
     tests/unit/test_eng_fault_team \
@@ -141,6 +142,10 @@ tests_unit_test_eng_merge_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_step_SOURCES = tests/unit/test_eng_step.c
 tests_unit_test_eng_step_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_step_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_teleport_SOURCES = tests/unit/test_eng_teleport.c
+tests_unit_test_eng_teleport_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
+tests_unit_test_eng_teleport_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_warm_SOURCES = tests/unit/test_eng_warm.c
 tests_unit_test_eng_warm_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

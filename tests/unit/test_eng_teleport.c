@@ -1,0 +1,119 @@
+/* tests/unit/test_eng_teleport.c - a step's memory does not depend on how far things go.
+ *
+ * Room:     engine (memory.h, step.h).
+ * Does:     a mesh of which every vertex jumps to some place far away, so that nearly
+ *           everything may meet everything, after steps in which hardly anything moved;
+ *           counts bytes, allocations and candidates, for every method and by teams.
+ * Does not: count the records that are kept: contact_max bounds them, and it is small.
+ * Threads:  one and four.
+ * Source:   candidates on their way to the tests are a bounded number for each thread
+ *           (ENG_CHUNK_MAX); whoever lists them runs out of memory here.
+ */
+#include "eng_kit.h"
+
+#include <string.h>
+
+#include "eng_way.h"
+#include "memory.h"
+#include "topology.h"
+
+#define TRIANGLES 600u
+#define VERTICES  (3 * TRIANGLES)
+#define FAR       100.0
+#define KEPT      16u
+
+/* Candidates of the far step to those of a calm one, at least. What is seen is 320 times,
+ * two millions, whose names alone would take 16 MB. */
+#define MORE_CANDIDATES 100u
+
+/* What far steps may add for each thread: blocks of records, which are kept for the next
+ * step; who finds how many is a matter of luck. */
+#define MORE_BYTES_MAX (256u << 10)
+
+/* Blocks of records that a step may take from the system, of 64 KiB each (pool.h), for
+ * each thread: records are thrown away when they are more than the limit. */
+#define ALLOCS_MAX 24u
+
+struct ground {
+    struct eng_scene *scene;
+    uint32_t object;
+    double calm[2][VERTICES][3];
+    double far[2][VERTICES][3];
+};
+
+static int setup(void **state)
+{
+    static struct ground ground;
+    struct kit_random random = {4};
+    struct eng_mesh *mesh = kit_soup(&random, TRIANGLES);
+    memset(&ground, 0, sizeof ground);
+    assert_int_equal(eng_scene_new(NULL, &ground.scene), ENG_OK);
+    assert_int_equal(eng_scene_add(ground.scene, mesh, 1, &ground.object), ENG_OK);
+    for (uint32_t i = 0; i < 3 * VERTICES; i++) {
+        double x = mesh->x[i / 3][i % 3];
+        ground.calm[0][i / 3][i % 3] = x;
+        ground.calm[1][i / 3][i % 3] = x + kit_between(&random, -1e-3, 1e-3);
+        ground.far[0][i / 3][i % 3] = kit_between(&random, -FAR, FAR);
+        ground.far[1][i / 3][i % 3] = kit_between(&random, -FAR, FAR);
+    }
+    eng_mesh_release(mesh);
+    *state = &ground;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    eng_scene_free(((struct ground *)*state)->scene);
+    return 0;
+}
+
+static struct eng_step_counters step(struct ground *ground, double x[2][VERTICES][3],
+                                     const struct eng_step_settings *settings)
+{
+    struct eng_step_result result;
+    eng_stage_begin(ground->scene);
+    assert_int_equal(
+        eng_stage_x0x1(ground->scene, ground->object, ENG_F64, 0, VERTICES, x[0], x[1]),
+        ENG_OK);
+    assert_int_equal(eng_step(ground->scene, settings, &result), ENG_OK);
+    assert_int_equal(result.threads, settings->threads);
+    assert_true(result.count <= KEPT);
+    return result.counters;
+}
+
+static uint64_t candidates(const struct eng_step_counters *counters)
+{
+    return counters->candidates_vf + counters->candidates_ee;
+}
+
+/* If it failed, a mesh that goes astray would take a machine's memory. */
+static void teleport__takes_no_more_memory_than_a_calm_step(void **state)
+{
+    struct ground *ground = *state;
+    for (uint32_t i = 0; i < WAY_METHODS * 2 * 2; i++) {
+        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        settings.method = way_methods[i % WAY_METHODS];
+        settings.mode = i / WAY_METHODS % 2 ? ENG_MODE_PAIRS : ENG_MODE_ALL;
+        settings.threads = i / WAY_METHODS / 2 ? 4 : 1;
+        settings.team_always = true;
+        settings.contact_max = KEPT;
+        step(ground, ground->calm, &settings);
+        struct eng_step_counters calm = step(ground, ground->calm, &settings);
+        uint64_t bytes = eng_alloc_bytes();
+        for (uint32_t again = 0; again < 3; again++) {
+            struct eng_step_counters far = step(ground, ground->far, &settings);
+            assert_true(candidates(&far) > MORE_CANDIDATES * candidates(&calm));
+            assert_true(eng_alloc_bytes() <= bytes + MORE_BYTES_MAX * settings.threads);
+            assert_true(far.allocs <= ALLOCS_MAX * settings.threads);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(teleport__takes_no_more_memory_than_a_calm_step,
+                                        setup, teardown),
+    };
+    return cmocka_run_group_tests_name("eng_teleport", tests, NULL, NULL);
+}
