@@ -12,6 +12,7 @@
 #include "clock.h"
 #include "machine.h"
 #include "memory.h"
+#include "method.h"
 #include "report.h"
 #include "resident.h"
 #include "schedule.h"
@@ -45,6 +46,7 @@ static double run(struct eng_scene *scene, bool by_paper)
     struct eng_team team = {.scene = scene,
                             .workers = memory->workers,
                             .count = 1,
+                            .method = &eng_method_paper,
                             .assignment = &memory->assignment};
     settings.method = ENG_METHOD_PAPER;
     eng_stop_init(&stop, &settings);

@@ -12,6 +12,7 @@
 
 #include "clock.h"
 #include "highlevel.h"
+#include "method.h"
 #include "refit.h"
 #include "report.h"
 #include "schedule.h"
@@ -28,10 +29,10 @@ static void walk_units(struct model_record *record, struct model_walker *walker,
     struct eng_worker *worker = model_walker_begin(walker);
     struct eng_task_queue *units = &worker->units;
     tasks->count = 0;
-    units->nodes[units->tail++ & (units->capacity - 1)] = record->scene->root;
+    eng_units_push(units, record->scene->root);
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
     while (eng_units_count(units) > 0) {
-        uint32_t node = eng_units_take_newest(units);
+        uint32_t node = (uint32_t)eng_units_take_newest(units);
         if (nodes[node].left == ENG_LEAF) {
             continue;
         }
@@ -84,7 +85,7 @@ static void subtree(struct eng_worker *worker, uint32_t node)
     struct eng_task_queue *units = &worker->units;
     eng_taskunit_perform(worker, node, true);
     while (eng_units_count(units) > 0) {
-        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
+        eng_taskunit_perform(worker, (uint32_t)eng_units_take_newest(units), true);
     }
 }
 
@@ -205,16 +206,25 @@ static void record_high(struct model_division *division,
     struct eng_assignment assignment;
     struct model_tasks *round_robin = new_passes(record->passes);
     struct model_tasks *disjoint = new_passes(record->passes);
-    struct eng_team team = {
-        .scene = record->scene, .count = division->threads, .assignment = &assignment};
+    struct eng_worker *workers[MODEL_THREADS_MAX];
+    struct eng_team team = {.scene = record->scene,
+                            .workers = workers,
+                            .count = division->threads,
+                            .method = &eng_method_paper,
+                            .assignment = &assignment};
     eng_assignment_init(&assignment);
     model_must(eng_assignment_reserve(&assignment, division->threads) == ENG_OK, "seats");
     struct eng_worker *worker = model_walker_begin(division->walker);
+    for (uint32_t i = 0; i < division->threads; i++) {
+        workers[i] = worker; /* what is dealt out comes to one queue, in order */
+    }
     uint64_t begin_ns = eng_now_ns();
     eng_schedule_paper_begin(&team, worker);
     division->begin_ns = (double)(eng_now_ns() - begin_ns);
     for (uint32_t i = 0; i < division->threads; i++) {
-        division->first_node[i] = assignment.seats[i].first_node;
+        division->first_node[i] = eng_units_count(&worker->units) > 0
+                                      ? (uint32_t)eng_units_take_front(&worker->units)
+                                      : ENG_NO_NODE;
     }
     division->high_count = assignment.high_count;
     division->levels = eng_highlevel_levels(division->threads);

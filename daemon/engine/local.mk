@@ -99,6 +99,7 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/team.h \
     daemon/engine/schedule/trace.c \
     daemon/engine/schedule/trace.h \
+    daemon/engine/schedule/units.h \
     daemon/engine/schedule/worker.c \
     daemon/engine/schedule/worker.h \
     daemon/engine/status.h \

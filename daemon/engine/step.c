@@ -77,6 +77,10 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     eng_refit_begin(team);
     int status = eng_step_memory_reserve(memory, team->count);
     team->workers = memory->workers;
+    team->assignment = &memory->assignment;
+    if (status == ENG_OK && settings->scheduler == ENG_SCHEDULER_PAPER) {
+        status = eng_assignment_reserve(&memory->assignment, team->count);
+    }
     if (status == ENG_OK) {
         status = team->method->prepare(team, settings);
     }
@@ -114,13 +118,6 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
     return end_ns;
 }
 
-/* Only the paper's tree has low-level and high-level nodes. */
-static bool is_by_paper(const struct eng_team *team)
-{
-    return team->method == &eng_method_paper &&
-           team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
-}
-
 /* What follows the refit, by the thread that ended it. */
 static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool by_paper)
 {
@@ -141,12 +138,13 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
 {
     const struct eng_method_calls *method = team->method;
     uint64_t begin_ns = eng_now_ns();
-    bool by_paper = is_by_paper(team);
+    bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
 #pragma omp parallel num_threads((int)team->count)
     {
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
         eng_place_thread(worker->settings->places, worker->thread,
                          (uint32_t)omp_get_num_threads());
+        method->enter(worker);
         if (method->refit_by_team(team, worker)) {
             begin_tasks(team, worker, by_paper);
         }
@@ -154,7 +152,6 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
         if (worker->thread == team->count - 1) {
             method->beside(worker);
         }
-        method->enter(worker);
         if (by_paper) {
             eng_schedule_paper(team, worker);
         } else {

@@ -78,7 +78,6 @@ uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         const struct eng_worker *worker = memory->workers[i];
         bytes += sizeof *worker + sizeof *memory->records +
-                 worker->units.capacity * sizeof *worker->units.nodes +
                  worker->split_capacity * sizeof *worker->split_items +
                  (worker->wide ? sizeof *worker->wide : 0);
     }

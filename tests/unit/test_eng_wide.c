@@ -86,11 +86,13 @@ static void shake(struct fixture *f, double by)
 }
 
 static struct eng_step_result step_by(struct fixture *f, enum eng_mode mode,
-                                      enum eng_method method, uint32_t threads)
+                                      enum eng_method method, uint32_t threads,
+                                      enum eng_scheduler scheduler)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
     settings.threads = threads;
+    settings.scheduler = scheduler;
     settings.team_always = true;
     settings.mode = mode;
     settings.method = method;
@@ -102,7 +104,7 @@ static struct eng_step_result step_by(struct fixture *f, enum eng_mode mode,
 static struct eng_step_result step(struct fixture *f, enum eng_mode mode,
                                    enum eng_method method)
 {
-    return step_by(f, mode, method, 1);
+    return step_by(f, mode, method, 1, ENG_SCHEDULER_STEAL);
 }
 
 /* If a feature were missing from its order it would never be tested; if an aligned group
@@ -416,7 +418,9 @@ static void wide__answers_alike_by_any_number_of_threads(void **state)
         struct eng_step_result one = step(f, mode, ENG_METHOD_WIDE);
         f->random = random;
         shake(f, SHAKEN_BY);
-        struct eng_step_result many = step_by(f, mode, ENG_METHOD_WIDE, 2 + round % 3);
+        struct eng_step_result many =
+            step_by(f, mode, ENG_METHOD_WIDE, 2 + round % 3,
+                    round / 4 % 2 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
         assert_int_equal(many.count, one.count);
         assert_true(many.hash_hi == one.hash_hi && many.hash_lo == one.hash_lo);
         if (mode == ENG_MODE_ALL || mode == ENG_MODE_PAIRS) {

@@ -15,7 +15,7 @@
 
 #include "world.h"
 
-/* Front nodes whose triangle counts a thread publishes: a request looks at the one behind
+/* Front task units whose sizes a thread publishes: a request looks at the one behind
  * those that earlier requests will get. */
 #define ENG_OFFERS_MAX 8u
 
@@ -36,12 +36,11 @@ struct eng_seat {
     uint32_t request_count;
     uint32_t *requests; /* [threads] who waits for a node of ours, oldest first */
     enum eng_reply reply;
-    uint32_t given; /* node, with ENG_REPLY_GIVEN */
+    uint64_t given; /* task unit, with ENG_REPLY_GIVEN */
     /* Read by all without the lock, written by the owner (offers) or under the lock
      * (requests): hints for the choice of a victim, checked under the lock afterwards. */
     _Alignas(128) atomic_uint offers[ENG_OFFERS_MAX];
     atomic_uint requests_seen;
-    uint32_t first_node; /* initial assignment, or ENG_NO_NODE */
     atomic_uint current; /* validating builds: node of the task unit at hand */
 };
 

@@ -25,7 +25,7 @@ struct eng_method_calls {
     void (*ready)(struct eng_worker *worker);
     /* While others traverse, by one thread. [team] */
     void (*beside)(struct eng_worker *worker);
-    /* Before a thread's first task, and after its last. [team] */
+    /* First of all that a thread does in a step, and after its last task. [team] */
     void (*enter)(struct eng_worker *worker);
     void (*leave)(struct eng_worker *worker);
 
@@ -35,6 +35,19 @@ struct eng_method_calls {
     void (*push_first)(struct eng_worker *worker);
     /* Do a task, or push what it divides into to the worker's own deque. [team] */
     void (*perform)(struct eng_worker *worker, uint64_t task);
+
+    /* The paper's dynamic assignment: task units that wait in worker->units.
+     *
+     * Choose those to begin with, some for each thread if there are as many, largest
+     * first, and push them to the threads' queues. [team], one thread */
+    void (*assign)(struct eng_team *team, struct eng_worker *worker);
+    /* Do a task unit; those that it divides into are pushed. [team] */
+    void (*perform_unit)(struct eng_team *team, struct eng_worker *worker, uint64_t unit);
+    /* How large it is, >= 1: who asks for one takes it where they are largest. [team] */
+    uint32_t (*unit_size)(const struct eng_worker *worker, uint64_t unit);
+    /* When all of them are done: what all threads do together. [team] */
+    void (*finish_units)(struct eng_team *team, struct eng_worker *worker);
+
     /* The worker has no task: test the candidates that wait in its chunks. [team] */
     void (*flush)(struct eng_worker *worker);
 };

@@ -13,6 +13,7 @@
 #include "method.h"
 
 #include "build.h"
+#include "highlevel.h"
 #include "rebuild.h"
 #include "refit.h"
 #include "schedule.h"
@@ -38,7 +39,7 @@ static void perform_subtree(struct eng_worker *worker, uint32_t node)
     uint64_t begin_ns = eng_worker_slice(worker);
     eng_taskunit_perform(worker, node, true);
     while (eng_units_count(units) > 0 && !eng_stop_is_set(worker->stop)) {
-        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
+        eng_taskunit_perform(worker, (uint32_t)eng_units_take_newest(units), true);
     }
     units->head = units->tail;
     eng_worker_trace(worker, ENG_TRACE_SUBTREE, begin_ns, node,
@@ -88,6 +89,65 @@ static void perform(struct eng_worker *worker, uint64_t task)
     }
 }
 
+/* ---- dynamic assignment ------------------------------------------------------------ */
+
+/* Breadth-first until the queue `front` holds a node for each thread; the nodes opened on
+ * the way are the high-level ones. Leaves wait in front of the queue. Returns the length
+ * of the queue. */
+static uint32_t choose_front(struct eng_team *team, struct eng_worker *worker,
+                             uint32_t front[2 * ENG_THREADS_MAX])
+{
+    struct eng_assignment *assignment = team->assignment;
+    uint32_t head = 0;
+    uint32_t tail = 0;
+    uint32_t leaves = 0;
+    assignment->high_count = 0;
+    front[tail++] = worker->scene->root;
+    while (head < tail && leaves + tail - head < team->count) {
+        uint32_t idx = front[head++];
+        const struct eng_node *node = eng_node_open(worker, idx);
+        if (node->left == ENG_LEAF) {
+            front[leaves++] = idx;
+            continue;
+        }
+        assignment->high[assignment->high_count++] = idx;
+        front[tail++] = node->left;
+        front[tail++] = node->right;
+    }
+    while (head < tail) {
+        front[leaves++] = front[head++];
+    }
+    return leaves;
+}
+
+/* Each opened node adds two and is one less. */
+static void assign(struct eng_team *team, struct eng_worker *worker)
+{
+    uint32_t front[2 * ENG_THREADS_MAX];
+    uint32_t count = choose_front(team, worker, front);
+    for (uint32_t i = 0; i < count; i++) {
+        eng_units_push(&team->workers[i]->units, front[i]);
+    }
+}
+
+static void perform_assigned(struct eng_team *team, struct eng_worker *worker,
+                             uint64_t unit)
+{
+    uint32_t node = (uint32_t)unit;
+    eng_assignment_enter(team->assignment, team->count, worker->scene, worker->thread,
+                         node);
+    eng_taskunit_perform(worker, node, true);
+    eng_assignment_enter(team->assignment, team->count, worker->scene, worker->thread,
+                         ENG_NO_NODE);
+}
+
+static uint32_t unit_size(const struct eng_worker *worker, uint64_t unit)
+{
+    return worker->scene->nodes[unit].count;
+}
+
+/* ---- the step ---------------------------------------------------------------------- */
+
 static void push_first(struct eng_worker *worker)
 {
     push(worker, worker->scene->root, worker->scene->root);
@@ -104,13 +164,9 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
         }
     }
     team->plan = &memory->plan;
-    team->assignment = &memory->assignment;
     if (status == ENG_OK) {
         status =
             eng_refit_plan_tree(&memory->plan, team->scene, settings->refit, team->count);
-    }
-    if (status == ENG_OK && settings->scheduler == ENG_SCHEDULER_PAPER) {
-        status = eng_assignment_reserve(&memory->assignment, team->count);
     }
     for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
         status = eng_worker_reserve_tree(memory->workers[i], team->scene);
@@ -156,4 +212,8 @@ const struct eng_method_calls eng_method_paper = {.prepare = prepare,
                                                   .perform_all = eng_schedule_serial,
                                                   .push_first = push_first,
                                                   .perform = perform,
+                                                  .assign = assign,
+                                                  .perform_unit = perform_assigned,
+                                                  .unit_size = unit_size,
+                                                  .finish_units = eng_highlevel_perform,
                                                   .flush = eng_taskunit_flush};

@@ -1,64 +1,33 @@
 /* daemon/engine/schedule/schedule_paper.c - the paper's own scheduler.
  *
  * Room:     engine.
- * Does:     deal out one low-level node to each thread; a thread that runs out asks
- *           another for its front node and sleeps until it is answered; when all
- *           low-level nodes are done, the high-level nodes above them follow
- *           (highlevel.c).
+ * Does:     deal out task units, of the method paper one low-level node to each thread;
+ *           a thread that runs out asks another for its front unit and sleeps until it is
+ *           answered; when all are done, what all threads do together follows: the
+ *           high-level nodes of the method paper (highlevel.c).
  * Threads:  [team].
  * Source:   paper sections 4.2 (initial assignment), 4.3 (dynamic assignment).
  *
- * A node is only ever below one thread's nodes (disjoint task units), so the main loop
- * takes no lock: after each task unit a thread looks at the length of its scheduling
- * queue, and at the number of threads that sleep because nobody had a node to spare.
- * `active` counts threads that have work or to whom work is on its way; it is zero when
- * the low-level nodes are done. A step that is stopped ends like one that is done: every
- * thread gives up its nodes and leaves.
+ * A unit is only ever one thread's (and, of the method paper, disjoint from the others'
+ * units), so the main loop takes no lock: after each task unit a thread looks at the
+ * length of its scheduling queue, and at the number of threads that sleep because nobody
+ * had one to spare. `active` counts threads that have work or to whom work is on its way;
+ * it is zero when all units are done. A step that is stopped ends like one that is done:
+ * every thread gives up its units and leaves.
  */
 #include "schedule.h"
 
-#include "highlevel.h"
-#include "rebuild.h"
-#include "taskunit.h"
-
-/* Breadth-first until the queue `front` holds a node for each thread; the nodes opened on
- * the way are the high-level ones. Leaves wait in front of the queue. Returns the length
- * of the queue. */
-static uint32_t choose_front(struct eng_team *team, struct eng_worker *worker,
-                             uint32_t front[2 * ENG_THREADS_MAX])
-{
-    struct eng_assignment *assignment = team->assignment;
-    uint32_t head = 0;
-    uint32_t tail = 0;
-    uint32_t leaves = 0;
-    assignment->high_count = 0;
-    front[tail++] = worker->scene->root;
-    while (head < tail && leaves + tail - head < team->count) {
-        uint32_t idx = front[head++];
-        const struct eng_node *node = eng_node_open(worker, idx);
-        if (node->left == ENG_LEAF) {
-            front[leaves++] = idx;
-            continue;
-        }
-        assignment->high[assignment->high_count++] = idx;
-        front[tail++] = node->left;
-        front[tail++] = node->right;
-    }
-    while (head < tail) {
-        front[leaves++] = front[head++];
-    }
-    return leaves;
-}
+#include "method.h"
 
 void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_assignment *assignment = team->assignment;
-    uint32_t front[2 * ENG_THREADS_MAX]; /* each opened node adds two and is one less */
-    uint32_t count = choose_front(team, worker, front);
+    uint32_t active = 0;
+    team->method->assign(team, worker);
     for (uint32_t i = 0; i < team->count; i++) {
         struct eng_seat *seat = &assignment->seats[i];
-        seat->first_node = i < count ? front[i] : ENG_NO_NODE;
-        seat->takes_requests = i < count;
+        seat->takes_requests = eng_units_count(&team->workers[i]->units) > 0;
+        active += seat->takes_requests;
         seat->request_count = 0;
         atomic_store_explicit(&seat->requests_seen, 0, memory_order_relaxed);
         atomic_store_explicit(&seat->current, ENG_NO_NODE, memory_order_relaxed);
@@ -66,33 +35,32 @@ void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
             atomic_store_explicit(&seat->offers[k], 0, memory_order_relaxed);
         }
     }
-    atomic_store_explicit(&assignment->active, count, memory_order_relaxed);
+    atomic_store_explicit(&assignment->active, active, memory_order_relaxed);
 }
 
-/* Let others see how large the front nodes are. Relaxed: a hint; the lock decides. */
-static void publish(struct eng_seat *seat, const struct eng_worker *worker)
+/* Let others see how large the front units are. Relaxed: a hint; the lock decides. */
+static void publish(const struct eng_team *team, struct eng_seat *seat,
+                    const struct eng_worker *worker)
 {
     const struct eng_task_queue *units = &worker->units;
     for (uint32_t k = 0; k < ENG_OFFERS_MAX; k++) {
-        uint32_t size = 0;
-        if (k < eng_units_count(units)) {
-            uint32_t node = units->nodes[(units->head + k) & (units->capacity - 1)];
-            size = worker->scene->nodes[node].count;
-        }
+        uint32_t size = k < eng_units_count(units)
+                            ? team->method->unit_size(worker, eng_units_look(units, k))
+                            : 0;
         atomic_store_explicit(&seat->offers[k], size, memory_order_relaxed);
     }
 }
 
-static void answer(struct eng_seat *asker, enum eng_reply reply, uint32_t node)
+static void answer(struct eng_seat *asker, enum eng_reply reply, uint64_t unit)
 {
     pthread_mutex_lock(&asker->lock);
     asker->reply = reply;
-    asker->given = node;
+    asker->given = unit;
     pthread_cond_signal(&asker->wake);
     pthread_mutex_unlock(&asker->lock);
 }
 
-/* Give front nodes to those who asked, oldest first, and keep one; with `close`, send the
+/* Give front units to those who asked, oldest first, and keep one; with `close`, send the
  * rest away and take no more requests. */
 static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
                   struct eng_worker *worker, bool close)
@@ -108,7 +76,7 @@ static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
             worker->record.given++;
             answer(asker, ENG_REPLY_GIVEN, eng_units_take_front(units));
         } else {
-            answer(asker, ENG_REPLY_DENIED, ENG_NO_NODE);
+            answer(asker, ENG_REPLY_DENIED, 0);
         }
     }
     for (uint32_t i = served; i < seat->request_count; i++) {
@@ -128,28 +96,23 @@ static void perform_units(struct eng_team *team, struct eng_seat *seat,
     struct eng_assignment *assignment = team->assignment;
     struct eng_task_queue *units = &worker->units;
     while (eng_units_count(units) > 0 && !eng_worker_should_stop(worker)) {
-        uint32_t node = eng_units_take_newest(units);
-        eng_assignment_enter(assignment, team->count, worker->scene, worker->thread,
-                             node);
-        eng_taskunit_perform(worker, node, true);
-        eng_assignment_enter(assignment, team->count, worker->scene, worker->thread,
-                             ENG_NO_NODE);
-        publish(seat, worker);
+        team->method->perform_unit(team, worker, eng_units_take_newest(units));
+        publish(team, seat, worker);
         if (atomic_load_explicit(&seat->requests_seen, memory_order_relaxed) > 0) {
             serve(assignment, seat, worker, false);
-            publish(seat, worker);
+            publish(team, seat, worker);
         }
         if (eng_units_count(units) > 1) {
             eng_lounge_call(assignment, eng_units_count(units) - 1);
         }
     }
     units->head = units->tail; /* when stopped */
-    publish(seat, worker);
+    publish(team, seat, worker);
     serve(assignment, seat, worker, true);
     eng_assignment_leave(assignment);
 }
 
-/* The thread whose (k + 1)th node is largest, k requests being ahead of ours; or none. */
+/* The thread whose (k + 1)th unit is largest, k requests being ahead of ours; or none. */
 static struct eng_seat *choose_victim(const struct eng_team *team, uint32_t thread)
 {
     struct eng_seat *victim = NULL;
@@ -161,7 +124,7 @@ static struct eng_seat *choose_victim(const struct eng_team *team, uint32_t thre
             continue;
         }
         uint32_t size = atomic_load_explicit(&seat->offers[k], memory_order_relaxed);
-        /* The last node stays with its thread. */
+        /* The last one stays with its thread. */
         bool has_more =
             atomic_load_explicit(&seat->offers[k + 1], memory_order_relaxed) > 0;
         if (has_more && size > largest) {
@@ -174,7 +137,7 @@ static struct eng_seat *choose_victim(const struct eng_team *team, uint32_t thre
 
 /* Place a request and sleep until it is answered. False: not taken, or denied. */
 static bool request(struct eng_seat *victim, struct eng_seat *seat,
-                    struct eng_worker *worker, uint32_t *node)
+                    struct eng_worker *worker, uint64_t *unit)
 {
     seat->reply = ENG_REPLY_NONE; /* nobody else knows of us yet */
     pthread_mutex_lock(&victim->lock);
@@ -194,7 +157,7 @@ static bool request(struct eng_seat *victim, struct eng_seat *seat,
     while (seat->reply == ENG_REPLY_NONE) {
         pthread_cond_wait(&seat->wake, &seat->lock);
     }
-    *node = seat->given;
+    *unit = seat->given;
     bool given = seat->reply == ENG_REPLY_GIVEN;
     pthread_mutex_unlock(&seat->lock);
     worker->record.steals += given;
@@ -203,7 +166,7 @@ static bool request(struct eng_seat *victim, struct eng_seat *seat,
 
 /* Work from another thread; false: there is none anywhere. */
 static bool find_work(struct eng_team *team, struct eng_seat *seat,
-                      struct eng_worker *worker, uint32_t *node)
+                      struct eng_worker *worker, uint64_t *unit)
 {
     uint64_t begin_ns = eng_now_ns();
     bool found = false;
@@ -211,7 +174,7 @@ static bool find_work(struct eng_team *team, struct eng_seat *seat,
            atomic_load_explicit(&team->assignment->active, memory_order_acquire) > 0) {
         struct eng_seat *victim = choose_victim(team, worker->thread);
         if (victim) {
-            found = request(victim, seat, worker, node);
+            found = request(victim, seat, worker, unit);
         } else {
             worker->record.sleeps++;
             eng_lounge_sleep(team->assignment);
@@ -221,12 +184,6 @@ static bool find_work(struct eng_team *team, struct eng_seat *seat,
     return found;
 }
 
-static void enqueue(struct eng_worker *worker, uint32_t node)
-{
-    struct eng_task_queue *units = &worker->units;
-    units->nodes[units->tail++ & (units->capacity - 1)] = node;
-}
-
 static void open_seat(struct eng_seat *seat)
 {
     pthread_mutex_lock(&seat->lock);
@@ -234,29 +191,34 @@ static void open_seat(struct eng_seat *seat)
     pthread_mutex_unlock(&seat->lock);
 }
 
-/* Low-level nodes. */
-static void perform_low(struct eng_team *team, struct eng_worker *worker)
+static void perform_all_units(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_seat *seat = &team->assignment->seats[worker->thread];
-    uint32_t node = seat->first_node;
-    bool has_work = node != ENG_NO_NODE || find_work(team, seat, worker, &node);
+    uint64_t unit;
+    bool has_work = eng_units_count(&worker->units) > 0;
+    if (!has_work && find_work(team, seat, worker, &unit)) {
+        eng_units_push(&worker->units, unit);
+        has_work = true;
+    }
     while (has_work) {
         uint64_t begin_ns = eng_now_ns();
-        enqueue(worker, node);
         open_seat(seat);
         perform_units(team, seat, worker);
-        eng_taskunit_flush(worker);
+        team->method->flush(worker);
         worker->record.low_ns += eng_now_ns() - begin_ns;
-        has_work = find_work(team, seat, worker, &node);
+        has_work = find_work(team, seat, worker, &unit);
+        if (has_work) {
+            eng_units_push(&worker->units, unit);
+        }
     }
 }
 
 void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker)
 {
-    perform_low(team, worker);
+    perform_all_units(team, worker);
     eng_worker_barrier(worker);
     if (worker->thread == 0) {
         team->low_end_ns = eng_now_ns();
     }
-    eng_highlevel_perform(team, worker);
+    team->method->finish_units(team, worker);
 }

@@ -18,7 +18,7 @@ void eng_schedule_serial(struct eng_worker *worker)
     }
     eng_taskunit_perform(worker, root, true);
     while (eng_units_count(units) > 0 && !eng_stop_is_set(worker->stop)) {
-        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
+        eng_taskunit_perform(worker, (uint32_t)eng_units_take_newest(units), true);
     }
     eng_taskunit_flush(worker);
 }

@@ -200,12 +200,6 @@ uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
     return refine(worker, n, m, n_out, m_out);
 }
 
-static void push_unit(struct eng_task_queue *units, uint32_t node)
-{
-    assert(units->tail - units->head < units->capacity);
-    units->nodes[units->tail++ & (units->capacity - 1)] = node;
-}
-
 void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children)
 {
     const struct eng_node *opened = eng_node_open(worker, node);
@@ -215,8 +209,8 @@ void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_ch
     uint64_t begin_ns = eng_worker_slice(worker);
     worker->record.task_units++;
     if (push_children) {
-        push_unit(&worker->units, opened->left);
-        push_unit(&worker->units, opened->right);
+        eng_units_push(&worker->units, opened->left);
+        eng_units_push(&worker->units, opened->right);
     }
     eng_taskunit_pairs(worker, opened->left, opened->right);
     eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, node, opened->count);

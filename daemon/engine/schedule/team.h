@@ -26,8 +26,8 @@ struct eng_method_calls;
 
 struct eng_team {
     struct eng_scene *scene;
-    struct eng_worker **workers; /* [count] */
-    uint32_t count;              /* threads, >= 1 */
+    struct eng_worker **workers;           /* [count] */
+    uint32_t count;                        /* threads, >= 1 */
     const struct eng_method_calls *method; /* method.h */
     struct eng_refit_plan *plan;
     struct eng_assignment *assignment; /* the paper's scheduler */

@@ -36,33 +36,10 @@ void eng_worker_init(struct eng_worker *worker)
 void eng_worker_deinit(struct eng_worker *worker)
 {
     eng_exact_deinit(&worker->exact);
-    eng_free(worker->units.nodes);
     eng_free(worker->split_items);
     eng_free(worker->wide);
     worker->wide = NULL;
-    worker->units.nodes = NULL;
     worker->split_items = NULL;
-}
-
-/* The queue never holds two nodes of which one is below the other, so the leaves' number
- * bounds it. */
-static int reserve_units(struct eng_task_queue *units, uint32_t leaf_count)
-{
-    uint32_t capacity = 64;
-    while (capacity < leaf_count) {
-        capacity *= 2; /* leaf_count <= 2^31 - 1 */
-    }
-    if (capacity <= units->capacity) {
-        return ENG_OK;
-    }
-    uint32_t *nodes = eng_alloc(capacity, sizeof *nodes);
-    if (!nodes) {
-        return ENG_E_NOMEM;
-    }
-    eng_free(units->nodes);
-    units->nodes = nodes;
-    units->capacity = capacity;
-    return ENG_OK;
 }
 
 /* A region has at most as many triangles as the scene. */
@@ -88,8 +65,7 @@ int eng_worker_reserve_tree(struct eng_worker *worker, const struct eng_scene *s
 {
     uint32_t leaf_count =
         scene->root == ENG_NO_NODE ? 0 : scene->nodes[scene->root].count;
-    int status = reserve_units(&worker->units, leaf_count);
-    return status == ENG_OK ? reserve_split(worker, scene, leaf_count) : status;
+    return reserve_split(worker, scene, leaf_count);
 }
 
 void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,

@@ -1,7 +1,7 @@
 /* daemon/engine/schedule/worker.h - what one thread of a step owns.
  *
  * Room:     engine. May include: batch.h, clock.h, deque.h, exact.h, result.h, trace.h,
- *           world.h.
+ *           units.h, world.h.
  * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
  *           scratch of reconstruction and solver and the records found: the one interface
  *           through which schedule, traversal, filter, solver and results meet. A step's
@@ -17,6 +17,7 @@
 #include "exact.h"
 #include "result.h"
 #include "trace.h"
+#include "units.h"
 #include "world.h"
 
 #define ENG_THREADS_MAX 256u /* of one step */
@@ -48,33 +49,7 @@ struct eng_pair_queue {
     uint32_t m[ENG_PAIRS_MAX];
 };
 
-/* Nodes whose self-CD task unit is to be done. Its owner takes the newest, so that a unit
- * finds in the cache what the one above it has touched: a third less time than the oldest
- * first on a recorded cloth, over the same pairs. The front node stays the largest, as
- * section 4.3 of the paper wants it, and is what is given to others. A ring of a power of
- * two. */
-struct eng_task_queue {
-    uint32_t *nodes;
-    uint32_t capacity;
-    uint32_t head; /* free-running */
-    uint32_t tail;
-};
-
-static inline uint32_t eng_units_count(const struct eng_task_queue *units)
-{
-    return units->tail - units->head;
-}
-
-/* Take the newest, or the front node, of a queue that is not empty. */
-static inline uint32_t eng_units_take_newest(struct eng_task_queue *units)
-{
-    return units->nodes[--units->tail & (units->capacity - 1)];
-}
-
-static inline uint32_t eng_units_take_front(struct eng_task_queue *units)
-{
-    return units->nodes[units->head++ & (units->capacity - 1)];
-}
+static_assert(ENG_UNITS_MAX > ENG_LEVELS_MAX + 1, "task units of the method paper");
 
 /* What the workers of a step share besides the scene. */
 struct eng_stop {

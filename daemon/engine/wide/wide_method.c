@@ -1,9 +1,10 @@
 /* daemon/engine/wide/wide_method.c - the method wide, as a step sees it.
  *
  * Room:     engine.
- * Does:     keep the wide trees. For stealing, a task is a pair of nodes of one level, of
- *           vertices and faces or of edges; a node with itself stands for all pairs of
- *           edges below it. Tasks are divided down to nodes of 256 features.
+ * Does:     keep the wide trees. A task, for stealing and as a unit of the dynamic
+ *           assignment, is a pair of nodes of one level, of vertices and faces or of
+ *           edges; a node with itself stands for all pairs of edges below it. Tasks are
+ *           divided down to nodes of 256 features.
  * Threads:  method.h.
  *
  * Trees do not change while they are searched, so any task may go to any thread. A worker
@@ -24,11 +25,24 @@ static uint64_t task_of(enum eng_kind kind, uint32_t level, uint32_t n, uint32_t
  * features at most, some 30 us in the trees, as a rule far fewer. */
 #define GRAIN_LEVEL 1u
 
-static void perform(struct eng_worker *worker, uint64_t task)
+static enum eng_kind kind_of(uint64_t task)
+{
+    return (enum eng_kind)(task >> 63);
+}
+
+static uint32_t level_of(uint64_t task)
+{
+    return task >> 58 & 31;
+}
+
+/* Do a task, or hand the pairs that it divides into to `push`, which says whether it had
+ * room. */
+static void perform_or_divide(struct eng_worker *worker, uint64_t task,
+                              bool (*push)(struct eng_worker *worker, uint64_t task))
 {
     const uint32_t node_mask = (1u << 29) - 1;
-    enum eng_kind kind = (enum eng_kind)(task >> 63);
-    uint32_t level = task >> 58 & 31;
+    enum eng_kind kind = kind_of(task);
+    uint32_t level = level_of(task);
     uint32_t n = task >> 29 & node_mask;
     uint32_t m = task & node_mask;
     struct eng_wide_join *join = &worker->wide->join;
@@ -40,14 +54,25 @@ static void perform(struct eng_worker *worker, uint64_t task)
         struct eng_wide_list *below = &join->lists[level - 1];
         eng_wide_join_refine(join, kind, level, n, m);
         for (uint32_t i = 0; i < below->count; i++) {
-            if (!eng_deque_push(&worker->deque,
-                                task_of(kind, level - 1, below->a[i], below->b[i]))) {
-                eng_wide_join_nodes(join, kind, level - 1, below->a[i], below->b[i]);
+            uint32_t a = below->a[i];
+            uint32_t b = below->b[i];
+            if (!push(worker, task_of(kind, level - 1, a, b))) {
+                eng_wide_join_nodes(join, kind, level - 1, a, b);
             }
         }
         below->count = 0;
     }
     eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, m);
+}
+
+static bool push_task(struct eng_worker *worker, uint64_t task)
+{
+    return eng_deque_push(&worker->deque, task);
+}
+
+static void perform(struct eng_worker *worker, uint64_t task)
+{
+    perform_or_divide(worker, task, push_task);
 }
 
 static uint32_t top_level(const struct eng_worker *worker)
@@ -61,6 +86,59 @@ static void push_first(struct eng_worker *worker)
     eng_deque_push(&worker->deque, task_of(ENG_VF, top, 0, 0));
     eng_deque_push(&worker->deque, task_of(ENG_EE, top, 0, 0));
 }
+
+/* ---- dynamic assignment ------------------------------------------------------------ */
+
+static_assert(ENG_WIDE_LEVELS_MAX * ENG_JOIN_MAX <= ENG_UNITS_MAX / 2, "task units");
+
+static bool push_unit(struct eng_worker *worker, uint64_t unit)
+{
+    eng_units_push(&worker->units, unit);
+    return true;
+}
+
+/* Divide from the top, the oldest first, until there is a unit for each thread, and deal
+ * them out. */
+static void assign(struct eng_team *team, struct eng_worker *worker)
+{
+    struct eng_task_queue *units = &worker->units;
+    uint32_t top = top_level(worker);
+    push_unit(worker, task_of(ENG_EE, top, 0, 0));
+    push_unit(worker, task_of(ENG_VF, top, 0, 0));
+    while (eng_units_count(units) > 0 && eng_units_count(units) < team->count &&
+           level_of(eng_units_look(units, 0)) > GRAIN_LEVEL) {
+        perform_or_divide(worker, eng_units_take_front(units), push_unit);
+    }
+    uint32_t count = eng_units_count(units);
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t unit = eng_units_take_front(units);
+        eng_units_push(&team->workers[i % team->count]->units, unit);
+    }
+}
+
+static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint64_t unit)
+{
+    (void)team;
+    perform_or_divide(worker, unit, push_unit);
+}
+
+/* Features of a node: two nodes have twice as many, but a node with itself has more
+ * pairs. */
+static uint32_t unit_size(const struct eng_worker *worker, uint64_t unit)
+{
+    uint32_t bits = (level_of(unit) + 1) * ENG_WIDE_BITS;
+    (void)worker;
+    return bits < 31 ? 1u << bits : 1u << 31;
+}
+
+/* Nothing is left for all threads: any pair may go to any thread. */
+static void no_high_level(struct eng_team *team, struct eng_worker *worker)
+{
+    (void)team;
+    (void)worker;
+}
+
+/* ---- the step ---------------------------------------------------------------------- */
 
 static void perform_all(struct eng_worker *worker)
 {
@@ -119,4 +197,8 @@ const struct eng_method_calls eng_method_wide = {.prepare = prepare,
                                                  .perform_all = perform_all,
                                                  .push_first = push_first,
                                                  .perform = perform,
+                                                 .assign = assign,
+                                                 .perform_unit = perform_unit,
+                                                 .unit_size = unit_size,
+                                                 .finish_units = no_high_level,
                                                  .flush = flush};
