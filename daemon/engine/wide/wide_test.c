@@ -17,11 +17,13 @@ int eng_wide_work_reserve(struct eng_worker *worker)
     return worker->wide ? ENG_OK : ENG_E_NOMEM;
 }
 
-/* The order of keys is the order in which records name two edges. */
-static bool is_in_order(const struct eng_wide *wide, uint32_t a, uint32_t b)
+/* Put two edges into the order in which records name them, that of their keys. Without a
+ * branch: which way it would go cannot be foreseen. */
+static void put_in_order(const eng_wide_key *keys, uint32_t *a, uint32_t *b)
 {
-    const eng_wide_key *keys = wide->trees[ENG_WIDE_EDGES].keys;
-    return keys[a] < keys[b];
+    uint32_t change = (*a ^ *b) & (0u - (uint32_t)(keys[*a] > keys[*b]));
+    *a ^= change;
+    *b ^= change;
 }
 
 static struct eng_pair name_of(const struct eng_wide *wide, enum eng_kind kind,
@@ -34,9 +36,9 @@ static struct eng_pair name_of(const struct eng_wide *wide, enum eng_kind kind,
         key_b = wide->trees[ENG_WIDE_FACES].keys[b];
     } else {
         const eng_wide_key *keys = wide->trees[ENG_WIDE_EDGES].keys;
-        bool in_order = is_in_order(wide, a, b);
-        key_a = keys[in_order ? a : b];
-        key_b = keys[in_order ? b : a];
+        put_in_order(keys, &a, &b);
+        key_a = keys[a];
+        key_b = keys[b];
     }
     return (struct eng_pair){kind, (uint32_t)(key_a >> 32), (uint32_t)key_a,
                              (uint32_t)(key_b >> 32), (uint32_t)key_b};
@@ -67,10 +69,11 @@ static void make_quads(const struct eng_wide *wide, enum eng_kind kind,
         return;
     }
     uint32_t *const *corner = wide->trees[ENG_WIDE_EDGES].corner;
+    const eng_wide_key *keys = wide->trees[ENG_WIDE_EDGES].keys;
     for (uint32_t i = 0; i < chunk->count; i++) {
-        bool in_order = is_in_order(wide, chunk->a[i], chunk->b[i]);
-        uint32_t a = in_order ? chunk->a[i] : chunk->b[i];
-        uint32_t b = in_order ? chunk->b[i] : chunk->a[i];
+        uint32_t a = chunk->a[i];
+        uint32_t b = chunk->b[i];
+        put_in_order(keys, &a, &b);
         quads[i][0] = corner[0][a];
         quads[i][1] = corner[1][a];
         quads[i][2] = corner[0][b];
