@@ -469,6 +469,32 @@ static void wide__zeros_of_both_signs_are_one_place(void **state)
     }
 }
 
+/* If candidates were collected, a step in which everything crosses everything would need
+ * memory for millions of pairs: others have run out of it there. */
+static void wide__memory_does_not_follow_the_candidates(void **state)
+{
+    (void)state;
+    struct fixture f = {.random = {8}};
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    settings.method = ENG_METHOD_WIDE;
+    settings.contact_max = 1000;
+    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
+    add(&f, kit_soup(&f.random, 300));
+    shake(&f, 0.001);
+    assert_int_equal(eng_step(f.scene, &settings, &result), ENG_OK);
+    uint64_t few = result.counters.candidates_vf + result.counters.candidates_ee;
+    uint64_t before = eng_scene_bytes(f.scene);
+    shake(&f, 50);
+    assert_int_equal(eng_step(f.scene, &settings, &result), ENG_OK);
+    uint64_t many = result.counters.candidates_vf + result.counters.candidates_ee;
+    assert_int_equal(result.incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+    assert_true(many > 200000 && many > 20 * few);
+    /* The records that are kept, and no list of pairs. */
+    assert_true(eng_scene_bytes(f.scene) < before + (1u << 20));
+    eng_scene_free(f.scene);
+}
+
 /* If a cancelled step went on, a client could not stop it; if it said that it was
  * complete, the client would believe it. */
 static void wide__stops_when_cancelled(void **state)
@@ -499,6 +525,7 @@ int main(void)
                                         setup, teardown),
         cmocka_unit_test(wide__small_scenes_are_trees_too),
         cmocka_unit_test(wide__zeros_of_both_signs_are_one_place),
+        cmocka_unit_test(wide__memory_does_not_follow_the_candidates),
         cmocka_unit_test_setup_teardown(wide__stops_when_cancelled, setup, teardown),
     };
     return cmocka_run_group_tests_name("eng_wide", tests, NULL, NULL);
