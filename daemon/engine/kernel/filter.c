@@ -162,15 +162,24 @@ ENG_INLINE eng_dm one_sided(enum eng_kind kind, const struct pairs *pairs)
     return eng_dm_or(above, below);
 }
 
-/* Bits of the lanes that certainly have no contact. */
-ENG_INLINE uint32_t rejected(enum eng_kind kind, bool by_diagonals,
-                             const struct pairs *pairs)
+/* Bits of the lanes that certainly have no contact. Which of two tests rejects more
+ * depends on the scene, nine of ten pairs with balls in flight by the one, with draped
+ * cloth by the other: the better one goes first, and often makes the second superfluous.
+ * What is rejected does not depend on the order. */
+ENG_INLINE uint32_t rejected(enum eng_kind kind, const struct pairs *pairs,
+                             bool *cubic_first)
 {
-    if (by_diagonals) {
-        return eng_dm_bits(separated(pairs));
+    uint32_t first = *cubic_first ? eng_dm_bits(one_sided(kind, pairs))
+                                  : eng_dm_bits(never_together(pairs));
+    if (first == ENG_D_ALL) {
+        return first;
     }
-    uint32_t bits = eng_dm_bits(never_together(pairs));
-    return bits == ENG_D_ALL ? bits : bits | eng_dm_bits(one_sided(kind, pairs));
+    uint32_t second = *cubic_first ? eng_dm_bits(never_together(pairs))
+                                   : eng_dm_bits(one_sided(kind, pairs));
+    if (__builtin_popcount(second) > __builtin_popcount(first)) {
+        *cubic_first = !*cubic_first;
+    }
+    return first | second;
 }
 
 ENG_INLINE uint32_t filter(enum eng_kind kind, bool by_diagonals,
@@ -178,12 +187,14 @@ ENG_INLINE uint32_t filter(enum eng_kind kind, bool by_diagonals,
                            const uint32_t *pairs, uint32_t count, uint32_t *kept)
 {
     uint32_t kept_count = 0;
+    bool cubic_first = false;
     for (uint32_t i = 0; i < count; i += ENG_D_LANES) {
         uint32_t n = count - i < ENG_D_LANES ? count - i : ENG_D_LANES;
         struct eng_group group = eng_group_of(points, quads, pairs + i, n);
         struct pairs loaded = load(kind, &group);
-        uint32_t bits = ENG_D_ALL & ~rejected(kind, by_diagonals, &loaded);
-        kept_count += eng_keep(kept + kept_count, pairs + i, n, bits);
+        uint32_t gone = by_diagonals ? eng_dm_bits(separated(&loaded))
+                                     : rejected(kind, &loaded, &cubic_first);
+        kept_count += eng_keep(kept + kept_count, pairs + i, n, ENG_D_ALL & ~gone);
     }
     return kept_count;
 }
