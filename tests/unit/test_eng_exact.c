@@ -281,9 +281,47 @@ static void exact__common_divisors_hold_the_common_roots(void **state)
     }
 }
 
+/* If it failed: the first contact of a long span would be said to begin too late, or to
+ * be where none is. */
+static void exact__first_contact_is_bracketed(void **state)
+{
+    (void)state;
+    struct eng_exact exact;
+    struct kit_random random = {81};
+    int hits = 0;
+    eng_exact_init(&exact);
+    for (int round = 0; round < 6000; round++) {
+        struct eng_query query = {.kind = round % 2 ? ENG_EE : ENG_VF};
+        uint32_t bound = 1 + (uint32_t)round % 3;
+        double tolerance = ldexp(1, -(int)kit_below(&random, 44));
+        double l = round % 5 == 0 ? 0.3 : 0;
+        double r = round % 7 == 0 ? 0.9 : 1;
+        for (int i = 0; i < 24; i++) {
+            query.x[i / 12][i / 3 % 4][i % 3] =
+                round % 4 ? kit_integer(&random, bound) : kit_between(&random, -1, 1);
+        }
+        double from = l;
+        double to = r;
+        bool found = eng_exact_first(&exact, &query, tolerance, &from, &to);
+        assert_int_equal(found, eng_exact_meets(&exact, &query, l, r));
+        if (!found) {
+            assert_true(from == l && to == r);
+            continue;
+        }
+        hits++;
+        assert_true(l <= from && from <= to && to <= r);
+        assert_true(to - from <= tolerance + 0x1p-48);
+        assert_true(from == l || !eng_exact_meets(&exact, &query, l, nextafter(from, 0)));
+        assert_true(from == to || eng_exact_meets(&exact, &query, from, to));
+    }
+    assert_in_range(hits, 1000, 5000);
+    eng_exact_deinit(&exact);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exact__first_contact_is_bracketed),
         cmocka_unit_test(exact__vertex_on_face_to_one_ulp),
         cmocka_unit_test(exact__collapsed_face_is_its_segment_or_point),
         cmocka_unit_test(exact__edges_to_one_ulp),

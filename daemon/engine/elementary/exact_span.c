@@ -59,6 +59,7 @@ void eng_exact_init(struct eng_exact *exact)
     mpz_init2(exact->span.l, 2048);
     mpz_init2(exact->span.r, 2048);
     mpz_init2(exact->span.num, 1024);
+    mpz_init2(exact->span.end, 1024);
     for_all_polys(&exact->span, eng_poly_init);
     exact->queries = 0;
 }
@@ -71,7 +72,7 @@ void eng_exact_deinit(struct eng_exact *exact)
     for (int i = 0; i < 24; i++) {
         mpz_clear(exact->span.x[i / 12][i / 3 % 4][i % 3]);
     }
-    mpz_clears(exact->span.l, exact->span.r, exact->span.num, NULL);
+    mpz_clears(exact->span.l, exact->span.r, exact->span.num, exact->span.end, NULL);
     for_all_polys(&exact->span, eng_poly_deinit);
 }
 
@@ -229,9 +230,25 @@ static void advance(struct eng_exact_span *span, unsigned long *k)
     }
 }
 
+/* Something happens between num / 2^k and (num + `wide`) / 2^k. Rounded outward, and
+ * merged with what was found before. */
+static void found_at(struct eng_exact_span *span, unsigned long k, unsigned wide)
+{
+    long exponent;
+    double number = mpz_get_d_2exp(&exponent, span->num); /* cut off, not rounded */
+    double from = ldexp(number, (int)(exponent - (long)k));
+    mpz_add_ui(span->end, span->num, wide);
+    number = mpz_get_d_2exp(&exponent, span->end);
+    double to = ldexp(number, (int)(exponent - (long)k)) * (1 + 0x1p-51);
+    to += number > 0 ? 0x1p-1022 : 0;
+    span->found[0] = fmin(span->found[0], from);
+    span->found[1] = fmin(span->found[1], to);
+}
+
 /* Does some root of `poly` (not zero) in [0, 1] satisfy the first conditions->count of
- * span->condition? Ends because distinct roots separate and shared ones
- * are recognised. */
+ * span->condition? Ends because distinct roots separate and shared ones are recognised.
+ * With span->wants_first the root is the first of them, and span->found says where; else
+ * it is any. */
 static bool root_satisfies(struct eng_exact_span *span, const struct eng_poly *poly,
                            const struct conditions *conditions)
 {
@@ -243,7 +260,8 @@ static bool root_satisfies(struct eng_exact_span *span, const struct eng_poly *p
         return false;
     }
     mpz_set_ui(span->num, 1);
-    if (eng_poly_sign_at_1(&span->root) == 0 && hold_at_left(span, conditions, 0)) {
+    bool at_1 = eng_poly_sign_at_1(&span->root) == 0 && hold_at_left(span, conditions, 0);
+    if (at_1 && !span->wants_first) {
         return true;
     }
     mpz_set_ui(span->num, 0);
@@ -251,23 +269,28 @@ static bool root_satisfies(struct eng_exact_span *span, const struct eng_poly *p
         int sign;
         eng_poly_zoom(&span->zoomed, &span->root, span->num, k);
         if (eng_poly_sign_at_0(&span->zoomed) == 0 && hold_at_left(span, conditions, k)) {
+            found_at(span, k, 0);
             return true;
         }
         int roots = eng_poly_variations(&span->zoomed, &sign);
         enum verdict verdict = roots == 0   ? NO
                                : roots == 1 ? judge(span, conditions, k, has_common)
                                             : REFINE;
-        if (verdict == YES) {
+        if (verdict == YES && (!span->wants_first || k >= span->depth_min)) {
+            found_at(span, k, 1);
             return true;
         }
-        if (verdict == REFINE) {
+        if (verdict == NO) {
+            advance(span, &k);
+        } else {
             mpz_mul_2exp(span->num, span->num, 1);
             k++;
-        } else {
-            advance(span, &k);
         }
     }
-    return false;
+    if (at_1) {
+        found_at(span, 0, 0); /* num is 1 */
+    }
+    return at_1;
 }
 
 /* Does point i lie on the closed segment from j to k at some time? */
@@ -283,9 +306,12 @@ static bool event_occurs(struct eng_exact *exact, int i, int j, int k)
     if (span->det.degree < 0) {
         /* On one line all the time: is the product ever <= 0? */
         const struct conditions none = {0, false};
-        return eng_poly_sign_at_0(&span->beta) <= 0 ||
-               eng_poly_sign_at_1(&span->beta) <= 0 ||
-               root_satisfies(span, &span->beta, &none);
+        if (eng_poly_sign_at_0(&span->beta) <= 0) {
+            mpz_set_ui(span->num, 0);
+            found_at(span, 0, 0);
+            return true;
+        }
+        return root_satisfies(span, &span->beta, &none);
     }
     const struct conditions between = {1, false};
     eng_poly_negate(&span->beta);
@@ -295,12 +321,15 @@ static bool event_occurs(struct eng_exact *exact, int i, int j, int k)
 
 static bool any_event_occurs(struct eng_exact *exact, enum eng_kind kind)
 {
-    if (kind == ENG_VF) {
-        return event_occurs(exact, 0, 1, 2) || event_occurs(exact, 0, 2, 3) ||
-               event_occurs(exact, 0, 1, 3);
+    static const int vf[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}};
+    static const int ee[][3] = {{0, 2, 3}, {1, 2, 3}, {2, 0, 1}, {3, 0, 1}};
+    const int(*events)[3] = kind == ENG_VF ? vf : ee;
+    int count = kind == ENG_VF ? 3 : 4;
+    bool any = false;
+    for (int i = 0; i < count && !(any && !exact->span.wants_first); i++) {
+        any |= event_occurs(exact, events[i][0], events[i][1], events[i][2]);
     }
-    return event_occurs(exact, 0, 2, 3) || event_occurs(exact, 1, 2, 3) ||
-           event_occurs(exact, 2, 0, 1) || event_occurs(exact, 3, 0, 1);
+    return any;
 }
 
 /* det and the conditions of the domain. */
@@ -336,20 +365,55 @@ static struct conditions set_conditions(struct eng_exact *exact, enum eng_kind k
     return (struct conditions){count, true};
 }
 
-bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
-                     double r)
+static bool meets(struct eng_exact *exact, const struct eng_query *query, double l,
+                  double r)
 {
     struct eng_exact_span *span = &exact->span;
     exact->queries++;
+    span->found[0] = INFINITY;
+    span->found[1] = INFINITY;
     load_points(exact, query, l, r);
     struct conditions conditions = set_conditions(exact, query->kind);
+    bool any = false;
     if (span->det.degree < 0) {
         mpz_set_ui(span->num, 0);
-        if (hold_at_left(span, &conditions, 0)) {
+        any = hold_at_left(span, &conditions, 0);
+        if (any) {
+            found_at(span, 0, 0);
             return true;
         }
-    } else if (root_satisfies(span, &span->det, &conditions)) {
+    } else {
+        any = root_satisfies(span, &span->det, &conditions);
+    }
+    if (any && !span->wants_first) {
         return true;
     }
-    return any_event_occurs(exact, query->kind);
+    return any_event_occurs(exact, query->kind) || any;
+}
+
+bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
+                     double r)
+{
+    exact->span.wants_first = false;
+    return meets(exact, query, l, r);
+}
+
+bool eng_exact_first(struct eng_exact *exact, const struct eng_query *query,
+                     double tolerance, double *l, double *r)
+{
+    struct eng_exact_span *span = &exact->span;
+    double width = *r - *l;
+    int exponent;
+    frexp(width / tolerance, &exponent); /* width / tolerance < 2^exponent */
+    span->wants_first = true;
+    span->depth_min = exponent > 0 ? (unsigned long)exponent + 1 : 1;
+    if (!meets(exact, query, *l, *r)) {
+        return false;
+    }
+    /* Three roundings of numbers that are not negative: less than 4 u of the sum. */
+    double first = (*l + width * span->found[0]) * (1 - 0x1p-50);
+    double last = (*l + width * span->found[1]) * (1 + 0x1p-50);
+    *l = fmax(*l, first);
+    *r = fmin(*r, last);
+    return true;
 }

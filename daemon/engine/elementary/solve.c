@@ -26,9 +26,14 @@
 /* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
 #define SPANS_MAX 256
 
-/* Spans looked at before exact arithmetic takes the rest of the step. Measured: misses
- * and contacts in general position take 2 to 4, grazing ones up to 100. */
-#define WORK_MAX 500
+/* Spans looked at, some 200 ns each, before exact arithmetic takes the rest of the step.
+ * Measured: misses and contacts in general position take 2 to 4, grazing ones up to
+ * 100. */
+#define WORK_MAX 40
+
+/* Brackets are at most this long whatever the tolerance: a contact that is said to begin
+ * much earlier would be no use to who advances to it. */
+#define WIDTH_MAX 0x1p-30
 
 struct span {
     double l, r;
@@ -40,6 +45,7 @@ struct search {
     eng_base_t base;
     struct eng_motion motion;
     double tolerance;
+    double small; /* spans this short are looked at closely */
     double floor; /* spans this short are not cut again */
     struct eng_exact *exact;
     struct eng_moment moment[2]; /* at t = 0 and 1, once known */
@@ -130,8 +136,19 @@ static void set_hit(struct search *search, double l, double r, uint32_t flags,
 
 enum look { LOOK_EMPTY, LOOK_HIT, LOOK_CUT };
 
-/* A span that floating point cannot decide: exact arithmetic does. If it is longer than
- * the tolerance, halves of it follow until the first contact is bracketed. */
+/* A contact is certain in the span: bracket the first. */
+static enum look narrow(struct search *search, struct span span, struct eng_hit *hit)
+{
+    if (span.r - span.l > search->tolerance) {
+        eng_exact_first(search->exact, &search->query, search->tolerance, &span.l,
+                        &span.r);
+    }
+    set_hit(search, span.l, span.r, ENG_PROVED, hit);
+    return LOOK_HIT;
+}
+
+/* A span that floating point cannot decide: exact arithmetic does, and brackets the first
+ * contact if the span is longer than the tolerance. */
 static enum look decide_exactly(struct search *search, struct span span,
                                 struct eng_hit *hit)
 {
@@ -144,16 +161,7 @@ static enum look decide_exactly(struct search *search, struct span span,
         }
         return LOOK_EMPTY;
     }
-    while (span.r - span.l > search->tolerance) {
-        double m = 0.5 * (span.l + span.r);
-        if (eng_exact_meets(search->exact, &search->query, span.l, m)) {
-            span.r = m;
-        } else {
-            span.l = m;
-        }
-    }
-    set_hit(search, span.l, span.r, ENG_PROVED, hit);
-    return LOOK_HIT;
+    return narrow(search, span, hit);
 }
 
 /* Decide a short span, or say that it has to be cut. */
@@ -176,8 +184,7 @@ static enum look look_at_short(struct search *search, const struct span *span,
                                    ? ENG_PLANE_MEET
                                    : eng_plane_look(&search->query, span->l, span->r);
         if (plane == ENG_PLANE_MEET) {
-            set_hit(search, span->l, span->r, ENG_PROVED, hit);
-            return LOOK_HIT;
+            return narrow(search, *span, hit);
         }
         if (plane == ENG_PLANE_MISS) {
             return LOOK_EMPTY;
@@ -209,7 +216,7 @@ static enum look look_at(struct search *search, const struct span *span,
         (f[0] < -e && f[1] < -e && f[2] < -e && f[3] < -e)) {
         return LOOK_EMPTY;
     }
-    if (span->r - span->l <= search->tolerance) {
+    if (span->r - span->l <= search->small) {
         enum look look = look_at_short(search, span, &pose_l, &pose_r, f, hit);
         if (look != LOOK_CUT) {
             return look;
@@ -244,8 +251,9 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
 {
     struct search search;
     search.base = eng_query_rebase(query, &search.query);
-    search.tolerance = tolerance;
-    search.floor = fmax(tolerance * 0x1p-10, 0x1p-44);
+    search.floor = fmax(fmin(tolerance * 0x1p-10, WIDTH_MAX), 0x1p-44);
+    search.small = fmin(tolerance, 0x1p-20);
+    search.tolerance = fmin(tolerance, WIDTH_MAX);
     search.exact = exact;
     search.moment_known[0] = false;
     search.moment_known[1] = false;
@@ -258,7 +266,7 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     }
     double l;
     double r;
-    switch (eng_plane_first(&search.query, tolerance, &l, &r)) {
+    switch (eng_plane_first(&search.query, search.tolerance, &l, &r)) {
     case ENG_PLANE_MEET:
         set_hit(&search, l, r, ENG_PROVED, hit);
         return l <= t_end;

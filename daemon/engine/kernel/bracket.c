@@ -24,8 +24,8 @@
 /* Sizes below this, where products might lose bits, are left to those who scale. */
 #define SIZE_MIN 0x1p-200
 
-/* Longer brackets would need more terms in the bound of the domain. */
-#define WIDTH_MAX 0x1p-10
+/* Longer brackets are left to the search, which narrows them. */
+#define WIDTH_MAX 0x1p-30
 
 /* Three difference vectors. VF: vertex - corner k; EE: p, b, c. */
 struct motion {
