@@ -12,6 +12,7 @@
 #ifndef ENG_BOXES_H
 #define ENG_BOXES_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* Boxes of a block, for every instruction set: 2^ENG_WIDE_BITS. */
@@ -46,7 +47,9 @@ struct eng_join {
     const uint32_t *a_corner[3];
     const uint32_t *b_corner[3];
     float t_end;    /* < 1: pairs that certainly do not meet up to then are left out */
+    bool in_time;   /* of features: pairs that no time brings together on all axes, too */
     uint64_t tests; /* counts: one box against a block */
+    uint64_t apart_in_time; /* counts: pairs left out for in_time */
 };
 
 /* Pairs that the boxes of two blocks make at most, and the places behind the last one

@@ -108,6 +108,11 @@ ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
     return (eng_f)_mm512_max_ps((__m512)a, (__m512)b);
 }
 
+ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
+{
+    return (eng_f)_mm512_mask_blend_ps(m, (__m512)b, (__m512)a);
+}
+
 ENG_INLINE eng_d eng_d_sqrt(eng_d a)
 {
     return (eng_d)_mm512_sqrt_pd((__m512d)a);

@@ -11,8 +11,15 @@
 #include "wide_join.h"
 #include "worker.h"
 
+/* When the join looks at times (boxes.h). */
+struct eng_wide_times {
+    uint64_t apart;          /* job.apart_in_time when the last chunk went */
+    uint32_t chunks_without; /* chunks until it looks again */
+};
+
 struct eng_wide_work {
     struct eng_wide_join join;
+    struct eng_wide_times times[ENG_KINDS];
     uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
     struct eng_batch batch;
 };
