@@ -389,12 +389,12 @@ static void trace__is_one_at_a_time_and_of_its_session(void **state)
     struct pccd_client *other = test_connect(test_shared.url);
     struct recording recording;
     struct pccd_answer answer;
-    uint64_t bytes;
     int rc = PCCD_E_BUSY;
 
     (void)state;
     assert_non_null(other);
-    bytes = test_stat(other, "engine_bytes_now");
+    /* What the sessions before had may still be on its way out. */
+    assert_int_equal(test_stat_await(other, "engine_bytes_now", 0), 0);
     open_grid();
     assert_int_equal(pccd_trace_stop(grid.client, NULL), PCCD_E_STATE);
     assert_int_equal(pccd_trace_dump(grid.client, collect, &recording), PCCD_E_STATE);
@@ -428,7 +428,7 @@ static void trace__is_one_at_a_time_and_of_its_session(void **state)
     pccd_close(other);
     other = test_connect(test_shared.url);
     assert_non_null(other);
-    assert_int_equal(test_stat_await(other, "engine_bytes_now", bytes), bytes);
+    assert_int_equal(test_stat_await(other, "engine_bytes_now", 0), 0);
     pccd_close(other);
 }
 
