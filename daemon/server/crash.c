@@ -119,7 +119,11 @@ static void on_fatal(int signal)
 void srv_crash_thread(void)
 {
     const stack_t stack = {.ss_sp = handler_stack, .ss_size = sizeof handler_stack};
-    sigaltstack(&stack, NULL);
+    stack_t present;
+    /* A sanitizer gives each thread a stack of its own, which it wants back. */
+    if (sigaltstack(NULL, &present) == 0 && (present.ss_flags & SS_DISABLE) != 0) {
+        sigaltstack(&stack, NULL);
+    }
 }
 
 void srv_crash_note(const char *method, uint64_t session, uint32_t id)
