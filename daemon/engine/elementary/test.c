@@ -129,16 +129,32 @@ static void test_group(struct eng_worker *worker, enum eng_kind kind,
     }
 }
 
+void eng_test_count(struct eng_worker *worker, enum eng_kind kind, uint32_t candidates)
+{
+    if (kind == ENG_VF) {
+        worker->tally.candidates_vf += candidates;
+    } else {
+        worker->tally.candidates_ee += candidates;
+    }
+}
+
+void eng_test_end(struct eng_worker *worker, enum eng_kind kind, uint32_t tested,
+                  uint64_t begin_ns)
+{
+    uint64_t end_ns = eng_now_ns();
+    worker->record.tests_ns += end_ns - begin_ns;
+    if (tested > 0) {
+        eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_TESTS, begin_ns,
+                      end_ns, kind, tested);
+    }
+}
+
 void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
 {
     uint64_t begin_ns = eng_now_ns();
     struct eng_chunk *chunk = kind == ENG_VF ? &worker->vf : &worker->ee;
     uint32_t count = chunk->count;
-    if (kind == ENG_VF) {
-        worker->tally.candidates_vf += chunk->count;
-    } else {
-        worker->tally.candidates_ee += chunk->count;
-    }
+    eng_test_count(worker, kind, count);
     if (worker->settings->mode == ENG_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else {
@@ -149,10 +165,5 @@ void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
     }
     chunk->count = 0;
     eng_worker_should_stop(worker);
-    uint64_t end_ns = eng_now_ns();
-    worker->record.tests_ns += end_ns - begin_ns;
-    if (count > 0) {
-        eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_TESTS, begin_ns,
-                      end_ns, kind, count);
-    }
+    eng_test_end(worker, kind, count, begin_ns);
 }

@@ -13,6 +13,13 @@
 /* Test and empty one of the worker's chunks. */
 void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind);
 
+/* Count candidates whose boxes overlap, tested or not. */
+void eng_test_count(struct eng_worker *worker, enum eng_kind kind, uint32_t candidates);
+
+/* The tests of a chunk, `tested` of them, that began at `begin_ns` end now. */
+void eng_test_end(struct eng_worker *worker, enum eng_kind kind, uint32_t tested,
+                  uint64_t begin_ns);
+
 /* Keep what a test has found, as the mode of the step wants it. */
 void eng_test_keep(struct eng_worker *worker, const struct eng_pair *name,
                    const struct eng_hit *hit);

@@ -105,9 +105,4 @@ ENG_INLINE eng_d eng_d_abs(eng_d a)
     return (eng_d)((eng_di)a & INT64_MAX);
 }
 
-ENG_INLINE eng_f eng_f_abs(eng_f a)
-{
-    return (eng_f)((eng_fi)a & INT32_MAX);
-}
-
 #endif

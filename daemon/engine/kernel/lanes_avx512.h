@@ -24,11 +24,6 @@ ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
     return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LE_OQ);
 }
 
-ENG_INLINE eng_dm eng_d_equal(eng_d a, eng_d b)
-{
-    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_EQ_OQ);
-}
-
 ENG_INLINE eng_fm eng_f_less(eng_f a, eng_f b)
 {
     return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
@@ -54,11 +49,6 @@ ENG_INLINE eng_fm eng_fm_and(eng_fm a, eng_fm b)
     return a & b;
 }
 
-ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
-{
-    return a | b;
-}
-
 /* Bit i is lane i's. */
 ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
 {
@@ -68,11 +58,6 @@ ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
 ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
 {
     return m;
-}
-
-ENG_INLINE eng_dm eng_dm_of(uint32_t bits)
-{
-    return (eng_dm)bits;
 }
 
 /* a where the mask is set, else b. */
@@ -96,11 +81,6 @@ ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
 ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
 {
     return (eng_d)_mm512_range_pd((__m512d)a, (__m512d)b, 0xb);
-}
-
-ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
-{
-    return (eng_f)_mm512_min_ps((__m512)a, (__m512)b);
 }
 
 ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)

@@ -32,11 +32,6 @@ ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
     return ENG_COMPARE_D(a, <=, b);
 }
 
-ENG_INLINE eng_dm eng_d_equal(eng_d a, eng_d b)
-{
-    return ENG_COMPARE_D(a, ==, b);
-}
-
 ENG_INLINE eng_fm eng_f_less(eng_f a, eng_f b)
 {
     return ENG_COMPARE_F(a, <, b);
@@ -60,11 +55,6 @@ ENG_INLINE eng_dm eng_dm_not(eng_dm a)
 ENG_INLINE eng_fm eng_fm_and(eng_fm a, eng_fm b)
 {
     return a & b;
-}
-
-ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
-{
-    return a | b;
 }
 
 ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
@@ -95,15 +85,6 @@ ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
     }
     return bits;
 #endif
-}
-
-ENG_INLINE eng_dm eng_dm_of(uint32_t bits)
-{
-    eng_dm m;
-    for (unsigned i = 0; i < ENG_D_LANES; i++) {
-        m[i] = -(int64_t)(bits >> i & 1u);
-    }
-    return m;
 }
 
 ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
@@ -142,17 +123,6 @@ ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
 ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
 {
     return (eng_f)((m & (eng_fi)a) | (~m & (eng_fi)b));
-}
-
-ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
-{
-#if ENG_VECTOR_BYTES == 32
-    return (eng_f)_mm256_min_ps((__m256)a, (__m256)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
-    return (eng_f)_mm_min_ps((__m128)a, (__m128)b);
-#else
-    return eng_f_select(ENG_COMPARE_F(a, <, b), a, b);
-#endif
 }
 
 ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)

@@ -146,12 +146,7 @@ static void flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
     struct eng_worker *worker = owner;
     uint64_t begin_ns = eng_now_ns();
     uint32_t count = chunk->count;
-    uint32_t met = count + left_out_in_time(worker->wide, kind, count);
-    if (kind == ENG_VF) {
-        worker->tally.candidates_vf += met;
-    } else {
-        worker->tally.candidates_ee += met;
-    }
+    eng_test_count(worker, kind, count + left_out_in_time(worker->wide, kind, count));
     if (worker->settings->mode == ENG_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else if (!eng_stop_is_set(worker->stop)) {
@@ -159,12 +154,7 @@ static void flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
     }
     chunk->count = 0;
     look(worker);
-    uint64_t end_ns = eng_now_ns();
-    worker->record.tests_ns += end_ns - begin_ns;
-    if (count > 0) {
-        eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_TESTS, begin_ns,
-                      end_ns, kind, count);
-    }
+    eng_test_end(worker, kind, count, begin_ns);
 }
 
 void eng_wide_work_begin(struct eng_worker *worker)
