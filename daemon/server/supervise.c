@@ -79,6 +79,10 @@ static int on_end(struct supervisor *supervisor, int wait_status)
     if (exited && WEXITSTATUS(wait_status) == 0) {
         return 0;
     }
+    if (supervisor->stopping && !exited &&
+        (WTERMSIG(wait_status) == SIGTERM || WTERMSIG(wait_status) == SIGINT)) {
+        return 0; /* the signal came before it could take it in order */
+    }
     if (exited) {
         srv_log(SRV_LOG_ERROR, 0, "worker %ld ended with status %d", pid,
                 WEXITSTATUS(wait_status));
