@@ -1,13 +1,14 @@
 /* fuzz_range.h - arithmetic on ranges of numbers, rounded outward.
  *
  * Room:     tests/fuzz. May include: the C library.
- * Does:     sum, difference and product of ranges, in long double.
+ * Does:     sum, difference and product of ranges of FUZZ_REAL, which is double or what
+ *           the including file says; FUZZ_EPSILON is its DBL_EPSILON.
  * Threads:  [any]; inline only.
  *
- * Each end is computed once, to nearest: it is off by at most 2^-64 of itself (2^-53
- * where a long double is a double), or by less than the least normal number. It is moved
- * outward by twice that. So the result contains every value that the operation has for
- * members of its operands.
+ * Each end is computed once, to nearest: it is off by at most half an epsilon of itself,
+ * or by less than the least normal number. It is moved outward by twice that, and by more
+ * than the other. So the result contains every value that the operation has for members
+ * of its operands.
  */
 #ifndef FUZZ_RANGE_H
 #define FUZZ_RANGE_H
@@ -16,20 +17,44 @@
 #include <math.h>
 #include <stdbool.h>
 
+#ifndef FUZZ_REAL
+#define FUZZ_REAL    double
+#define FUZZ_EPSILON DBL_EPSILON
+#endif
+
+/* Products of four of it are normal numbers still: others take a hundred times as
+ * long. */
+#define RANGE_LEAST 0x1p-250
+
 struct range {
-    long double lo;
-    long double hi;
+    FUZZ_REAL lo;
+    FUZZ_REAL hi;
 };
 
-static inline struct range range_widened(long double lo, long double hi)
+static inline FUZZ_REAL range_least(FUZZ_REAL a, FUZZ_REAL b)
 {
-    return (struct range){lo - fabsl(lo) * LDBL_EPSILON - LDBL_MIN,
-                          hi + fabsl(hi) * LDBL_EPSILON + LDBL_MIN};
+    return a < b ? a : b;
+}
+
+static inline FUZZ_REAL range_most(FUZZ_REAL a, FUZZ_REAL b)
+{
+    return a > b ? a : b;
+}
+
+static inline FUZZ_REAL range_size(FUZZ_REAL a)
+{
+    return range_most(a, -a);
+}
+
+static inline struct range range_widened(FUZZ_REAL lo, FUZZ_REAL hi)
+{
+    return (struct range){lo - (range_size(lo) * FUZZ_EPSILON + RANGE_LEAST),
+                          hi + (range_size(hi) * FUZZ_EPSILON + RANGE_LEAST)};
 }
 
 static inline struct range range_of(double x)
 {
-    return (struct range){(long double)x, (long double)x};
+    return (struct range){(FUZZ_REAL)x, (FUZZ_REAL)x};
 }
 
 static inline struct range range_add(struct range a, struct range b)
@@ -44,20 +69,17 @@ static inline struct range range_sub(struct range a, struct range b)
 
 static inline struct range range_mul(struct range a, struct range b)
 {
-    long double p = a.lo * b.lo;
-    long double q = a.lo * b.hi;
-    long double r = a.hi * b.lo;
-    long double s = a.hi * b.hi;
-    long double lo0 = p < q ? p : q;
-    long double lo1 = r < s ? r : s;
-    long double hi0 = p > q ? p : q;
-    long double hi1 = r > s ? r : s;
-    return range_widened(lo0 < lo1 ? lo0 : lo1, hi0 > hi1 ? hi0 : hi1);
+    FUZZ_REAL p = a.lo * b.lo;
+    FUZZ_REAL q = a.lo * b.hi;
+    FUZZ_REAL r = a.hi * b.lo;
+    FUZZ_REAL s = a.hi * b.hi;
+    return range_widened(range_least(range_least(p, q), range_least(r, s)),
+                         range_most(range_most(p, q), range_most(r, s)));
 }
 
 static inline struct range range_unite(struct range a, struct range b)
 {
-    return (struct range){a.lo < b.lo ? a.lo : b.lo, a.hi > b.hi ? a.hi : b.hi};
+    return (struct range){range_least(a.lo, b.lo), range_most(a.hi, b.hi)};
 }
 
 /* Of every member: 1, -1, or 0 if they differ or are not known. */

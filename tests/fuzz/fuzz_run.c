@@ -26,6 +26,7 @@ struct chunk {
     struct eng_hit hits[ENG_CHUNK_MAX];
     struct eng_point points[4 * ENG_CHUNK_MAX];
     uint32_t quads[ENG_CHUNK_MAX][4];
+    uint32_t answers; /* of the batch */
     struct eng_batch batch;
 };
 
@@ -51,13 +52,16 @@ static bool same_hit(const struct eng_hit *a, const struct eng_hit *b)
            memcmp(a->normal, b->normal, sizeof a->normal) == 0;
 }
 
-static void count_early(struct fuzz_run *run, double early)
+static void count_early(struct fuzz_run *run, const struct eng_hit *hit, double early)
 {
+    run->bracket_max = fmax(run->bracket_max, hit->toi_hi - hit->toi);
+    if (early < 0) {
+        return;
+    }
     double bin = 20 * (log10(fmax(early, 1e-20)) + 20);
     uint32_t i = bin < 0 ? 0 : bin >= FUZZ_BINS ? FUZZ_BINS - 1 : (uint32_t)bin;
     run->early_bins[i]++;
     run->early_count++;
-    run->early_max = fmax(run->early_max, early);
 }
 
 /* The scalar call's answers over the whole step, against the truth. */
@@ -81,7 +85,7 @@ static void judge_scalar(struct fuzz_run *run, struct chunk *chunk)
         run->family_queries[chunk->family[i]]++;
         run->family_hits[chunk->family[i]] += chunk->found[i];
         if (chunk->found[i] && chunk->tolerance == TOLERANCE_DEFAULT) {
-            count_early(run, early);
+            count_early(run, &chunk->hits[i], early);
         }
     }
 }
@@ -107,48 +111,127 @@ static void lay_out(struct fuzz_run *run, struct chunk *chunk)
     }
 }
 
-static void compare_set(struct fuzz_run *run, struct chunk *chunk,
-                        const struct eng_kernels *kernels)
+/* What the first set that tests a chunk leaves unsure. eng_search takes that over, the
+ * same code for every set and for the scalar call: so all sets must leave the same pairs
+ * to it, and one of them, at some chunks, goes on to the end. The others stop at the
+ * first query that needs exact arithmetic, most of the time of a batch. */
+struct unsure {
+    bool pair[ENG_CHUNK_MAX];
+    uint32_t count;
+};
+
+/* Of chunks with the whole step, one of so many is tested to the end. */
+#define WHOLE_EACH 4u
+
+static bool stop_at_once(void *owner)
+{
+    (void)owner;
+    return true;
+}
+
+static void note_unsure(const struct chunk *chunk, struct unsure *unsure)
+{
+    memset(unsure, 0, sizeof *unsure);
+    unsure->count = chunk->batch.unsure_count;
+    for (uint32_t i = 0; i < unsure->count; i++) {
+        unsure->pair[chunk->batch.unsure[i]] = true;
+    }
+}
+
+static bool leaves_the_same(const struct chunk *chunk, const struct unsure *unsure)
+{
+    if (chunk->batch.unsure_count != unsure->count) {
+        return false;
+    }
+    for (uint32_t i = 0; i < unsure->count; i++) {
+        if (!unsure->pair[chunk->batch.unsure[i]]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* NULL, or what is wrong with the answer to a pair. */
+static const char *wrong(const struct chunk *chunk, uint32_t pair, bool may_lack,
+                         const struct eng_hit *answer)
+{
+    bool due = chunk->found[pair] && chunk->hits[pair].toi <= chunk->t_end;
+    if (!answer) {
+        return due && !may_lack ? "misses what the scalar call finds" : NULL;
+    }
+    return !due ? "finds what the scalar call does not"
+           : !same_hit(answer, &chunk->hits[pair])
+               ? "has other bytes than the scalar call"
+               : NULL;
+}
+
+/* To the end, or to the first query that needs exact arithmetic. False: failed. */
+static bool compare_set(struct fuzz_run *run, struct chunk *chunk,
+                        const struct eng_kernels *kernels, bool to_the_end,
+                        const struct unsure *unsure)
 {
     char what[100];
     const struct eng_hit *answers[ENG_CHUNK_MAX] = {NULL};
-    uint32_t count = eng_batch_test(
-        kernels, chunk->kind, chunk->points, (const uint32_t(*)[4])chunk->quads,
-        chunk->count, chunk->tolerance, chunk->t_end, &run->exact, &chunk->batch);
-    run->survivors += kernels->isa == ENG_ISA_SCALAR ? chunk->batch.survivors : 0;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < chunk->answers; i++) {
         uint32_t pair = chunk->batch.index[i];
         if (pair >= chunk->count || answers[pair]) {
             fail(run, chunk, &chunk->queries[0], "a batch names a pair twice, or none");
-            return;
+            return false;
         }
         answers[pair] = &chunk->batch.hits[i];
     }
+    bool good = true;
     for (uint32_t i = 0; i < chunk->count; i++) {
-        bool due = chunk->found[i] && chunk->hits[i].toi <= chunk->t_end;
-        const char *how = due && !answers[i]   ? "misses what the scalar call finds"
-                          : !due && answers[i] ? "finds what the scalar call does not"
-                          : due && !same_hit(answers[i], &chunk->hits[i])
-                              ? "has other bytes than the scalar call"
-                              : NULL;
+        const char *how = wrong(chunk, i, !to_the_end && unsure->pair[i], answers[i]);
         if (how) {
             snprintf(what, sizeof what, "the batch of %s %s (pair %u of %u)",
                      kernels->name, how, i, chunk->count);
             fail(run, chunk, &chunk->queries[i], what);
+            good = false;
         }
     }
+    return good;
 }
 
+static void test_batch(struct fuzz_run *run, struct chunk *chunk,
+                       const struct eng_kernels *kernels, bool to_the_end)
+{
+    chunk->batch.should_stop = to_the_end ? NULL : stop_at_once;
+    chunk->answers = eng_batch_test(
+        kernels, chunk->kind, chunk->points, (const uint32_t(*)[4])chunk->quads,
+        chunk->count, chunk->tolerance, chunk->t_end, &run->exact, &chunk->batch);
+    run->survivors += kernels->isa == ENG_ISA_SCALAR ? chunk->batch.survivors : 0;
+}
+
+/* Each set in turn is the first. */
 static void compare_sets(struct fuzz_run *run, struct chunk *chunk)
 {
-    run->sets = 0;
+    static struct unsure unsure;
+    const struct eng_kernels *sets[ENG_ISA_COUNT];
+    uint32_t count = 0;
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
         if (kernels) {
-            compare_set(run, chunk, kernels);
-            run->sets++;
+            sets[count++] = kernels;
         }
     }
+    uint64_t turn = run->chunks++;
+    bool to_the_end = chunk->t_end < 1 || turn / count % WHOLE_EACH == 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct eng_kernels *kernels = sets[(turn + i) % count];
+        test_batch(run, chunk, kernels, to_the_end && i == 0);
+        if (i == 0) {
+            note_unsure(chunk, &unsure);
+        } else if (!leaves_the_same(chunk, &unsure)) {
+            fail(run, chunk, &chunk->queries[0],
+                 "sets leave other pairs of a chunk unsure; its first query");
+            return;
+        }
+        if (!compare_set(run, chunk, kernels, to_the_end && i == 0, &unsure)) {
+            return;
+        }
+    }
+    run->sets = count;
 }
 
 /* What is known of the answer to a changed query. */
@@ -189,7 +272,7 @@ static void run_chunk(struct fuzz_run *run, struct chunk *chunk)
     judge_scalar(run, chunk);
     compare_sets(run, chunk);
     for (uint32_t i = 0; i < chunk->count; i++) {
-        if (prng_below(&run->prng, 4) == 0) {
+        if (prng_below(&run->prng, 8) == 0) {
             compare_changed(run, chunk, i);
         }
     }
@@ -243,7 +326,9 @@ void fuzz_run_query(struct fuzz_run *run, const struct eng_query *query, double 
         chunk.queries[i] = *query;
         chunk.family[i] = FUZZ_RANDOM;
     }
-    run_chunk(run, &chunk);
+    for (run->chunks = 0; run->chunks < ENG_ISA_COUNT;) { /* each set to the end */
+        run_chunk(run, &chunk);
+    }
 }
 
 double fuzz_run_early(const struct fuzz_run *run, double share)
@@ -256,5 +341,29 @@ double fuzz_run_early(const struct fuzz_run *run, double share)
             return pow(10, (i + 1) / 20.0 - 20);
         }
     }
-    return run->early_max;
+    return 0;
+}
+
+void fuzz_run_add(struct fuzz_run *total, const struct fuzz_run *run)
+{
+    total->failures += run->failures;
+    total->queries += run->queries;
+    total->hits += run->hits;
+    total->survivors += run->survivors;
+    total->exact_queries += run->exact_queries;
+    total->chunks += run->chunks;
+    total->sets = total->sets > run->sets ? total->sets : run->sets;
+    total->cpu_s += run->cpu_s;
+    for (int i = 0; i < FUZZ_FAMILIES; i++) {
+        total->family_queries[i] += run->family_queries[i];
+        total->family_hits[i] += run->family_hits[i];
+    }
+    total->tally.ranges += run->tally.ranges;
+    total->tally.exact += run->tally.exact;
+    total->tally.place_max = fmax(total->tally.place_max, run->tally.place_max);
+    total->bracket_max = fmax(total->bracket_max, run->bracket_max);
+    total->early_count += run->early_count;
+    for (uint32_t i = 0; i < FUZZ_BINS; i++) {
+        total->early_bins[i] += run->early_bins[i];
+    }
 }

@@ -25,12 +25,15 @@ struct fuzz_run {
     uint64_t hits;
     uint64_t survivors;     /* of the filter */
     uint64_t exact_queries; /* put to exact arithmetic by the engine */
-    uint64_t sets;          /* instruction sets that were compared */
+    uint64_t chunks;
+    uint64_t sets; /* instruction sets that were compared */
     uint64_t family_queries[FUZZ_FAMILIES];
     uint64_t family_hits[FUZZ_FAMILIES];
     struct fuzz_tally tally;
-    /* How early toi was, of contacts with the default tolerance. */
-    double early_max;
+    double cpu_s; /* set by the owner */
+    /* Of contacts with the default tolerance: the longest bracket, and how early toi
+     * was, of those where the judge has found out. */
+    double bracket_max;
     uint64_t early_count;
     uint64_t early_bins[FUZZ_BINS];
     struct eng_exact exact;
@@ -45,6 +48,9 @@ void fuzz_run_more(struct fuzz_run *run, uint64_t count);
 /* One query, as fuzz_query_read gave it. */
 void fuzz_run_query(struct fuzz_run *run, const struct eng_query *query, double tolerance,
                     double t_end);
+
+/* Add the counters of another run. */
+void fuzz_run_add(struct fuzz_run *total, const struct fuzz_run *run);
 
 /* The time that `share` of the contacts are at most early by. */
 double fuzz_run_early(const struct fuzz_run *run, double share);

@@ -33,7 +33,8 @@ struct fuzz_tally {
 };
 
 /* `hit` NULL: the claim is that there is no contact. For a contact *early is how long
- * toi certainly is not before it: the first contact is within [toi, toi + *early]. */
+ * toi certainly is not before it: the first contact is within [toi, toi + *early]; -1:
+ * nobody has found out. */
 enum fuzz_judgement fuzz_judge(const struct eng_query *query, const struct eng_hit *hit,
                                double tolerance, struct fuzz_tally *tally, double *early);
 

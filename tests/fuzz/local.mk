@@ -1,6 +1,6 @@
 # tests/fuzz/local.mk - the elementary tests against exact arithmetic, on random queries.
 #
-# make fuzz-elementary FUZZ_QUERIES=1e8 FUZZ_SEED=1
+# make fuzz-elementary FUZZ_QUERIES=1e8 FUZZ_SEED=1 FUZZ_JOBS=2    half an hour
 # tests/fuzz/elementary --replay FILE     lines that a failure has printed
 
 fuzz_sources = \
@@ -9,6 +9,9 @@ fuzz_sources = \
     tests/fuzz/fuzz_range.h \
     tests/fuzz/fuzz_run.c \
     tests/fuzz/fuzz_run.h \
+    tests/fuzz/fuzz_spans.c \
+    tests/fuzz/fuzz_spans.h \
+    tests/fuzz/fuzz_spans_long.c \
     tests/fuzz/fuzz_truth.c \
     tests/fuzz/fuzz_truth.h
 FUZZ_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/tests/oracle \
@@ -28,6 +31,8 @@ tests_fuzz_test_eng_elementary_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
 
 FUZZ_QUERIES = 1e7
 FUZZ_SEED = 1
+FUZZ_JOBS = 2
 .PHONY: fuzz-elementary
 fuzz-elementary: tests/fuzz/elementary
-	tests/fuzz/elementary --queries $(FUZZ_QUERIES) --seed $(FUZZ_SEED)
+	nice -n 19 tests/fuzz/elementary --queries $(FUZZ_QUERIES) --seed $(FUZZ_SEED) \
+	    --jobs $(FUZZ_JOBS)

@@ -1,0 +1,31 @@
+/* fuzz_spans.h - what ranges prove about an elementary test.
+ *
+ * Room:     tests/fuzz. May include: engine headers.
+ * Does:     prove that features do not meet within a span of time, or that they meet
+ *           first within a bracket; in double, and more slowly in long double.
+ * Does not: disprove anything: "false" says that ranges cannot tell. Shares no argument
+ *           with the engine: ranges need no error bound.
+ * Threads:  [any].
+ */
+#ifndef FUZZ_SPANS_H
+#define FUZZ_SPANS_H
+
+#include "query.h"
+
+/* Does an axis separate the features throughout the step? Comparisons alone, exact. */
+bool fuzz_is_apart(const struct eng_query *query);
+
+/* From l to r, 0 <= l < r <= 1, or to what is returned, there is certainly no contact.
+ * Looks at `work` spans at most. */
+double fuzz_clear_until_double(const struct eng_query *query, double l, double r,
+                               int work);
+double fuzz_clear_until_long(const struct eng_query *query, double l, double r, int work);
+
+/* Certainly a contact between l < r, if there is none before l? *early: it is before
+ * l + *early. */
+bool fuzz_is_crossing_double(const struct eng_query *query, double l, double r,
+                             double *early);
+bool fuzz_is_crossing_long(const struct eng_query *query, double l, double r,
+                           double *early);
+
+#endif

@@ -1,0 +1,11 @@
+/* fuzz_spans_long.c - what ranges of long doubles prove about an elementary test.
+ *
+ * Room:     tests/fuzz.
+ * Does:     fuzz_spans.c once more, with 11 more bits on x86.
+ * Threads:  [any].
+ */
+#define FUZZ_SPANS_LONG
+#define FUZZ_REAL    long double
+#define FUZZ_EPSILON LDBL_EPSILON
+
+#include "fuzz_spans.c"
