@@ -63,50 +63,100 @@ struct widths {
     int name, value;
 };
 
+/* What is printed besides the counters. */
+static const char cpu_text[] = "instruction set that steps use";
+static const char share_text[] =
+    "of the candidates, the share that took exact arithmetic";
+
+struct shares {
+    uint64_t exact, candidates;
+};
+
+struct listing {
+    struct widths widths;
+    struct shares shares;
+};
+
+static void widen(struct widths *widths, int name, int value)
+{
+    widths->name = name > widths->name ? name : widths->name;
+    widths->value = value > widths->value ? value : widths->value;
+}
+
 static void measure(void *context, const char *name, uint64_t value, const char *text)
 {
-    struct widths *widths = context;
-    int name_width = (int)strlen(name);
-    int value_width = snprintf(NULL, 0, "%" PRIu64, value);
+    struct listing *listing = context;
     (void)text;
-    if (name_width > widths->name) {
-        widths->name = name_width;
+    widen(&listing->widths, (int)strlen(name), snprintf(NULL, 0, "%" PRIu64, value));
+}
+
+static void note_share(struct shares *shares, const char *name, uint64_t value)
+{
+    if (strcmp(name, "exact") == 0) {
+        shares->exact = value;
+    } else if (strcmp(name, "candidates") == 0) {
+        shares->candidates = value;
     }
-    if (value_width > widths->value) {
-        widths->value = value_width;
-    }
+}
+
+/* 0 before the first candidate. */
+static double share(const struct shares *shares)
+{
+    return shares->candidates ? (double)shares->exact / (double)shares->candidates : 0;
 }
 
 static void print_line(void *context, const char *name, uint64_t value, const char *text)
 {
-    const struct widths *widths = context;
-    printf("%-*s  %*" PRIu64 "  %s\n", widths->name, name, widths->value, value, text);
+    struct listing *listing = context;
+    note_share(&listing->shares, name, value);
+    printf("%-*s  %*" PRIu64 "  %s\n", listing->widths.name, name, listing->widths.value,
+           value, text);
 }
+
+struct members {
+    json_t *object;
+    struct shares shares;
+};
 
 static void add_member(void *context, const char *name, uint64_t value, const char *text)
 {
+    struct members *members = context;
     (void)text;
-    json_object_set_new(context, name, json_integer((json_int_t)value));
+    note_share(&members->shares, name, value);
+    json_object_set_new(members->object, name, json_integer((json_int_t)value));
 }
 
 static int print_json(struct pccd_client *client)
 {
-    json_t *object = json_object();
-    int status = pccd_stats(client, add_member, object);
+    struct members members = {.object = json_object()};
+    int status = pccd_stats(client, add_member, &members);
     if (status == PCCD_OK) {
-        json_dumpf(object, stdout, JSON_INDENT(2));
+        json_object_set_new(members.object, "exact_share",
+                            json_real(share(&members.shares)));
+        json_object_set_new(members.object, "cpu", json_string(pccd_daemon_cpu(client)));
+        json_dumpf(members.object, stdout, JSON_INDENT(2));
         putchar('\n');
     }
-    json_decref(object);
+    json_decref(members.object);
     return status;
 }
 
 static int print_list(struct pccd_client *client)
 {
-    struct widths widths = {0, 0};
-    int status = pccd_stats(client, measure, &widths);
+    struct listing listing = {{0, 0}, {0, 0}};
+    const struct widths *widths = &listing.widths;
+    const char *cpu = pccd_daemon_cpu(client);
+    char number[32];
+    int status = pccd_stats(client, measure, &listing);
+    widen(&listing.widths, (int)strlen("exact_share"), (int)strlen(cpu));
     if (status == PCCD_OK) {
-        status = pccd_stats(client, print_line, &widths);
+        status = pccd_stats(client, print_line, &listing);
+    }
+    if (status == PCCD_OK) {
+        snprintf(number, sizeof number, "%.4g", share(&listing.shares));
+        printf("%-*s  %*s  %s\n", widths->name, "exact_share", widths->value, number,
+               share_text);
+        printf("%-*s  %*s  %s\n", widths->name, "cpu", widths->value, cpu, cpu_text);
     }
     return status;
 }

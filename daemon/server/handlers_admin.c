@@ -78,6 +78,7 @@ int srv_on_STATS(struct srv_call *call)
     result->jobs_queued_now = srv_compute_queued(&loop->compute);
     result->allocs = eng_alloc_count();
     result->engine_bytes_now = eng_alloc_bytes();
+    strcpy(result->cpu, eng_kernels()->name);
     return 0;
 }
 

@@ -15,6 +15,8 @@ void srv_metrics_add_step(struct srv_metrics *metrics,
     counters->steps_incomplete += answer->incomplete != PCCD_COMPLETE;
     counters->contacts += answer->mode == PCCD_MODE_PAIRS ? 0 : answer->total;
     counters->possible += answer->possible;
+    counters->candidates += answer->candidates_vf + answer->candidates_ee;
+    counters->survivors += answer->survivors;
     counters->exact += answer->exact;
     counters->builds += answer->builds;
     counters->step_builds_last = answer->builds;

@@ -273,8 +273,11 @@ ctl ping --socket "$dir/s" -c 5 -i 0 && [ "$(grep -c "^daemon $daemon_pid: seq" 
 report "ping measures round trips through the daemon asked for"
 
 ctl check --url "unix:$dir/s" t0.ply t1.ply && ctl stats --socket "$dir/s" &&
-    says '^steps +2  .*' "^pid +$daemon_pid  " &&
-    ctl stats --json --socket "$dir/s" && [ "$(json_value steps)" = 2 ]
+    says '^steps +2  .*' "^pid +$daemon_pid  " '^exact_share +[0-9.e-]+  ' \
+        '^cpu +(scalar|sse4|avx2|avx512|neon)  ' &&
+    ctl stats --json --socket "$dir/s" && [ "$(json_value steps)" = 2 ] &&
+    [ "$(json_value candidates)" -gt 0 ] && [ -n "$(json_value cpu)" ] &&
+    [ -n "$(json_value exact_share)" ]
 report "stats counts the steps of check, as text and as JSON"
 
 ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&

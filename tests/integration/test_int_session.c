@@ -140,6 +140,7 @@ static void session__stats_count_what_happens(void **state)
         assert_true(test_crossing_turn(&crossing));
     assert_int_equal(test_stat(client, "steps"), steps + 5);
     assert_int_equal(test_stat(client, "contacts"), contacts + 15);
+    assert_in_range(test_stat(client, "survivors"), 1, test_stat(client, "candidates"));
     pccd_close(client);
     client = test_connect(shared.url);
     assert_int_equal(test_stat_await(client, "meshes_now", 0), 0);
