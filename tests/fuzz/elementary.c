@@ -45,7 +45,9 @@ static void print(const struct fuzz_run *run)
     printf("  toi early by: median %.1e, p99 %.1e, p99.9 %.1e; brackets at most %.1e\n",
            fuzz_run_early(run, 0.5), fuzz_run_early(run, 0.99),
            fuzz_run_early(run, 0.999), run->bracket_max);
-    printf("  parameters off by at most %.1e of the extent\n", run->tally.place_max);
+    printf(
+        "  parameters off by at most %.1e of the extent, %.1e where all is in a line\n",
+        run->tally.place_max, run->tally.line_place_max);
     fflush(stdout);
 }
 

@@ -361,6 +361,8 @@ void fuzz_run_add(struct fuzz_run *total, const struct fuzz_run *run)
     total->tally.ranges += run->tally.ranges;
     total->tally.exact += run->tally.exact;
     total->tally.place_max = fmax(total->tally.place_max, run->tally.place_max);
+    total->tally.line_place_max =
+        fmax(total->tally.line_place_max, run->tally.line_place_max);
     total->bracket_max = fmax(total->bracket_max, run->bracket_max);
     total->early_count += run->early_count;
     for (uint32_t i = 0; i < FUZZ_BINS; i++) {

@@ -24,6 +24,10 @@
 /* Of the extent: more is a parameter that names another place. */
 #define PLACE_OFF_MAX 1e-4
 
+/* Faces and pairs of edges whose directions b, c are nearer to one line than this,
+ * |b x c| of |b| |c|: parameters computed from the normal are worth nothing there. */
+#define NEARLY_A_LINE 0x1p-26
+
 /* As tests/oracle wants the points. */
 static void points_of(const struct eng_query *query, double p[8][3])
 {
@@ -78,6 +82,31 @@ static double extent(const struct eng_query *query)
     return most;
 }
 
+static bool is_nearly_a_line(const struct eng_query *query, double t)
+{
+    bool is_vf = query->kind == ENG_VF;
+    double b[3];
+    double c[3];
+    double n2 = 0;
+    double b2 = 0;
+    double c2 = 0;
+    for (int k = 0; k < 3; k++) {
+        double x[4];
+        for (int i = 0; i < 4; i++) {
+            x[i] = (1 - t) * query->x[0][i][k] + t * query->x[1][i][k];
+        }
+        b[k] = is_vf ? x[2] - x[1] : x[1] - x[0];
+        c[k] = is_vf ? x[3] - x[1] : x[2] - x[3];
+        b2 += b[k] * b[k];
+        c2 += c[k] * c[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        double n = b[(k + 1) % 3] * c[(k + 2) % 3] - b[(k + 2) % 3] * c[(k + 1) % 3];
+        n2 += n * n;
+    }
+    return n2 <= NEARLY_A_LINE * NEARLY_A_LINE * b2 * c2;
+}
+
 /* Do the parameters name the same place on both features? The contact is somewhere in
  * the bracket, during which nothing moves further than its share of the extent. Floats
  * allow 2^-23; where edges are nearly parallel, parameters are worse than that. */
@@ -106,10 +135,12 @@ static bool is_one_place(const struct eng_query *query, const struct eng_hit *hi
     }
     double whole = extent(query);
     off -= 4 * (hit->toi_hi - hit->toi) * whole + 8 * size * DBL_EPSILON;
-    if (off > whole * tally->place_max) {
-        tally->place_max = off / whole;
+    bool is_line = is_nearly_a_line(query, t);
+    double *most = is_line ? &tally->line_place_max : &tally->place_max;
+    if (off > whole * *most) {
+        *most = off / whole;
     }
-    return off <= PLACE_OFF_MAX * whole;
+    return is_line || off <= PLACE_OFF_MAX * whole;
 }
 
 /* What every contact has; step.h. */

@@ -30,6 +30,7 @@ struct fuzz_tally {
     /* Distance of the two places that a contact's parameters name, at most, as a share of
      * the query's extent and beyond what moves within the bracket. */
     double place_max;
+    double line_place_max; /* the same of features that lie nearly in a line then */
 };
 
 /* `hit` NULL: the claim is that there is no contact. For a contact *early is how long
