@@ -203,7 +203,8 @@ static void kernels__bracket_to_the_same_bits(void **state)
                     expected_hits, expected_list[1]);
         hit_count += expected.hit_count;
         unsure_count += expected.unsure_count;
-        /* The second roots come after the first ones of all: the order is the same. */
+        /* As many pairs go through the stages together in every set, so the order is the
+         * same too. */
         for (unsigned k = 0; k < set_count; k++) {
             struct eng_bracketed out =
                 bracket(sets[k], kind, &pairs, list[0], hits, list[1]);
@@ -219,6 +220,36 @@ static void kernels__bracket_to_the_same_bits(void **state)
     assert_true(hit_count > 5000 && unsure_count > 5000 && unsure_count < 50000);
 }
 
+/* Points anywhere, whose cubics have one, two or three roots, in any order with their
+ * turns. If the bracket kernel decided fewer of them, answers would be right and steps
+ * slow: a search takes ten times as long. */
+static void kernels__bracket_decides_what_is_in_general_position(void **state)
+{
+    (void)state;
+    static struct pairs pairs;
+    static struct eng_hit hits[PAIR_COUNT];
+    uint32_t list[2][PAIR_COUNT];
+    struct kit_random random = {73};
+    uint32_t hit_count = 0;
+    uint32_t unsure_count = 0;
+    for (uint32_t round = 0; round < 100; round++) {
+        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        for (uint32_t i = 0; i < 4 * PAIR_COUNT; i++) {
+            for (int k = 0; k < 3; k++) {
+                pairs.points[i].x0[k] = kit_between(&random, -1, 1);
+                pairs.points[i].x1[k] = kit_between(&random, -1, 1);
+            }
+            pairs.quads[i / 4][i % 4] = i;
+        }
+        struct eng_bracketed out =
+            bracket(eng_kernels_of(ENG_ISA_SCALAR), kind, &pairs, list[0], hits, list[1]);
+        hit_count += out.hit_count;
+        unsure_count += out.unsure_count;
+    }
+    assert_in_range(hit_count, 2000, 30000);
+    assert_in_range(unsure_count, 0, 3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -227,6 +258,7 @@ int main(void)
         cmocka_unit_test(kernels__widen_to_the_same_bits),
         cmocka_unit_test(kernels__filter_the_same_pairs),
         cmocka_unit_test(kernels__bracket_to_the_same_bits),
+        cmocka_unit_test(kernels__bracket_decides_what_is_in_general_position),
     };
     return cmocka_run_group_tests_name("eng_kernel", tests, NULL, NULL);
 }

@@ -26,6 +26,13 @@ ENG_INLINE eng_d eng_d_mix(eng_d s, eng_d a, eng_d t, eng_d b)
     return s * a + t * b;
 }
 
+/* The largest coefficient. */
+ENG_INLINE eng_d eng_cubic_high(const struct eng_cubic *cubic)
+{
+    const eng_d *f = cubic->f;
+    return eng_d_max_abs(eng_d_max_abs(f[0], f[1]), eng_d_max_abs(f[2], f[3]));
+}
+
 /* det[v[0], v[1], v[2]] of vectors that go from v[0][k] to v[1][k]; `size`: the product
  * of their largest coordinates. */
 ENG_INLINE struct eng_cubic eng_cubic_of(struct eng_v v[2][3], eng_d size)
@@ -40,10 +47,39 @@ ENG_INLINE struct eng_cubic eng_cubic_of(struct eng_v v[2][3], eng_d size)
     cubic.f[1] = (eng_v_dot(q[0], n00) + eng_v_dot(p[0], mixed)) * (1.0 / 3);
     cubic.f[2] = (eng_v_dot(p[0], n11) + eng_v_dot(q[0], mixed)) * (1.0 / 3);
     cubic.f[3] = eng_v_dot(q[0], n11);
-    eng_d high = eng_d_max_abs(eng_d_max_abs(cubic.f[0], cubic.f[1]),
-                               eng_d_max_abs(cubic.f[2], cubic.f[3]));
-    cubic.error = 64 * ENG_U * size + 12 * ENG_U * high;
+    cubic.error = 64 * ENG_U * size + 12 * ENG_U * eng_cubic_high(&cubic);
     return cubic;
+}
+
+/* a x b with every sum one of magnitudes, of vectors that have no negative coordinate. */
+ENG_INLINE struct eng_v eng_v_cross_size(struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z,
+                          a.x * b.y + a.y * b.x};
+}
+
+/* A smaller bound on the error, by the magnitudes of the products that are summed up: for
+ * vectors that differ in size from axis to axis. It takes as long as the cubic itself. */
+ENG_INLINE void eng_cubic_tighten(struct eng_cubic *cubic, struct eng_v v[2][3])
+{
+    struct eng_v p[3];
+    struct eng_v q[3];
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        p[k] = eng_v_abs(v[0][k]);
+        q[k] = eng_v_abs(v[1][k]);
+    }
+    struct eng_v n00 = eng_v_cross_size(p[1], p[2]);
+    struct eng_v n11 = eng_v_cross_size(q[1], q[2]);
+    struct eng_v mixed =
+        eng_v_add(eng_v_cross_size(p[1], q[2]), eng_v_cross_size(q[1], p[2]));
+    eng_d ends = eng_d_max(eng_v_dot(p[0], n00), eng_v_dot(q[0], n11));
+    eng_d middle = eng_d_max(eng_v_dot(q[0], n00) + eng_v_dot(p[0], mixed),
+                             eng_v_dot(p[0], n11) + eng_v_dot(q[0], mixed));
+    eng_d sum = eng_d_max(ends, middle * (1.0 / 3));
+    eng_d error =
+        11 * ENG_U * sum + 12 * ENG_U * eng_cubic_high(cubic) + eng_d_all(ENG_TINY);
+    cubic->error = eng_d_min(cubic->error, error);
 }
 
 /* The same with its sign changed where `m` is set. */
@@ -87,62 +123,69 @@ ENG_INLINE void eng_cubic_between(const struct eng_cubic_at *at, eng_d r, eng_d 
     middle[1] = eng_d_mix(s, q0, r, q1);
 }
 
-/* Where the cubic has its inner minimum, if there is one in (0, 1); else the middle.
- * Approximate. */
-ENG_INLINE eng_d eng_cubic_minimum(const struct eng_cubic *cubic)
+/* Where the cubic has its minimum and its maximum, if it has them; else its inflection
+ * twice. Approximate. */
+ENG_INLINE void eng_cubic_turns(const struct eng_cubic *cubic, eng_d *low, eng_d *high)
 {
     const eng_d zero = {0};
-    /* A third of the slope: c + 2 b t + a t t; it rises at the root that is wanted. */
+    /* A third of the slope: c + 2 b t + a t t; it rises at the one root, falls at the
+     * other. */
     eng_d c = cubic->f[1] - cubic->f[0];
     eng_d d = cubic->f[2] - cubic->f[1];
     eng_d e = cubic->f[3] - cubic->f[2];
     eng_d b = d - c;
     eng_d a = (c - d) + (e - d);
-    eng_d root = eng_d_sqrt(eng_d_max(d * d - c * e, zero));
-    eng_dm from_left = eng_d_less(zero, b);
-    eng_d up = eng_d_select(from_left, -c, root - b);
-    eng_d down = eng_d_select(from_left, b + root, a);
-    eng_d t = up / down;
-    eng_dm inner = eng_dm_and(eng_d_less(zero, t), eng_d_less(t, zero + 1));
-    return eng_d_select(inner, t, zero + 0.5);
+    eng_d square = d * d - c * e;
+    eng_d w = eng_d_abs(b) + eng_d_sqrt(eng_d_max(square, zero));
+    eng_d far = w / a;
+    eng_d near = eng_d_select(eng_d_less(square, zero), far, c / w);
+    eng_dm is_left = eng_d_less(zero, b);
+    *low = eng_d_select(is_left, -near, far);
+    *high = eng_d_select(is_left, -far, near);
 }
 
-/* Rounds of Newton's method; those in general position take three or four. */
-#define ENG_CUBIC_ROUNDS 10
+/* The cubic by powers of t, its coefficients at that: f0 + t (c1 + t (c2 + t c3)). */
+struct eng_cubic_powers {
+    eng_d c[4];
+};
 
-/* A root between l and r, where the cubic is f_l > 0 and f_r < 0, and the slope near it.
- * Approximate; whoever uses it verifies. Lanes whose bit is not set in `wanted` are not
- * waited for. */
-ENG_INLINE eng_d eng_cubic_root(const struct eng_cubic *cubic, eng_d l, eng_d r,
-                                eng_d f_l, eng_d f_r, uint32_t wanted, eng_d *slope)
+ENG_INLINE struct eng_cubic_powers eng_cubic_powers(const struct eng_cubic *cubic)
+{
+    const eng_d *f = cubic->f;
+    eng_d d = f[2] - f[1];
+    eng_d c = f[1] - f[0];
+    return (struct eng_cubic_powers){{f[0], 3 * c, 3 * (d - c), (f[3] - f[0]) - 3 * d}};
+}
+
+/* What Halley's method asks for at a time. Approximate. */
+struct eng_cubic_step {
+    eng_d value;
+    eng_d slope;
+    eng_d step; /* from the time to nearer the root */
+};
+
+ENG_INLINE struct eng_cubic_step eng_cubic_halley(const struct eng_cubic_powers *powers,
+                                                  eng_d t)
+{
+    const eng_d *c = powers->c;
+    struct eng_cubic_step step;
+    eng_d bend = c[2] + t * (3 * c[3]); /* half the second derivative */
+    step.value = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+    step.slope = c[1] + t * (c[2] + bend);
+    step.step = step.value * step.slope / (step.value * bend - step.slope * step.slope);
+    return step;
+}
+
+/* A root in (0, 1) of a cubic with ends of opposite sign, to some digits: that of the
+ * parabola through both ends that is nearest to it. */
+ENG_INLINE eng_d eng_cubic_guess(const struct eng_cubic *cubic)
 {
     const eng_d zero = {0};
     const eng_d *f = cubic->f;
-    eng_d c1 = 3 * (f[1] - f[0]);
-    eng_d c2 = 3 * ((f[2] - f[1]) - (f[1] - f[0]));
-    eng_d c3 = (f[3] - f[0]) - 3 * (f[2] - f[1]);
-    eng_d s = l + (r - l) * (f_l / (f_l - f_r));
-    eng_dm moving = eng_d_less(l, r);
-    *slope = zero - 1;
-    for (int i = 0; i < ENG_CUBIC_ROUNDS; i++) {
-        eng_d value = f[0] + s * (c1 + s * (c2 + s * c3));
-        eng_d rise = c1 + s * (2 * c2 + s * (3 * c3));
-        eng_dm before = eng_d_less(zero, value);
-        *slope = eng_d_select(moving, rise, *slope);
-        l = eng_d_select(before, s, l);
-        r = eng_d_select(before, r, s);
-        eng_d step = value / rise;
-        eng_d next = s - step;
-        eng_dm small = eng_d_at_most(eng_d_abs(step), zero + 0x1p-40);
-        eng_dm good = eng_dm_and(eng_d_less(l, next), eng_d_less(next, r));
-        next = eng_d_select(eng_dm_or(small, good), next, 0.5 * (l + r));
-        s = eng_d_select(moving, next, s);
-        moving = eng_dm_and(moving, eng_dm_not(small));
-        if ((eng_dm_bits(moving) & wanted) == 0) {
-            break;
-        }
-    }
-    return s;
+    eng_d middle = 0.75 * (f[1] + f[2]) - 0.25 * (f[0] + f[3]);
+    eng_d b = middle - f[0];
+    eng_d a = (f[3] - middle) - b;
+    return f[0] / (eng_d_sqrt(eng_d_max(b * b - a * f[0], zero)) - b);
 }
 
 #endif

@@ -17,6 +17,7 @@ kernel_sources = \
     daemon/engine/kernel/lanes_pack.h \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/points.h \
+    daemon/engine/kernel/spot.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \
     daemon/engine/kernel/vectors.h \

@@ -41,6 +41,11 @@ ENG_INLINE struct eng_v eng_v_mix(eng_d s, struct eng_v a, eng_d t, struct eng_v
     return (struct eng_v){s * a.x + t * b.x, s * a.y + t * b.y, s * a.z + t * b.z};
 }
 
+ENG_INLINE struct eng_v eng_v_abs(struct eng_v a)
+{
+    return (struct eng_v){eng_d_abs(a.x), eng_d_abs(a.y), eng_d_abs(a.z)};
+}
+
 /* Largest coordinate magnitude of two. */
 ENG_INLINE eng_d eng_v_reach(struct eng_v a, struct eng_v b)
 {

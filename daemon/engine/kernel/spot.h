@@ -1,0 +1,133 @@
+/* daemon/engine/kernel/spot.h - where two features are to each other, a pair to a lane.
+ *
+ * Room:     engine. May include: points.h.
+ * Does:     load the motion of pairs; say of a short time whether the plane's contact is
+ *           certainly inside or certainly outside the features, and describe it.
+ * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Source:   query.h; every constant times u is derived in BOUNDS.md.
+ */
+#ifndef ENG_SPOT_H
+#define ENG_SPOT_H
+
+#include "points.h"
+
+/* Three difference vectors. VF: vertex - corner k; EE: p, b, c. */
+struct eng_motion_lanes {
+    struct eng_v v[2][3];
+    eng_d size[3]; /* largest coordinate at both ends */
+};
+
+ENG_INLINE struct eng_motion_lanes eng_motion_load(enum eng_kind kind,
+                                                   const struct eng_group *group)
+{
+    struct eng_motion_lanes motion;
+    struct eng_v x[4][2];
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) {
+        eng_group_load(group, i, x[i]);
+    }
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        struct eng_v *v = motion.v[end];
+        if (kind == ENG_VF) {
+            v[0] = eng_v_sub(x[0][end], x[1][end]);
+            v[1] = eng_v_sub(x[0][end], x[2][end]);
+            v[2] = eng_v_sub(x[0][end], x[3][end]);
+        } else {
+            v[0] = eng_v_sub(x[2][end], x[0][end]);
+            v[1] = eng_v_sub(x[1][end], x[0][end]);
+            v[2] = eng_v_sub(x[2][end], x[3][end]);
+        }
+    }
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        motion.size[k] = eng_v_reach(motion.v[0][k], motion.v[1][k]);
+    }
+    return motion;
+}
+
+/* Where the features are in a bracket. */
+struct eng_spot {
+    eng_dm inside;  /* certainly in the domain at every time of it, b and c independent */
+    eng_dm outside; /* certainly no contact at any time of it */
+    struct eng_v n; /* b x c in its middle */
+    eng_d nn;       /* its square, up to rounding */
+    eng_d param[2]; /* as in struct eng_contact, times nn */
+};
+
+/* VF: the weights of the corners, (d_j x d_k) . n. */
+ENG_INLINE struct eng_spot eng_spot_vf(const struct eng_v v[3], const eng_d size[3],
+                                       eng_d e)
+{
+    struct eng_spot spot;
+    struct eng_v m0 = eng_v_cross(v[1], v[2]);
+    struct eng_v m1 = eng_v_cross(v[2], v[0]);
+    struct eng_v m2 = eng_v_cross(v[0], v[1]);
+    spot.n = eng_v_add(eng_v_add(m0, m1), m2);
+    eng_d w0 = eng_v_dot(m0, spot.n);
+    eng_d w1 = eng_v_dot(m1, spot.n);
+    eng_d w2 = eng_v_dot(m2, spot.n);
+    eng_d s0 = size[1] * size[2];
+    eng_d s1 = size[2] * size[0];
+    eng_d s2 = size[0] * size[1];
+    e *= s0 + s1 + s2;
+    eng_d e0 = e * s0;
+    eng_d e1 = e * s1;
+    eng_d e2 = e * s2;
+    spot.inside = eng_dm_and(eng_dm_and(eng_d_less(e0, w0), eng_d_less(e1, w1)),
+                             eng_d_less(e2, w2));
+    spot.outside = eng_dm_or(eng_dm_or(eng_d_less(w0, -e0), eng_d_less(w1, -e1)),
+                             eng_d_less(w2, -e2));
+    spot.nn = w0 + w1 + w2;
+    spot.param[0] = w1;
+    spot.param[1] = w2;
+    return spot;
+}
+
+/* EE: (p x c) . n and (b x p) . n against n . n. */
+ENG_INLINE struct eng_spot eng_spot_ee(const struct eng_v v[3], const eng_d size[3],
+                                       eng_d e)
+{
+    struct eng_spot spot;
+    spot.n = eng_v_cross(v[1], v[2]);
+    eng_d nn = eng_v_dot(spot.n, spot.n);
+    eng_d beta = eng_v_dot(eng_v_cross(v[0], v[2]), spot.n);
+    eng_d gamma = eng_v_dot(eng_v_cross(v[1], v[0]), spot.n);
+    eng_d s = size[1] * size[2];
+    e *= s;
+    eng_d e_nn = e * s;
+    eng_d e_beta = e * (size[0] * size[2]);
+    eng_d e_gamma = e * (size[0] * size[1]);
+    eng_d rest_beta = nn - beta;
+    eng_d rest_gamma = nn - gamma;
+    eng_d e_rest_beta = e_nn + e_beta;
+    eng_d e_rest_gamma = e_nn + e_gamma;
+    spot.inside = eng_dm_and(
+        eng_dm_and(eng_d_less(e_beta, beta), eng_d_less(e_rest_beta, rest_beta)),
+        eng_dm_and(eng_d_less(e_gamma, gamma), eng_d_less(e_rest_gamma, rest_gamma)));
+    spot.outside = eng_dm_or(
+        eng_dm_or(eng_d_less(beta, -e_beta), eng_d_less(rest_beta, -e_rest_beta)),
+        eng_dm_or(eng_d_less(gamma, -e_gamma), eng_d_less(rest_gamma, -e_rest_gamma)));
+    spot.nn = nn;
+    spot.param[0] = beta;
+    spot.param[1] = gamma;
+    return spot;
+}
+
+/* In the bracket [x, y], which is short. */
+ENG_INLINE struct eng_spot
+eng_spot_of(enum eng_kind kind, const struct eng_motion_lanes *motion, eng_d x, eng_d y)
+{
+    struct eng_v v[3];
+    eng_d t = 0.5 * (x + y);
+    eng_d s = 1 - t;
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        v[k] = eng_v_mix(s, motion->v[0][k], t, motion->v[1][k]);
+    }
+    eng_d e = 52 * (y - x) + 424 * ENG_U;
+    return kind == ENG_VF ? eng_spot_vf(v, motion->size, e)
+                          : eng_spot_ee(v, motion->size, e);
+}
+
+#endif
