@@ -90,13 +90,11 @@ static bool is_nearly_a_line(const struct eng_query *query, double t)
     double n2 = 0;
     double b2 = 0;
     double c2 = 0;
-    for (int k = 0; k < 3; k++) {
-        double x[4];
-        for (int i = 0; i < 4; i++) {
-            x[i] = (1 - t) * query->x[0][i][k] + t * query->x[1][i][k];
-        }
-        b[k] = is_vf ? x[2] - x[1] : x[1] - x[0];
-        c[k] = is_vf ? x[3] - x[1] : x[2] - x[3];
+    for (int k = 0; k < 3; k++) { /* differences of the ends: nearly exact far away */
+        b[k] = (1 - t) * (query->x[0][is_vf ? 2 : 1][k] - query->x[0][is_vf ? 1 : 0][k]) +
+               t * (query->x[1][is_vf ? 2 : 1][k] - query->x[1][is_vf ? 1 : 0][k]);
+        c[k] = (1 - t) * (query->x[0][is_vf ? 3 : 2][k] - query->x[0][is_vf ? 1 : 3][k]) +
+               t * (query->x[1][is_vf ? 3 : 2][k] - query->x[1][is_vf ? 1 : 3][k]);
         b2 += b[k] * b[k];
         c2 += c[k] * c[k];
     }
