@@ -4,7 +4,8 @@
 # make bench BENCH_ARGS=--json      one JSON line a row
 # make bench BENCH_ARGS=cloth-20k   one scene
 
-bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild bench/kernels bench/roofline bench/ipc
+bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild \
+    bench/kernels bench/roofline bench/wide bench/ipc
 check_PROGRAMS += $(bench_names)
 
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
@@ -83,6 +84,10 @@ bench_roofline_SOURCES = \
     $(bench_engine_sources)
 bench_roofline_CPPFLAGS = $(bench_engine_cppflags)
 bench_roofline_LDADD = $(bench_engine_libs)
+
+bench_wide_SOURCES = bench/wide.c $(bench_engine_sources)
+bench_wide_CPPFLAGS = $(bench_engine_cppflags)
+bench_wide_LDADD = $(bench_engine_libs)
 
 # The public header alone: what a client can see.
 bench_ipc_SOURCES = bench/ipc.c bench/report.c bench/report.h
