@@ -130,6 +130,8 @@ libengine_la_SOURCES = \
     daemon/engine/tree/validate.c \
     daemon/engine/wide/wide.c \
     daemon/engine/wide/wide.h \
+    daemon/engine/wide/wide_grid.c \
+    daemon/engine/wide/wide_grid.h \
     daemon/engine/wide/wide_join.c \
     daemon/engine/wide/wide_join.h \
     daemon/engine/wide/wide_method.c \

@@ -33,6 +33,7 @@ ENG_TESTS = \
     tests/unit/test_eng_aside \
     tests/unit/test_eng_stage \
     tests/unit/test_eng_filter \
+    tests/unit/test_eng_sieve \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_plane \
     tests/unit/test_eng_solve \
@@ -107,6 +108,10 @@ tests_unit_test_eng_stage_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_filter_SOURCES = tests/unit/test_eng_filter.c
 tests_unit_test_eng_filter_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_filter_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_sieve_SOURCES = tests/unit/test_eng_sieve.c
+tests_unit_test_eng_sieve_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_sieve_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_exact_SOURCES = tests/unit/test_eng_exact.c
 tests_unit_test_eng_exact_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

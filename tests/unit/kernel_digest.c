@@ -28,6 +28,7 @@ struct ground {
     uint32_t corner[3][POINTS]; /* of features */
     uint32_t quads[PAIRS][4];
     uint32_t all[PAIRS]; /* 0, 1, 2 .. */
+    struct eng_mark marks[POINTS];
 };
 
 /* FNV-1a. */
@@ -198,6 +199,46 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     say(kernels, "filter", filter);
 }
 
+/* Grids that hold all but the last quarter of the points, or nothing. */
+static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
+{
+    static const struct eng_grid grids[] = {
+        {{0, 0, 0}, 0x1p27}, {{0.25, 0, 3}, 0x1p9}, {{1e6, 1e6, 1e6}, 0x1p20}};
+    static uint32_t a[PAIRS + ENG_SIEVE_SPARE];
+    static uint32_t b[PAIRS + ENG_SIEVE_SPARE];
+    const uint32_t part = POINTS / 4;
+    uint64_t place = DIGEST_BEGIN;
+    uint64_t sift = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < 3 * 40; i++) {
+        const struct eng_grid *grid = &grids[i % 3];
+        uint32_t first = i % 3 == 0 ? 0 : i % 3 == 1 ? part : 2 * part;
+        bool good = kernels->place_points(ground->points + first, part, grid,
+                                          ground->marks + first);
+        place = digest(digest(place, &good, sizeof good), ground->marks + first,
+                       part * sizeof *ground->marks);
+        good = kernels->place_points(ground->points, POINTS, grid, ground->marks);
+        place = digest(place, &good, sizeof good);
+        struct eng_sieve sieve = {
+            .marks = ground->marks + first,
+            .a_corner = {ground->corner[0], ground->corner[1]},
+            .b_corner = {ground->corner[2], ground->corner[1], ground->corner[0]},
+            .t_end = i % 5 == 0 ? 0.375f : 1,
+            .in_time = i % 7 == 0,
+            .cubic_first = i % 2 == 0};
+        uint32_t count = PAIRS - i;
+        for (uint32_t k = 0; k < count; k++) {
+            a[k] = ground->quads[k][0] % part;
+            b[k] = ground->quads[k][1] % part;
+        }
+        count = kernels->sift(i % 4 < 2 ? ENG_VF : ENG_EE, &sieve, a, b, count);
+        sift = digest(digest(sift, &count, sizeof count), a, count * sizeof *a);
+        sift = digest(sift, b, count * sizeof *b);
+        sift = digest(sift, &sieve.cubic_first, sizeof sieve.cubic_first);
+    }
+    say(kernels, "place_points", place);
+    say(kernels, "sift", sift);
+}
+
 /* Hits and what is unsure come in an order that is the set's own: one place a pair. */
 static uint64_t digest_decided(uint64_t before, const struct eng_bracketed *out,
                                uint32_t count)
@@ -259,6 +300,7 @@ int main(void)
         run_join(kernels, &ground, "join_nodes", kernels->join_nodes, 0, 0);
         run_join(kernels, &ground, "join_edges", kernels->join_edges, 2, 2);
         run_join(kernels, &ground, "join_faces", kernels->join_faces, 0, 3);
+        run_sieve(kernels, &ground);
         run_tests(kernels, &ground);
         run_bracket(kernels, &ground);
     }

@@ -24,14 +24,16 @@ static uint32_t filter(const struct eng_kernels *kernels, enum eng_kind kind,
                        uint32_t count, struct eng_batch *batch)
 {
     uint32_t *left = batch->left;
-    if (!batch->boxes_tested) {
+    if (batch->from == ENG_FROM_AXES) {
         count = kernels->apart(kind, points, quads, count, left);
     } else {
         for (uint32_t i = 0; i < count; i++) {
             left[i] = i;
         }
     }
-    return kernels->filter(kind, points, quads, left, count, left);
+    return batch->from == ENG_FROM_BRACKET
+               ? count
+               : kernels->filter(kind, points, quads, left, count, left);
 }
 
 uint32_t eng_batch_test(const struct eng_kernels *kernels, enum eng_kind kind,

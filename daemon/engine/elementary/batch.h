@@ -14,6 +14,13 @@
 /* Pairs of one kind that are tested together: what they touch stays in the cache. */
 #define ENG_CHUNK_MAX 1024u
 
+/* Where the tests of a batch begin. */
+enum eng_batch_from {
+    ENG_FROM_AXES,   /* nothing is known of the pairs */
+    ENG_FROM_FILTER, /* moving boxes do not separate them: no use to ask again */
+    ENG_FROM_BRACKET /* nor would the filter reject many */
+};
+
 /* Answers to a chunk, and what the owner wants to be asked meanwhile. 64 KiB. */
 struct eng_batch {
     /* Set by the owner; NULL: never. Called after each query that needed exact
@@ -21,9 +28,7 @@ struct eng_batch {
      * the chunk is left out. */
     bool (*should_stop)(void *owner);
     void *owner;
-    /* Set by the owner: every pair has passed a test of moving boxes, so that asking
-     * again whether an axis separates it would be a waste. */
-    bool boxes_tested;
+    enum eng_batch_from from;      /* set by the owner */
     uint32_t survivors;            /* pairs that no filter rejected */
     uint32_t unsure_count;         /* of them: pairs that took a search one by one */
     uint32_t index[ENG_CHUNK_MAX]; /* of the pairs with a contact, in no order */

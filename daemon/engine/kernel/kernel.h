@@ -1,6 +1,6 @@
 /* daemon/engine/kernel/kernel.h - the inner loops, once for every instruction set.
  *
- * Room:     engine. May include: boxes.h, query.h, the C library.
+ * Room:     engine. May include: boxes.h, query.h, sieve.h, the C library.
  * Does:     name the instruction sets and the functions that each of them has; choose
  *           the set that this processor runs best, or the one that PCCD_CPU names.
  * Does not: know meshes, scenes or threads.
@@ -21,6 +21,7 @@
 
 #include "boxes.h"
 #include "query.h"
+#include "sieve.h"
 
 enum eng_isa {
     ENG_ISA_SCALAR, /* everywhere */
@@ -62,6 +63,9 @@ struct eng_kernels {
      * |x| <= 1e18. */
     void (*box_points)(const struct eng_point *points, uint32_t count, bool swept,
                        struct eng_extents *boxes);
+    /* The marks of points. False: one was beyond the grid; then no sieve may use them. */
+    bool (*place_points)(const struct eng_point *points, uint32_t count,
+                         const struct eng_grid *grid, struct eng_mark *marks);
     /* Blocks of boxes[block_count][ENG_WIDE], and the box around each block. */
     void (*box_fold)(const struct eng_extents *boxes, uint32_t block_count,
                      struct eng_wide_block *blocks, struct eng_extents *around);
@@ -84,6 +88,12 @@ struct eng_kernels {
                            uint32_t *out_a, uint32_t *out_b);
 
     /* Elementary tests of `count` pairs of one kind; quads as in batch.h. */
+
+    /* The pairs a[count + ENG_SIEVE_SPARE], b[..] that neither axes and time nor the
+     * cubic nor face diagonals reject, from their marks: to the front in the same order;
+     * returns how many. */
+    uint32_t (*sift)(enum eng_kind kind, struct eng_sieve *sieve, uint32_t *a,
+                     uint32_t *b, uint32_t count);
 
     /* Write the pairs 0 .. count-1 that no axis separates over the whole step to
      * kept[count]; returns how many. */

@@ -49,6 +49,11 @@ ENG_INLINE eng_fm eng_fm_and(eng_fm a, eng_fm b)
     return a & b;
 }
 
+ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
+{
+    return a | b;
+}
+
 /* Bit i is lane i's. */
 ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
 {
@@ -86,6 +91,26 @@ ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
 ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
 {
     return (eng_f)_mm512_max_ps((__m512)a, (__m512)b);
+}
+
+ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
+{
+    return (eng_f)_mm512_min_ps((__m512)a, (__m512)b);
+}
+
+ENG_INLINE eng_f eng_f_max_abs(eng_f a, eng_f b)
+{
+    return (eng_f)_mm512_range_ps((__m512)a, (__m512)b, 0xb);
+}
+
+ENG_INLINE eng_fi eng_fi_min(eng_fi a, eng_fi b)
+{
+    return (eng_fi)_mm512_min_epi32((__m512i)a, (__m512i)b);
+}
+
+ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
+{
+    return (eng_fi)_mm512_max_epi32((__m512i)a, (__m512i)b);
 }
 
 ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)

@@ -17,6 +17,13 @@ ENG_INLINE eng_fi eng_fi_load(const uint32_t *x)
     return v;
 }
 
+ENG_INLINE eng_fi eng_fi_of(const int32_t *x)
+{
+    eng_fi v;
+    memcpy(&v, x, sizeof v);
+    return v;
+}
+
 ENG_INLINE eng_fi eng_fi_all(uint32_t x)
 {
     return (int32_t)x - (eng_fi){0};
@@ -72,6 +79,39 @@ ENG_INLINE uint32_t eng_pack16(uint32_t *out, uint32_t bits, uint32_t base)
     uint32_t count = 0;
     for (; bits != 0; bits &= bits - 1) {
         out[count++] = base + (uint32_t)__builtin_ctz(bits);
+    }
+    return count;
+#endif
+}
+
+/* Those of the ENG_F_LANES numbers from a_in and b_in on whose bit is set, to a_out and
+ * b_out, which may be before them in the same array. ENG_F_LANES places are written to.
+ * Returns how many bits are set. */
+ENG_INLINE uint32_t eng_keep_both(uint32_t *a_out, uint32_t *b_out, const uint32_t *a_in,
+                                  const uint32_t *b_in, uint32_t bits)
+{
+#if ENG_VECTOR_BYTES == 64
+    __m512i a = _mm512_loadu_si512(a_in);
+    __m512i b = _mm512_loadu_si512(b_in);
+    _mm512_storeu_si512(a_out, _mm512_maskz_compress_epi32((__mmask16)bits, a));
+    _mm512_storeu_si512(b_out, _mm512_maskz_compress_epi32((__mmask16)bits, b));
+    return (uint32_t)__builtin_popcount(bits);
+#elif ENG_VECTOR_BYTES == 32
+    /* Eight bytes, the numbers of the set bits first. */
+    uint64_t spread = _pdep_u64(bits, 0x0101010101010101u) * 0xff;
+    uint64_t order = _pext_u64(0x0706050403020100u, spread);
+    __m256i lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)order));
+    __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)a_in);
+    __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)b_in);
+    _mm256_storeu_si256((__m256i *)(void *)a_out, _mm256_permutevar8x32_epi32(a, lanes));
+    _mm256_storeu_si256((__m256i *)(void *)b_out, _mm256_permutevar8x32_epi32(b, lanes));
+    return (uint32_t)__builtin_popcount(bits);
+#else
+    uint32_t count = 0;
+    for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
+        a_out[count] = a_in[lane];
+        b_out[count] = b_in[lane];
+        count += bits >> lane & 1u;
     }
     return count;
 #endif

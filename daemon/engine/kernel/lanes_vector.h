@@ -57,6 +57,11 @@ ENG_INLINE eng_fm eng_fm_and(eng_fm a, eng_fm b)
     return a & b;
 }
 
+ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
+{
+    return a | b;
+}
+
 ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
 {
 #if ENG_VECTOR_BYTES == 32
@@ -133,6 +138,46 @@ ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
     return (eng_f)_mm_max_ps((__m128)a, (__m128)b);
 #else
     return eng_f_select(ENG_COMPARE_F(a, >, b), a, b);
+#endif
+}
+
+ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_f)_mm256_min_ps((__m256)a, (__m256)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_f)_mm_min_ps((__m128)a, (__m128)b);
+#else
+    return eng_f_select(ENG_COMPARE_F(a, <, b), a, b);
+#endif
+}
+
+ENG_INLINE eng_f eng_f_max_abs(eng_f a, eng_f b)
+{
+    return eng_f_max((eng_f)((eng_fi)a & INT32_MAX), (eng_f)((eng_fi)b & INT32_MAX));
+}
+
+ENG_INLINE eng_fi eng_fi_min(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_min_epi32((__m256i)a, (__m256i)b);
+#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_min_epi32((__m128i)a, (__m128i)b);
+#else
+    eng_fi less = ENG_COMPARE_F(a, <, b);
+    return (less & a) | (~less & b);
+#endif
+}
+
+ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_max_epi32((__m256i)a, (__m256i)b);
+#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_max_epi32((__m128i)a, (__m128i)b);
+#else
+    eng_fi more = ENG_COMPARE_F(a, >, b);
+    return (more & a) | (~more & b);
 #endif
 }
 

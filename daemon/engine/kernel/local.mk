@@ -16,7 +16,11 @@ kernel_sources = \
     daemon/engine/kernel/lanes_avx512.h \
     daemon/engine/kernel/lanes_pack.h \
     daemon/engine/kernel/lanes_vector.h \
+    daemon/engine/kernel/marks.c \
+    daemon/engine/kernel/marks.h \
     daemon/engine/kernel/points.h \
+    daemon/engine/kernel/sieve.h \
+    daemon/engine/kernel/sift.c \
     daemon/engine/kernel/spot.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \

@@ -17,7 +17,11 @@ uint32_t ENG_KERNEL(apart)(enum eng_kind kind, const struct eng_point *points,
 uint32_t ENG_KERNEL(filter)(enum eng_kind kind, const struct eng_point *points,
                             const uint32_t (*quads)[4], const uint32_t *pairs,
                             uint32_t count, uint32_t *kept);
+uint32_t ENG_KERNEL(sift)(enum eng_kind kind, struct eng_sieve *sieve, uint32_t *a,
+                          uint32_t *b, uint32_t count);
 
+bool ENG_KERNEL(place_points)(const struct eng_point *points, uint32_t count,
+                              const struct eng_grid *grid, struct eng_mark *marks);
 void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool swept,
                             struct eng_extents *boxes);
 void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,

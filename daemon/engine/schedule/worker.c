@@ -28,7 +28,7 @@ void eng_worker_init(struct eng_worker *worker)
     memset(worker, 0, sizeof *worker);
     worker->batch.should_stop = batch_should_stop;
     worker->batch.owner = worker;
-    worker->batch.boxes_tested = true;
+    worker->batch.from = ENG_FROM_FILTER;
     eng_exact_init(&worker->exact);
     eng_deque_init(&worker->deque);
 }

@@ -6,6 +6,7 @@
  */
 #include "wide.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "memory.h"
@@ -15,6 +16,7 @@ void eng_wide_init(struct eng_wide *wide)
 {
     memset(wide, 0, sizeof *wide);
     wide->kernels = eng_kernels();
+    atomic_init(&wide->left_grid, false);
     wide->is_stale = true;
 }
 
@@ -31,6 +33,7 @@ void eng_wide_deinit(struct eng_wide *wide)
     }
     eng_free(wide->points);
     eng_free(wide->point_boxes);
+    eng_free(wide->marks);
     eng_free(wide->slot_of);
     eng_free(wide->items);
 }
@@ -42,10 +45,11 @@ static uint32_t corner_count(enum eng_wide_kind kind)
 
 uint64_t eng_wide_bytes(const struct eng_wide *wide)
 {
-    uint64_t bytes = (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
-                     (uint64_t)wide->item_capacity * sizeof *wide->items +
-                     (uint64_t)wide->trees[ENG_WIDE_VERTICES].slot_capacity *
-                         (sizeof *wide->points + sizeof *wide->point_boxes);
+    uint64_t bytes =
+        (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
+        (uint64_t)wide->item_capacity * sizeof *wide->items +
+        (uint64_t)wide->trees[ENG_WIDE_VERTICES].slot_capacity *
+            (sizeof *wide->points + sizeof *wide->point_boxes + sizeof *wide->marks);
     for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
         bytes +=
@@ -74,8 +78,9 @@ static uint32_t alignment(uint32_t count)
     return multiple;
 }
 
-/* The centre of an object's box where it stands. */
-static struct eng_split_item item_of(const struct eng_scene *scene, uint32_t object_idx)
+/* The centre of an object's box where it stands; the box goes into that of the scene. */
+static struct eng_split_item item_of(struct eng_wide *wide, const struct eng_scene *scene,
+                                     uint32_t object_idx)
 {
     const struct eng_object *object = &scene->objects[object_idx];
     const double(*x)[3] =
@@ -89,6 +94,8 @@ static struct eng_split_item item_of(const struct eng_scene *scene, uint32_t obj
             hi = x[i][k] > hi ? x[i][k] : hi;
         }
         item.centroid[k] = (float)(lo + hi);
+        wide->low[k] = lo < wide->low[k] ? lo : wide->low[k];
+        wide->high[k] = hi > wide->high[k] ? hi : wide->high[k];
     }
     return item;
 }
@@ -105,9 +112,13 @@ static int order_objects(struct eng_wide *wide, const struct eng_scene *scene)
         wide->item_capacity = capacity;
     }
     uint32_t count = 0;
+    for (int k = 0; k < 3; k++) {
+        wide->low[k] = INFINITY;
+        wide->high[k] = -INFINITY;
+    }
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
-            wide->items[count++] = item_of(scene, i);
+            wide->items[count++] = item_of(wide, scene, i);
         }
     }
     if (count > 1) {
@@ -162,6 +173,9 @@ static int reserve_slots(struct eng_wide *wide, enum eng_wide_kind kind, uint32_
         if (status == ENG_OK) {
             status =
                 eng_world_grow(&wide->point_boxes, capacity, sizeof *wide->point_boxes);
+        }
+        if (status == ENG_OK) {
+            status = eng_world_grow(&wide->marks, capacity, sizeof *wide->marks);
         }
     } else {
         status = eng_world_grow(&tree->keys, capacity, sizeof *tree->keys);
@@ -306,6 +320,7 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
         wide->level_count = level_count;
         put_together(wide, scene, slots);
         wide->is_stale = false;
+        wide->boxes_are_old = true;
     }
     return status;
 }

@@ -1,6 +1,6 @@
 /* daemon/engine/wide/wide.h - the trees of the method `wide`.
  *
- * Room:     engine. May include: kernel.h, wide_order.h.
+ * Room:     engine. May include: kernel.h, wide_order.h, the C library.
  * Does:     hold three trees over all objects of a scene: vertices, edges, faces. Slot i
  *           of a tree is one feature, in an order in which neighbours are near; block i
  *           of level 0 holds the boxes of slots 16 i .. 16 i + 15, block i of level k
@@ -14,6 +14,8 @@
  */
 #ifndef ENG_WIDE_TREES_H
 #define ENG_WIDE_TREES_H
+
+#include <stdatomic.h>
 
 #include "kernel.h"
 #include "wide_order.h"
@@ -49,6 +51,14 @@ struct eng_wide {
      * ENG_WIDE_NOBODY, word1 its key. */
     struct eng_point *points;
     struct eng_extents *point_boxes;
+    struct eng_mark *marks; /* of the vertices, on the grid */
+    struct eng_grid grid;   /* scale 0: there is none */
+    /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
+     * ends the refit orders the two. */
+    atomic_bool left_grid;
+    bool boxes_are_old; /* not made since the trees were put together */
+    double low[3];      /* when they were: around all vertices */
+    double high[3];
     uint32_t *slot_of; /* [slot_of_capacity] of the vertices in the scene's arrays */
     uint32_t slot_of_capacity;
     struct eng_split_item *items; /* [item_capacity] scratch: the objects */

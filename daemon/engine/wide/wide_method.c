@@ -12,6 +12,7 @@
  */
 #include "method.h"
 #include "step_memory.h"
+#include "wide_grid.h"
 #include "wide_team.h"
 #include "wide_test.h"
 
@@ -163,6 +164,9 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
     (void)settings;
     if (scene->wide.is_stale) {
         status = eng_wide_assemble(&scene->wide, scene);
+    }
+    if (status == ENG_OK) {
+        eng_wide_grid_choose(&scene->wide);
     }
     for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
         status = eng_wide_work_reserve(scene->memory->workers[i]);

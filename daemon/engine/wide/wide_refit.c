@@ -22,8 +22,8 @@ uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind k
     return (wide->trees[kind].block_count[0] + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
 }
 
-/* Positions and boxes of the vertices in slots first .. end - 1; those of nobody are
- * nowhere since the trees were put together. */
+/* Positions, boxes and, unless `swept`, marks of the vertices in slots first .. end - 1;
+ * those of nobody are nowhere since the trees were put together. */
 static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
                          uint32_t first, uint32_t end, bool swept)
 {
@@ -38,6 +38,10 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
         }
         wide->kernels->box_points(wide->points + run, slot - run, swept,
                                   wide->point_boxes + run);
+        if (!swept && !wide->kernels->place_points(wide->points + run, slot - run,
+                                                   &wide->grid, wide->marks + run)) {
+            atomic_store_explicit(&wide->left_grid, true, memory_order_relaxed);
+        }
         for (; slot < end && wide->points[slot].word0 == ENG_WIDE_NOBODY; slot++) {
         }
     }
@@ -77,6 +81,7 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
 
 void eng_wide_refit_above(struct eng_wide *wide)
 {
+    wide->boxes_are_old = false;
     for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         for (uint32_t level = 2; level < wide->level_count; level++) {

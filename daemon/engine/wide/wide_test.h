@@ -17,9 +17,17 @@ struct eng_wide_times {
     uint32_t chunks_without; /* chunks until it looks again */
 };
 
+/* Which filters see a chunk: each goes where it has rejected enough before. */
+struct eng_wide_filters {
+    uint32_t chunks_without_sieve;  /* until the sieve is tried again */
+    uint32_t chunks_without_filter; /* until the filter behind it is */
+};
+
 struct eng_wide_work {
     struct eng_wide_join join;
     struct eng_wide_times times[ENG_KINDS];
+    struct eng_wide_filters filters[ENG_KINDS];
+    struct eng_sieve sieves[ENG_KINDS];
     uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
     struct eng_batch batch;
 };

@@ -1,0 +1,38 @@
+/* daemon/engine/kernel/marks.c - points onto the grid.
+ *
+ * Room:     engine.
+ * Does:     see kernel.h.
+ * Threads:  [any].
+ */
+#include "table.h"
+
+typedef int32_t half_bits __attribute__((vector_size(ENG_D_LANES * 4), may_alias));
+
+/* The sum with this has the nearest whole number in its lowest bits. */
+#define WHOLE 0x1.8p52
+
+bool ENG_KERNEL(place_points)(const struct eng_point *points, uint32_t count,
+                              const struct eng_grid *grid, struct eng_mark *marks)
+{
+    /* The owner's words, as doubles mostly denormal, count as 0. */
+    static const int64_t is_coordinate[8] = {-1, -1, -1, 0, -1, -1, -1, 0};
+    double origin[8] = {0};
+    memcpy(origin, grid->origin, sizeof grid->origin);
+    memcpy(origin + 4, grid->origin, sizeof grid->origin);
+    eng_d farthest = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        const char *in = (const char *)&points[i];
+        char *out = (char *)&marks[i];
+        for (size_t k = 0; k < 8; k += ENG_D_LANES) {
+            eng_di bits;
+            eng_di mask;
+            memcpy(&bits, in + 8 * k, sizeof bits);
+            memcpy(&mask, is_coordinate + k, sizeof mask);
+            eng_d x = ((eng_d)(bits & mask) - eng_d_load(origin + k)) * grid->scale;
+            farthest = eng_d_max_abs(farthest, x);
+            half_bits q = __builtin_convertvector((eng_di)(x + WHOLE), half_bits);
+            memcpy(out + 4 * k, &q, sizeof q);
+        }
+    }
+    return eng_dm_bits(eng_d_less(eng_d_all(ENG_GRID_REACH), farthest)) == 0;
+}

@@ -1,0 +1,200 @@
+/* daemon/engine/kernel/marks.h - points on the grid to vectors, a pair to each lane.
+ *
+ * Room:     engine. May include: lanes_pack.h, query.h, sieve.h.
+ * Does:     differences between the marks of as many pairs as a vector has floats. Whole
+ *           records are subtracted as they lie in memory, then turned: three differences
+ *           are less to turn than four points.
+ * Threads:  [any]; inline only. Included by files of this folder alone.
+ */
+#ifndef ENG_MARKS_H
+#define ENG_MARKS_H
+
+#include "lanes_pack.h"
+#include "query.h"
+#include "sieve.h"
+
+/* Three whole numbers in every lane. */
+struct eng_g {
+    eng_fi x, y, z;
+};
+
+/* The points of a pair. */
+struct eng_corners {
+    const struct eng_mark *mark[4];
+};
+
+ENG_INLINE struct eng_corners
+eng_corners_of(enum eng_kind kind, const struct eng_sieve *sieve, uint32_t a, uint32_t b)
+{
+    const struct eng_mark *marks = sieve->marks;
+    if (kind == ENG_VF) {
+        return (struct eng_corners){{&marks[a], &marks[sieve->b_corner[0][b]],
+                                     &marks[sieve->b_corner[1][b]],
+                                     &marks[sieve->b_corner[2][b]]}};
+    }
+    return (struct eng_corners){
+        {&marks[sieve->a_corner[0][a]], &marks[sieve->a_corner[1][a]],
+         &marks[sieve->b_corner[0][b]], &marks[sieve->b_corner[1][b]]}};
+}
+
+/* d[end][k] of pairs 0 .. ENG_F_LANES - 1: the marks 1, 2, 3 minus mark 0. No difference
+ * overflows (sieve.h). */
+#if ENG_VECTOR_BYTES == 64
+
+ENG_INLINE __m512i eng_marks_two(const struct eng_mark *first,
+                                 const struct eng_mark *second)
+{
+    return _mm512_inserti64x4(
+        _mm512_castsi256_si512(_mm256_load_si256((const __m256i *)(const void *)first)),
+        _mm256_load_si256((const __m256i *)(const void *)second), 1);
+}
+
+/* Records x0 y0 z0 word x1 y1 z1 word of four times two pairs, to x, y, z. */
+ENG_INLINE void eng_marks_turn(const __m512i a[4], __m512i out[3])
+{
+    __m512i xy01 = _mm512_unpacklo_epi32(a[0], a[1]);
+    __m512i xy23 = _mm512_unpacklo_epi32(a[2], a[3]);
+    __m512i zw01 = _mm512_unpackhi_epi32(a[0], a[1]);
+    __m512i zw23 = _mm512_unpackhi_epi32(a[2], a[3]);
+    out[0] = _mm512_unpacklo_epi64(xy01, xy23);
+    out[1] = _mm512_unpackhi_epi64(xy01, xy23);
+    out[2] = _mm512_unpacklo_epi64(zw01, zw23);
+}
+
+ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+                               const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
+{
+    __m512i halves[2][3][3];
+#pragma GCC unroll 2
+    for (int half = 0; half < 2; half++) {
+        __m512i v[3][4];
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; i++) {
+            int lane = 8 * half + i;
+            struct eng_corners p = eng_corners_of(kind, sieve, a[lane], b[lane]);
+            struct eng_corners q = eng_corners_of(kind, sieve, a[lane + 4], b[lane + 4]);
+            __m512i from = eng_marks_two(p.mark[0], q.mark[0]);
+#pragma GCC unroll 3
+            for (int k = 0; k < 3; k++) {
+                v[k][i] =
+                    _mm512_sub_epi32(eng_marks_two(p.mark[k + 1], q.mark[k + 1]), from);
+            }
+        }
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            eng_marks_turn(v[k], halves[half][k]);
+        }
+    }
+    /* The quarters of a half: four pairs at t = 0, at t = 1, the next four. */
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        const __m512i *x = halves[0][k];
+        const __m512i *y = halves[1][k];
+        d[0][k].x = (eng_fi)_mm512_shuffle_i32x4(x[0], y[0], 0x88);
+        d[1][k].x = (eng_fi)_mm512_shuffle_i32x4(x[0], y[0], 0xdd);
+        d[0][k].y = (eng_fi)_mm512_shuffle_i32x4(x[1], y[1], 0x88);
+        d[1][k].y = (eng_fi)_mm512_shuffle_i32x4(x[1], y[1], 0xdd);
+        d[0][k].z = (eng_fi)_mm512_shuffle_i32x4(x[2], y[2], 0x88);
+        d[1][k].z = (eng_fi)_mm512_shuffle_i32x4(x[2], y[2], 0xdd);
+    }
+}
+
+#elif ENG_VECTOR_BYTES == 32
+
+ENG_INLINE __m256i eng_marks_ends(const int32_t *low, const int32_t *high)
+{
+    return _mm256_inserti128_si256(
+        _mm256_castsi128_si256(_mm_load_si128((const __m128i *)(const void *)low)),
+        _mm_load_si128((const __m128i *)(const void *)high), 1);
+}
+
+ENG_INLINE struct eng_g eng_marks_turn(const __m256i a[4])
+{
+    __m256i xy01 = _mm256_unpacklo_epi32(a[0], a[1]);
+    __m256i xy23 = _mm256_unpacklo_epi32(a[2], a[3]);
+    __m256i zw01 = _mm256_unpackhi_epi32(a[0], a[1]);
+    __m256i zw23 = _mm256_unpackhi_epi32(a[2], a[3]);
+    return (struct eng_g){(eng_fi)_mm256_unpacklo_epi64(xy01, xy23),
+                          (eng_fi)_mm256_unpackhi_epi64(xy01, xy23),
+                          (eng_fi)_mm256_unpacklo_epi64(zw01, zw23)};
+}
+
+ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+                               const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
+{
+    __m256i v[2][3][4];
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) {
+        struct eng_corners p = eng_corners_of(kind, sieve, a[i], b[i]);
+        struct eng_corners q = eng_corners_of(kind, sieve, a[i + 4], b[i + 4]);
+        __m256i from0 = eng_marks_ends(p.mark[0]->q0, q.mark[0]->q0);
+        __m256i from1 = eng_marks_ends(p.mark[0]->q1, q.mark[0]->q1);
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            v[0][k][i] = _mm256_sub_epi32(
+                eng_marks_ends(p.mark[k + 1]->q0, q.mark[k + 1]->q0), from0);
+            v[1][k][i] = _mm256_sub_epi32(
+                eng_marks_ends(p.mark[k + 1]->q1, q.mark[k + 1]->q1), from1);
+        }
+    }
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        d[0][k] = eng_marks_turn(v[0][k]);
+        d[1][k] = eng_marks_turn(v[1][k]);
+    }
+}
+
+#elif ENG_VECTOR_BYTES == 16
+
+ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+                               const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
+{
+    eng_fi v[2][3][4];
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) {
+        struct eng_corners p = eng_corners_of(kind, sieve, a[i], b[i]);
+        eng_fi from0 = eng_fi_of(p.mark[0]->q0);
+        eng_fi from1 = eng_fi_of(p.mark[0]->q1);
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            v[0][k][i] = eng_fi_of(p.mark[k + 1]->q0) - from0;
+            v[1][k][i] = eng_fi_of(p.mark[k + 1]->q1) - from1;
+        }
+    }
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            const eng_fi *r = v[end][k];
+            eng_fi xy01 = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5);
+            eng_fi xy23 = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5);
+            eng_fi zw01 = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
+            eng_fi zw23 = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+            d[end][k].x = __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5);
+            d[end][k].y = __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7);
+            d[end][k].z = __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5);
+        }
+    }
+}
+
+#else
+
+ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+                               const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
+{
+    struct eng_corners p = eng_corners_of(kind, sieve, *a, *b);
+    for (int k = 0; k < 3; k++) {
+        const struct eng_mark *to = p.mark[k + 1];
+        const struct eng_mark *from = p.mark[0];
+        d[0][k] = (struct eng_g){{to->q0[0] - from->q0[0]},
+                                 {to->q0[1] - from->q0[1]},
+                                 {to->q0[2] - from->q0[2]}};
+        d[1][k] = (struct eng_g){{to->q1[0] - from->q1[0]},
+                                 {to->q1[1] - from->q1[1]},
+                                 {to->q1[2] - from->q1[2]}};
+    }
+}
+
+#endif
+
+#endif

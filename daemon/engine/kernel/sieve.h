@@ -1,0 +1,48 @@
+/* daemon/engine/kernel/sieve.h - points in whole numbers, for a first look at pairs.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     name a grid over a scene, the points on it, and what a sieve works on.
+ * Threads:  [any].
+ *
+ * Half as many bytes as the points themselves, and twice as many in a vector. Differences
+ * of whole numbers are exact, so what the sieve may reject depends on the size of a pair
+ * and not on how far it is from the origin.
+ */
+#ifndef ENG_SIEVE_H
+#define ENG_SIEVE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* The number of a coordinate is the whole one that is nearest to (x - origin) scale: of
+ * |x - origin| scale <= ENG_GRID_REACH. Differences of two numbers, and 8 more, fit. */
+struct eng_grid {
+    double origin[3];
+    double scale; /* a power of two */
+};
+
+#define ENG_GRID_REACH (0x1p30 - 8)
+
+/* A point at both ends of the step. The words are 0. */
+struct eng_mark {
+    _Alignas(32) int32_t q0[3];
+    int32_t word0;
+    int32_t q1[3];
+    int32_t word1;
+};
+
+/* Pairs are named by a number of each feature; VF: the vertex's is its point, a_corner is
+ * not looked at. EE: b_corner[2] is not. */
+struct eng_sieve {
+    const struct eng_mark *marks;
+    const uint32_t *a_corner[2];
+    const uint32_t *b_corner[3];
+    float t_end;      /* <= 1: pairs that certainly do not meet up to then go, too */
+    bool in_time;     /* the pairs share a time on all axes: eng_join.in_time */
+    bool cubic_first; /* which of two tests goes first; the sieve's own, false before */
+};
+
+/* Places behind the last pair that the sieve may write to. */
+#define ENG_SIEVE_SPARE 16u
+
+#endif

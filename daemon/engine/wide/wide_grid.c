@@ -1,0 +1,75 @@
+/* daemon/engine/wide/wide_grid.c - the grid of the sieve, from where the scene was.
+ *
+ * Room:     engine.
+ * Does:     see wide_grid.h.
+ * Threads:  [compute].
+ */
+#include "wide_grid.h"
+
+#include <math.h>
+
+/* Half a side of the grid is at least twice what the scene needs when it is made, and
+ * that is at most an eighth of it when it is kept. */
+#define ROOM       2.0
+#define USED_LEAST 0.125
+#define USED_MOST  0.75
+
+/* Exponents of half a side, so that neither it nor the scale leaves the numbers. */
+#define EXPONENT_MIN (-900)
+
+/* Around all vertices at both ends of the last step; right after the trees were put
+ * together: where they stand. False: there are none. */
+static bool extent_of(const struct eng_wide *wide, double low[3], double high[3])
+{
+    const struct eng_wide_tree *tree = &wide->trees[ENG_WIDE_VERTICES];
+    const struct eng_extents *box = eng_wide_boxes(tree, wide->level_count - 1);
+    for (int k = 0; k < 3; k++) {
+        if (wide->boxes_are_old) {
+            low[k] = wide->low[k];
+            high[k] = wide->high[k];
+        } else {
+            low[k] = -fmax(box->side[ENG_LOW0][k], box->side[ENG_LOW1][k]);
+            high[k] = fmax(box->side[ENG_HIGH0][k], box->side[ENG_HIGH1][k]);
+        }
+    }
+    return low[0] <= high[0];
+}
+
+static bool still_fits(const struct eng_grid *grid, const double low[3],
+                       const double high[3])
+{
+    double reach = ENG_GRID_REACH / grid->scale;
+    double half = 0;
+    for (int k = 0; k < 3; k++) {
+        if (grid->origin[k] - low[k] > USED_MOST * reach ||
+            high[k] - grid->origin[k] > USED_MOST * reach) {
+            return false;
+        }
+        half = fmax(half, 0.5 * (high[k] - low[k]));
+    }
+    return half >= USED_LEAST * reach;
+}
+
+void eng_wide_grid_choose(struct eng_wide *wide)
+{
+    struct eng_grid *grid = &wide->grid;
+    bool was_left = atomic_load_explicit(&wide->left_grid, memory_order_relaxed);
+    double low[3];
+    double high[3];
+    double half = 0;
+    if (!extent_of(wide, low, high)) {
+        grid->scale = 0;
+        return;
+    }
+    atomic_store_explicit(&wide->left_grid, false, memory_order_relaxed);
+    if (!was_left && grid->scale > 0 && still_fits(grid, low, high)) {
+        return;
+    }
+    for (int k = 0; k < 3; k++) {
+        grid->origin[k] = 0.5 * (low[k] + high[k]);
+        half = fmax(half, 0.5 * (high[k] - low[k]));
+    }
+    int exponent;
+    frexp(ROOM * half, &exponent);
+    grid->scale = ldexp(1, 30 - (exponent > EXPONENT_MIN ? exponent : EXPONENT_MIN));
+}

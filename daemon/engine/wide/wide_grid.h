@@ -1,0 +1,25 @@
+/* daemon/engine/wide/wide_grid.h - the grid of the sieve, from where the scene was.
+ *
+ * Room:     engine. May include: wide.h.
+ * Does:     lay the grid over the scene before its vertices are put on it: by the boxes
+ *           of the last step, as those of this one are made together with the marks. A
+ *           step that goes beyond it does without the sieve.
+ * Threads:  as marked.
+ */
+#ifndef ENG_WIDE_GRID_H
+#define ENG_WIDE_GRID_H
+
+#include "wide.h"
+
+/* Before the refit of a step; keeps the grid that it had where that still fits. O(1).
+ * [compute] */
+void eng_wide_grid_choose(struct eng_wide *wide);
+
+/* After the refit: may a sieve use the marks? [any] */
+static inline bool eng_wide_has_marks(const struct eng_wide *wide)
+{
+    return wide->grid.scale > 0 &&
+           !atomic_load_explicit(&wide->left_grid, memory_order_relaxed);
+}
+
+#endif
