@@ -161,7 +161,7 @@ static void make_crossing(struct prng *prng, bool on_rim, struct eng_query *quer
         }
         beta += prng_below(prng, 3) == 0 ? small(prng) : 0;
     }
-    double t = prng_below(prng, 8) ? between(prng, 0, 1) : (double)prng_below(prng, 2);
+    double t = prng_below(prng, 16) ? between(prng, 0, 1) : (double)prng_below(prng, 2);
     place_contact(prng, query->kind, beta, gamma, 0, x);
     move_through(prng, (const double(*)[3])x, t, 0, query);
 }
@@ -376,9 +376,9 @@ enum fuzz_family fuzz_family_some(struct prng *prng)
     /* A thousand; where most queries take exact arithmetic, of the engine or of the
      * judge, a query takes up to a hundred times as long as a random one. */
     static const unsigned weights[FUZZ_FAMILIES] = {
-        [FUZZ_RANDOM] = 270,   [FUZZ_SNAPPED] = 50, [FUZZ_COPLANAR] = 35,
-        [FUZZ_SLIVER] = 260,   [FUZZ_PLANTED] = 80, [FUZZ_NEAR] = 25,
-        [FUZZ_CROSSING] = 255, [FUZZ_RIM] = 12,     [FUZZ_GRAZING] = 7,
+        [FUZZ_RANDOM] = 315,   [FUZZ_SNAPPED] = 50, [FUZZ_COPLANAR] = 30,
+        [FUZZ_SLIVER] = 310,   [FUZZ_PLANTED] = 50, [FUZZ_NEAR] = 15,
+        [FUZZ_CROSSING] = 212, [FUZZ_RIM] = 6,      [FUZZ_GRAZING] = 6,
         [FUZZ_RESTING] = 6};
     uint64_t left = prng_below(prng, 1000);
     int family = 0;

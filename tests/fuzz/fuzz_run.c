@@ -120,8 +120,10 @@ struct unsure {
     uint32_t count;
 };
 
-/* Of chunks with the whole step, one of so many is tested to the end. */
-#define WHOLE_EACH 4u
+/* Of so many turns of all sets, one is to the end; of chunks with t_end < 1, every other
+ * one, because eng_search may stop early there. */
+#define WHOLE_EACH 12u
+#define PART_EACH  2u
 
 static bool stop_at_once(void *owner)
 {
@@ -216,7 +218,7 @@ static void compare_sets(struct fuzz_run *run, struct chunk *chunk)
         }
     }
     uint64_t turn = run->chunks++;
-    bool to_the_end = chunk->t_end < 1 || turn / count % WHOLE_EACH == 0;
+    bool to_the_end = turn / count % (chunk->t_end < 1 ? PART_EACH : WHOLE_EACH) == 0;
     for (uint32_t i = 0; i < count; i++) {
         const struct eng_kernels *kernels = sets[(turn + i) % count];
         test_batch(run, chunk, kernels, to_the_end && i == 0);

@@ -24,8 +24,8 @@
 /* Of the extent: more is a parameter that names another place. */
 #define PLACE_OFF_MAX 1e-4
 
-/* Faces and pairs of edges whose directions b, c are nearer to one line than this,
- * |b x c| of |b| |c|: parameters computed from the normal are worth nothing there. */
+/* Faces and pairs of edges that are nearer to one line than this, |b x c| of the square
+ * of the longer: parameters computed from the normal are worth nothing there. */
 #define NEARLY_A_LINE 0x1p-26
 
 /* As tests/oracle wants the points. */
@@ -102,7 +102,8 @@ static bool is_nearly_a_line(const struct eng_query *query, double t)
         double n = b[(k + 1) % 3] * c[(k + 2) % 3] - b[(k + 2) % 3] * c[(k + 1) % 3];
         n2 += n * n;
     }
-    return n2 <= NEARLY_A_LINE * NEARLY_A_LINE * b2 * c2;
+    double longer2 = fmax(b2, c2);
+    return n2 <= NEARLY_A_LINE * NEARLY_A_LINE * longer2 * longer2;
 }
 
 /* Do the parameters name the same place on both features? The contact is somewhere in
