@@ -37,8 +37,11 @@ static void print(const struct fuzz_run *run)
     printf("%" PRIu64 " queries at %" PRIu64 " instruction sets, %" PRIu64
            " contacts, %" PRIu64 " failures\n",
            run->queries, run->sets, run->hits, run->failures);
-    printf("  left by the filter %.2f %%; answers of exact arithmetic a query %.4f\n",
-           100 * (double)run->survivors / count, (double)run->exact_queries / count);
+    printf("  left by the filter %.2f %%, by the sieve %.2f %% of %" PRIu64
+           "; answers of exact arithmetic a query %.4f\n",
+           100 * (double)run->survivors / (double)(run->filtered ? run->filtered : 1),
+           100 * (double)run->sieve_kept / (double)(run->sieved ? run->sieved : 1),
+           run->sieved, (double)run->exact_queries / count);
     printf("  judged by ranges %.2f %%, by the exact oracle %.2f %%; %.1f us a query\n",
            100 * (double)run->tally.ranges / count,
            100 * (double)run->tally.exact / count, 1e6 * run->cpu_s / count);

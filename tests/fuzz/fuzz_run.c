@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "batch.h"
+#include "fuzz_sieve.h"
 
 #define FAILURES_MAX      20u
 #define TOLERANCE_DEFAULT 1e-6
@@ -202,7 +203,10 @@ static void test_batch(struct fuzz_run *run, struct chunk *chunk,
     chunk->answers = eng_batch_test(
         kernels, chunk->kind, chunk->points, (const uint32_t(*)[4])chunk->quads,
         chunk->count, chunk->tolerance, chunk->t_end, &run->exact, &chunk->batch);
-    run->survivors += kernels->isa == ENG_ISA_SCALAR ? chunk->batch.survivors : 0;
+    if (kernels->isa == ENG_ISA_SCALAR && chunk->batch.from == ENG_FROM_AXES) {
+        run->filtered += chunk->count;
+        run->survivors += chunk->batch.survivors;
+    }
 }
 
 /* Each set in turn is the first. */
@@ -217,6 +221,9 @@ static void compare_sets(struct fuzz_run *run, struct chunk *chunk)
             sets[count++] = kernels;
         }
     }
+    static const enum eng_batch_from from[] = {ENG_FROM_AXES, ENG_FROM_AXES,
+                                               ENG_FROM_FILTER, ENG_FROM_BRACKET};
+    chunk->batch.from = from[prng_below(&run->prng, 4)];
     uint64_t turn = run->chunks++;
     bool to_the_end = turn / count % (chunk->t_end < 1 ? PART_EACH : WHOLE_EACH) == 0;
     for (uint32_t i = 0; i < count; i++) {
@@ -268,11 +275,31 @@ static void compare_changed(struct fuzz_run *run, const struct chunk *chunk, uin
     }
 }
 
+static void check_sieve(struct fuzz_run *run, struct chunk *chunk)
+{
+    static struct fuzz_sieve sieve;
+    const struct fuzz_answered answered = {.kind = chunk->kind,
+                                           .count = chunk->count,
+                                           .queries = chunk->queries,
+                                           .found = chunk->found,
+                                           .hits = chunk->hits,
+                                           .t_end = chunk->t_end};
+    uint32_t wrong = 0;
+    sieve.looked_at = sieve.kept = 0;
+    const char *what = fuzz_sieve_check(&sieve, &run->prng, &answered, &wrong);
+    if (what) {
+        fail(run, chunk, &chunk->queries[wrong], what);
+    }
+    run->sieved += sieve.looked_at;
+    run->sieve_kept += sieve.kept;
+}
+
 static void run_chunk(struct fuzz_run *run, struct chunk *chunk)
 {
     lay_out(run, chunk);
     judge_scalar(run, chunk);
     compare_sets(run, chunk);
+    check_sieve(run, chunk);
     for (uint32_t i = 0; i < chunk->count; i++) {
         if (prng_below(&run->prng, 8) == 0) {
             compare_changed(run, chunk, i);
@@ -351,7 +378,10 @@ void fuzz_run_add(struct fuzz_run *total, const struct fuzz_run *run)
     total->failures += run->failures;
     total->queries += run->queries;
     total->hits += run->hits;
+    total->filtered += run->filtered;
     total->survivors += run->survivors;
+    total->sieved += run->sieved;
+    total->sieve_kept += run->sieve_kept;
     total->exact_queries += run->exact_queries;
     total->chunks += run->chunks;
     total->sets = total->sets > run->sets ? total->sets : run->sets;

@@ -1,9 +1,10 @@
 /* fuzz_run.h - many elementary tests at every instruction set, each answer judged.
  *
  * Room:     tests/fuzz. May include: fuzz_query.h, fuzz_truth.h, batch.h.
- * Does:     put chunks of random queries to the batch of every set that this processor
- *           has and to the scalar call; hold the answers against the truth, against each
- *           other, and against those of the same query scaled, reordered and reversed.
+ * Does:     put chunks of random queries to batch and sieve of every set that this
+ *           processor has and to the scalar call; hold the answers against the truth,
+ *           against each other, and against those of the same query scaled, reordered
+ *           and reversed.
  * Threads:  one.
  */
 #ifndef FUZZ_RUN_H
@@ -23,7 +24,10 @@ struct fuzz_run {
     struct eng_query failed; /* the last one */
     uint64_t queries;
     uint64_t hits;
-    uint64_t survivors;     /* of the filter */
+    uint64_t filtered;      /* put to the filter */
+    uint64_t survivors;     /* of these, left */
+    uint64_t sieved;        /* queries on a grid for the sieve */
+    uint64_t sieve_kept;    /* of these, not rejected */
     uint64_t exact_queries; /* put to exact arithmetic by the engine */
     uint64_t chunks;
     uint64_t sets; /* instruction sets that were compared */

@@ -9,6 +9,8 @@ fuzz_sources = \
     tests/fuzz/fuzz_range.h \
     tests/fuzz/fuzz_run.c \
     tests/fuzz/fuzz_run.h \
+    tests/fuzz/fuzz_sieve.c \
+    tests/fuzz/fuzz_sieve.h \
     tests/fuzz/fuzz_spans.c \
     tests/fuzz/fuzz_spans.h \
     tests/fuzz/fuzz_spans_long.c \

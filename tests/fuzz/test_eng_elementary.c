@@ -120,6 +120,7 @@ static void elementary__answers_are_exact_at_every_instruction_set(void **state)
     assert_true(run.hits > run.queries / 10 && run.hits < run.queries / 10 * 9);
     assert_true(run.tally.exact > run.queries / 50 && run.tally.ranges > run.queries / 2);
     assert_true(run.sets >= 1);
+    assert_true(run.sieved > run.queries / 2 && run.sieve_kept < run.sieved / 10 * 9);
     fuzz_run_deinit(&run);
 }
 
