@@ -16,7 +16,7 @@ const struct golden golden_plays[GOLDEN_PLAYS] = {
      2400,
      1,
      {{{836, 598, 4135},
-       {{0x5e03b3aa69cdb95a, 0xdecdb46749cfb33f},
+       {{0x78cb88ef427cdd96, 0xdddf6cf658546c27},
         {0xc70b9d013127d18f, 0xdfc6b838a435817e},
         {0x6e68638c6b93920a, 0x82d85db49821a012}}},
       {{400, 1, 4892},

@@ -111,6 +111,34 @@ static void exact__parallel_and_collapsed_edges(void **state)
           (const double[4][3]){{3, 3, 3}, {3, 3, 3}, {3, 3, 4}, {3, 3, 4}});
 }
 
+/* If it failed: meshes that continue each other would be said to be apart where they
+ * hang together, or every such pair would take big integers. One ulp beside, it is not
+ * that easy. */
+static void exact__a_common_corner_touches(void **state)
+{
+    (void)state;
+    struct eng_exact *exact = case_exact();
+    for (int kind = 0; kind < 2; kind++) {
+        int split = kind == ENG_VF ? 1 : 2;
+        for (int pair = 0; pair < split * (4 - split); pair++) {
+            struct eng_query query = {.kind = (enum eng_kind)kind};
+            for (int k = 0; k < 12; k++) {
+                query.x[1][k / 3][k % 3] = query.x[0][k / 3][k % 3] = 0.1 * (k * k % 7);
+            }
+            int mine = pair % split;
+            int other = split + pair / split;
+            memcpy(query.x[0][mine], query.x[0][other], sizeof query.x[0][mine]);
+            uint64_t before = exact->queries;
+            struct eng_moment moment = eng_exact_moment(exact, &query, 0);
+            assert_true(moment.touching && moment.side == 0);
+            assert_int_equal(exact->queries, before);
+            query.x[0][mine][2] = nextafter(query.x[0][mine][2], 9);
+            eng_exact_moment(exact, &query, 0);
+            assert_int_equal(exact->queries, before + 1);
+        }
+    }
+}
+
 /* If it failed: a crossing that begins at t = 0 would have no side, or the wrong one. */
 static void exact__side_is_the_sign_of_the_determinant(void **state)
 {
@@ -179,7 +207,7 @@ static void exact__scratch_carries_nothing_over(void **state)
         assert_int_equal(a.side, b.side);
         assert_int_equal(eng_exact_meets(case_exact(), &query, 0, 0.5),
                          eng_exact_meets(&fresh, &query, 0, 0.5));
-        assert_int_equal(fresh.queries, 2);
+        assert_in_range(fresh.queries, 1, 2); /* a common corner takes none */
         eng_exact_deinit(&fresh);
     }
 }
@@ -326,6 +354,7 @@ int main(void)
         cmocka_unit_test(exact__collapsed_face_is_its_segment_or_point),
         cmocka_unit_test(exact__edges_to_one_ulp),
         cmocka_unit_test(exact__parallel_and_collapsed_edges),
+        cmocka_unit_test(exact__a_common_corner_touches),
         cmocka_unit_test(exact__side_is_the_sign_of_the_determinant),
         cmocka_unit_test(exact__span_holds_a_known_contact_or_just_not),
         cmocka_unit_test(exact__scratch_carries_nothing_over),

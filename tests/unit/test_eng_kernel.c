@@ -220,6 +220,46 @@ static void kernels__bracket_to_the_same_bits(void **state)
     assert_true(hit_count > 5000 && unsure_count > 5000 && unsure_count < 50000);
 }
 
+/* Edges beside each other, of which one turns and is parallel to the other at some time:
+ * only then they are coplanar, and where they would cross is nowhere. If it failed: that
+ * they miss would be found by searches. */
+static void kernels__bracket_tells_that_parallel_edges_pass(void **state)
+{
+    (void)state;
+    static struct pairs pairs;
+    static struct eng_hit hits[PAIR_COUNT];
+    uint32_t list[2][PAIR_COUNT];
+    struct kit_random random = {74};
+    for (uint32_t i = 0; i < PAIR_COUNT; i++) {
+        double along[3];
+        for (int k = 0; k < 3; k++) {
+            along[k] = kit_between(&random, 0.25, 1);
+        }
+        const double up[3] = {-along[1], along[0], 0};
+        const double side[3] = {-along[2] * along[0], -along[2] * along[1],
+                                along[0] * along[0] + along[1] * along[1]};
+        double turn = kit_between(&random, 0.25, 0.75);
+        for (int end = 0; end < 2; end++) {
+            double x[4][3];
+            for (int k = 0; k < 3; k++) {
+                x[0][k] = end * 0.3;
+                x[1][k] = x[0][k] + along[k];
+                x[2][k] = x[0][k] + side[k];
+                x[3][k] = x[2][k] + 1.5 * along[k] + (end - turn) * up[k];
+            }
+            for (uint32_t k = 0; k < 4; k++) {
+                struct eng_point *point = &pairs.points[4 * i + k];
+                memcpy(end ? point->x1 : point->x0, x[k], sizeof x[k]);
+                pairs.quads[i][k] = 4 * i + k;
+            }
+        }
+    }
+    struct eng_bracketed out =
+        bracket(eng_kernels_of(ENG_ISA_SCALAR), ENG_EE, &pairs, list[0], hits, list[1]);
+    assert_int_equal(out.hit_count, 0);
+    assert_int_equal(out.unsure_count, 0);
+}
+
 /* Points anywhere, whose cubics have one, two or three roots, in any order with their
  * turns. If the bracket kernel decided fewer of them, answers would be right and steps
  * slow: a search takes ten times as long. */
@@ -258,6 +298,7 @@ int main(void)
         cmocka_unit_test(kernels__widen_to_the_same_bits),
         cmocka_unit_test(kernels__filter_the_same_pairs),
         cmocka_unit_test(kernels__bracket_to_the_same_bits),
+        cmocka_unit_test(kernels__bracket_tells_that_parallel_edges_pass),
         cmocka_unit_test(kernels__bracket_decides_what_is_in_general_position),
     };
     return cmocka_run_group_tests_name("eng_kernel", tests, NULL, NULL);

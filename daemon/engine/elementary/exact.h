@@ -36,7 +36,7 @@ struct eng_exact_span {
 struct eng_exact {
     mpz_t z[ENG_EXACT_WORDS];
     struct eng_exact_span span;
-    uint64_t queries; /* answered so far */
+    uint64_t queries; /* answered so far by this arithmetic */
 };
 
 void eng_exact_init(struct eng_exact *exact);

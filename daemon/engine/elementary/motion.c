@@ -25,6 +25,27 @@ static double size_of(double (*v)[3])
     return fmax(eng_size(v[0]), eng_size(v[1]));
 }
 
+/* Largest magnitude of each coordinate. */
+static void reach_at_ends(double out[3], double (*v)[3])
+{
+    for (int k = 0; k < 3; k++) {
+        out[k] = fmax(fabs(v[0][k]), fabs(v[1][k]));
+    }
+}
+
+/* No determinant of vectors within these coordinates has larger products in sum. */
+static double sum_of_terms(struct eng_motion *motion)
+{
+    double p[3];
+    double b[3];
+    double c[3];
+    reach_at_ends(p, motion->p);
+    reach_at_ends(b, motion->b);
+    reach_at_ends(c, motion->c);
+    return p[0] * (b[1] * c[2] + b[2] * c[1]) + p[1] * (b[2] * c[0] + b[0] * c[2]) +
+           p[2] * (b[0] * c[1] + b[1] * c[0]);
+}
+
 void eng_motion_init(struct eng_motion *motion, const struct eng_query *query)
 {
     motion->kind = query->kind;
@@ -54,8 +75,7 @@ void eng_motion_init(struct eng_motion *motion, const struct eng_query *query)
     motion->size_p = size_of(motion->p);
     motion->size_b = size_of(motion->b);
     motion->size_c = size_of(motion->c);
-    motion->e_det =
-        160 * ENG_U * motion->size_p * motion->size_b * motion->size_c + ENG_TINY;
+    motion->e_det = 25 * ENG_U * sum_of_terms(motion) + ENG_TINY;
 }
 
 static void lerp(double out[3], const double (*v)[3], double s, double t)

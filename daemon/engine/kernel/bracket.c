@@ -30,8 +30,11 @@
 /* Sizes below this, where products might lose bits, are left to those who scale. */
 #define SIZE_MIN 0x1p-200
 
-/* Longer brackets are left to the search, which narrows them. */
+/* Contacts in longer brackets are left to the search, which narrows them. */
 #define WIDTH_MAX 0x1p-30
+
+/* Longer brackets say nothing about misses. */
+#define WIDTH_MISS_MAX 0x1p-10
 
 /* Pairs that go through the stages together: what is known of them stays in the first
  * cache. */
@@ -71,6 +74,7 @@ struct lanes {
     const uint32_t *pairs;
     uint32_t count;  /* of pairs */
     uint32_t wanted; /* bits: with a root in the interval */
+    uint32_t on_way; /* bits: of them, those that move */
     uint32_t done;   /* bits: decided */
 };
 
@@ -243,7 +247,7 @@ ENG_INLINE void guess(enum look look, struct lanes *lanes)
 }
 
 /* One step nearer to all roots. Which lanes still move decides nothing about others. */
-ENG_INLINE uint32_t move(enum look look, struct lanes *lanes)
+ENG_INLINE void move(enum look look, struct lanes *lanes)
 {
     const eng_d zero = {0};
     const eng_d one = zero + 1;
@@ -266,7 +270,7 @@ ENG_INLINE uint32_t move(enum look look, struct lanes *lanes)
     lanes->slope = eng_d_select(lanes->moving, step.slope, lanes->slope);
     lanes->root = eng_d_select(lanes->moving, next, s);
     lanes->moving = eng_dm_and(lanes->moving, eng_dm_not(is_small));
-    return eng_dm_bits(lanes->moving) & lanes->wanted;
+    lanes->on_way = eng_dm_bits(lanes->moving) & lanes->wanted;
 }
 
 /* Is the cubic certainly positive before the bracket, from l on, and negative behind it,
@@ -350,22 +354,26 @@ ENG_INLINE eng_dm close(enum eng_kind kind, enum look look, struct lanes *lanes,
     eng_d reach = 1.5 * lanes->cubic.error / eng_d_abs(lanes->slope) + 0x1p-51;
     eng_d x = eng_d_max(l, lanes->root - reach);
     eng_d y = eng_d_min(r, lanes->root + reach);
-    eng_dm enclosed =
-        eng_dm_and(eng_d_at_most(y - x, limits->width), encloses(look, lanes, x, y));
-    struct eng_spot spot = eng_spot_of(kind, &lanes->motion, x, y);
-    uint32_t hit = eng_dm_bits(eng_dm_and(enclosed, spot.inside)) & lanes->wanted;
+    eng_d width = y - x;
+    eng_dm enclosed = encloses(look, lanes, x, y);
+    eng_dm is_narrow = eng_d_at_most(width, limits->width);
+    eng_dm is_short = eng_d_at_most(width, zero + WIDTH_MISS_MAX);
+    struct eng_spot spot = eng_spot_of(kind, &lanes->motion, x, y, look == LOOK_ALL);
+    eng_dm meets = eng_dm_and(eng_dm_and(enclosed, is_narrow), spot.inside);
+    uint32_t hit = eng_dm_bits(meets) & lanes->wanted;
     if (hit != 0) {
         write_hits(kind, lanes, hit, x, y, &spot, limits->t_end, out);
         lanes->done |= hit;
     }
-    return eng_dm_and(enclosed, spot.outside);
+    return eng_dm_and(eng_dm_and(enclosed, is_short), spot.outside);
 }
 
 ENG_INLINE void find_roots(enum look look, struct lanes lanes[GROUPS], uint32_t count)
 {
     const int rounds = look == LOOK_FALLING ? ROUNDS_FALLING : ROUNDS_ALL;
     for (uint32_t g = 0; g < count; g++) {
-        if (look == LOOK_FALLING || lanes[g].wanted != 0) {
+        lanes[g].on_way = lanes[g].wanted;
+        if (lanes[g].on_way != 0) {
             guess(look, &lanes[g]);
         }
     }
@@ -373,9 +381,9 @@ ENG_INLINE void find_roots(enum look look, struct lanes lanes[GROUPS], uint32_t 
     for (int round = 0; round < rounds && moving != 0; round++) {
         moving = 0;
         for (uint32_t g = 0; g < count; g++) {
-            if (look == LOOK_FALLING ||
-                (lanes[g].wanted & eng_dm_bits(lanes[g].moving)) != 0) {
-                moving |= move(look, &lanes[g]);
+            if (lanes[g].on_way != 0) {
+                move(look, &lanes[g]);
+                moving |= lanes[g].on_way;
             }
         }
     }

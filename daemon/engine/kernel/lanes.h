@@ -1,6 +1,7 @@
 /* daemon/engine/kernel/lanes.h - vectors of as many numbers as the instruction set holds.
  *
- * Room:     engine. May include: lanes_avx512.h, lanes_vector.h, immintrin.h.
+ * Room:     engine. May include: lanes_avx512.h, lanes_scalar.h, lanes_vector.h,
+ *           immintrin.h.
  * Does:     doubles, floats and masks lane by lane, with the same result in a lane
  *           whatever the width; + - * / are the compiler's operators on vectors.
  * Threads:  [any]; inline only. Included by files of this folder alone.
@@ -86,6 +87,8 @@ ENG_INLINE eng_f eng_f_all(float x)
 
 #if ENG_VECTOR_BYTES == 64
 #include "lanes_avx512.h"
+#elif ENG_VECTOR_BYTES == 8
+#include "lanes_scalar.h"
 #else
 #include "lanes_vector.h"
 #endif
@@ -102,7 +105,11 @@ ENG_INLINE eng_d eng_d_widen(const float *x)
 /* The sign bit cleared. */
 ENG_INLINE eng_d eng_d_abs(eng_d a)
 {
+#if ENG_VECTOR_BYTES == 8
+    return (eng_d){__builtin_fabs(a[0])};
+#else
     return (eng_d)((eng_di)a & INT64_MAX);
+#endif
 }
 
 #endif

@@ -9,32 +9,24 @@
 
 #include "lanes.h" /* for the types; what comes here is a part of it */
 
+#if ENG_VECTOR_BYTES > 8 && ENG_VECTOR_BYTES < 64 /* so that the header compiles alone */
+
 typedef eng_di eng_dm;
 typedef eng_fi eng_fm;
 
-/* gcc 12 (tree-vrp) takes what a comparison of one-lane vectors gives for 0 or 1, not for
- * 0 or -1, and then drops operations on it: there the lanes are compared as numbers. */
-#if ENG_VECTOR_BYTES == 8
-#define ENG_COMPARE_D(a, op, b) ((eng_dm){-(int64_t)((a)[0] op(b)[0])})
-#define ENG_COMPARE_F(a, op, b) ((eng_fm){-(int32_t)((a)[0] op(b)[0])})
-#else
-#define ENG_COMPARE_D(a, op, b) ((a)op(b))
-#define ENG_COMPARE_F(a, op, b) ((a)op(b))
-#endif
-
 ENG_INLINE eng_dm eng_d_less(eng_d a, eng_d b)
 {
-    return ENG_COMPARE_D(a, <, b);
+    return a < b;
 }
 
 ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
 {
-    return ENG_COMPARE_D(a, <=, b);
+    return a <= b;
 }
 
 ENG_INLINE eng_fm eng_f_less(eng_f a, eng_f b)
 {
-    return ENG_COMPARE_F(a, <, b);
+    return a < b;
 }
 
 ENG_INLINE eng_dm eng_dm_and(eng_dm a, eng_dm b)
@@ -104,7 +96,7 @@ ENG_INLINE eng_d eng_d_min(eng_d a, eng_d b)
 #elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
     return (eng_d)_mm_min_pd((__m128d)a, (__m128d)b);
 #else
-    return eng_d_select(ENG_COMPARE_D(a, <, b), a, b);
+    return eng_d_select(a < b, a, b);
 #endif
 }
 
@@ -115,7 +107,7 @@ ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
 #elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
     return (eng_d)_mm_max_pd((__m128d)a, (__m128d)b);
 #else
-    return eng_d_select(ENG_COMPARE_D(a, >, b), a, b);
+    return eng_d_select(a > b, a, b);
 #endif
 }
 
@@ -137,7 +129,7 @@ ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
 #elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
     return (eng_f)_mm_max_ps((__m128)a, (__m128)b);
 #else
-    return eng_f_select(ENG_COMPARE_F(a, >, b), a, b);
+    return eng_f_select(a > b, a, b);
 #endif
 }
 
@@ -148,7 +140,7 @@ ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
 #elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
     return (eng_f)_mm_min_ps((__m128)a, (__m128)b);
 #else
-    return eng_f_select(ENG_COMPARE_F(a, <, b), a, b);
+    return eng_f_select(a < b, a, b);
 #endif
 }
 
@@ -164,7 +156,7 @@ ENG_INLINE eng_fi eng_fi_min(eng_fi a, eng_fi b)
 #elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
     return (eng_fi)_mm_min_epi32((__m128i)a, (__m128i)b);
 #else
-    eng_fi less = ENG_COMPARE_F(a, <, b);
+    eng_fi less = a < b;
     return (less & a) | (~less & b);
 #endif
 }
@@ -176,7 +168,7 @@ ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
 #elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
     return (eng_fi)_mm_max_epi32((__m128i)a, (__m128i)b);
 #else
-    eng_fi more = ENG_COMPARE_F(a, >, b);
+    eng_fi more = a > b;
     return (more & a) | (~more & b);
 #endif
 }
@@ -192,5 +184,7 @@ ENG_INLINE eng_d eng_d_sqrt(eng_d a)
     return a;
 #endif
 }
+
+#endif
 
 #endif

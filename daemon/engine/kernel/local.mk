@@ -15,6 +15,7 @@ kernel_sources = \
     daemon/engine/kernel/lanes.h \
     daemon/engine/kernel/lanes_avx512.h \
     daemon/engine/kernel/lanes_pack.h \
+    daemon/engine/kernel/lanes_scalar.h \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \

@@ -55,9 +55,13 @@ struct eng_spot {
     eng_d param[2]; /* as in struct eng_contact, times nn */
 };
 
-/* VF: the weights of the corners, (d_j x d_k) . n. */
+/* `e` is the error of a product of four coordinates, `e_flat` that of one of two, by
+ * their sizes. `closely`: look at n itself too, which is near zero where edges are nearly
+ * parallel and faces nearly a line. */
+
+/* VF: the weights of the corners, (d_j x d_k) . n; none of d_j x d_k is longer than n. */
 ENG_INLINE struct eng_spot eng_spot_vf(const struct eng_v v[3], const eng_d size[3],
-                                       eng_d e)
+                                       eng_d e, eng_d e_flat, bool closely)
 {
     struct eng_spot spot;
     struct eng_v m0 = eng_v_cross(v[1], v[2]);
@@ -70,7 +74,8 @@ ENG_INLINE struct eng_spot eng_spot_vf(const struct eng_v v[3], const eng_d size
     eng_d s0 = size[1] * size[2];
     eng_d s1 = size[2] * size[0];
     eng_d s2 = size[0] * size[1];
-    e *= s0 + s1 + s2;
+    eng_d s = s0 + s1 + s2;
+    e *= s;
     eng_d e0 = e * s0;
     eng_d e1 = e * s1;
     eng_d e2 = e * s2;
@@ -78,26 +83,35 @@ ENG_INLINE struct eng_spot eng_spot_vf(const struct eng_v v[3], const eng_d size
                              eng_d_less(e2, w2));
     spot.outside = eng_dm_or(eng_dm_or(eng_d_less(w0, -e0), eng_d_less(w1, -e1)),
                              eng_d_less(w2, -e2));
+    if (closely) {
+        eng_d longest = eng_d_max_abs(eng_v_reach(m0, m1), eng_v_reach(m2, m2));
+        eng_d n = eng_v_reach(spot.n, spot.n);
+        spot.outside = eng_dm_or(spot.outside, eng_d_less(n + 2 * e_flat * s, longest));
+    }
     spot.nn = w0 + w1 + w2;
     spot.param[0] = w1;
     spot.param[1] = w2;
     return spot;
 }
 
-/* EE: (p x c) . n and (b x p) . n against n . n. */
+/* EE: (p x c) . n and (b x p) . n against n . n, and neither longer than n. */
 ENG_INLINE struct eng_spot eng_spot_ee(const struct eng_v v[3], const eng_d size[3],
-                                       eng_d e)
+                                       eng_d e, eng_d e_flat, bool closely)
 {
     struct eng_spot spot;
     spot.n = eng_v_cross(v[1], v[2]);
+    struct eng_v m_beta = eng_v_cross(v[0], v[2]);
+    struct eng_v m_gamma = eng_v_cross(v[1], v[0]);
     eng_d nn = eng_v_dot(spot.n, spot.n);
-    eng_d beta = eng_v_dot(eng_v_cross(v[0], v[2]), spot.n);
-    eng_d gamma = eng_v_dot(eng_v_cross(v[1], v[0]), spot.n);
+    eng_d beta = eng_v_dot(m_beta, spot.n);
+    eng_d gamma = eng_v_dot(m_gamma, spot.n);
     eng_d s = size[1] * size[2];
+    eng_d s_beta = size[0] * size[2];
+    eng_d s_gamma = size[0] * size[1];
     e *= s;
     eng_d e_nn = e * s;
-    eng_d e_beta = e * (size[0] * size[2]);
-    eng_d e_gamma = e * (size[0] * size[1]);
+    eng_d e_beta = e * s_beta;
+    eng_d e_gamma = e * s_gamma;
     eng_d rest_beta = nn - beta;
     eng_d rest_gamma = nn - gamma;
     eng_d e_rest_beta = e_nn + e_beta;
@@ -108,6 +122,12 @@ ENG_INLINE struct eng_spot eng_spot_ee(const struct eng_v v[3], const eng_d size
     spot.outside = eng_dm_or(
         eng_dm_or(eng_d_less(beta, -e_beta), eng_d_less(rest_beta, -e_rest_beta)),
         eng_dm_or(eng_d_less(gamma, -e_gamma), eng_d_less(rest_gamma, -e_rest_gamma)));
+    if (closely) {
+        eng_d longest = eng_v_reach(m_beta, m_gamma);
+        eng_d n = eng_v_reach(spot.n, spot.n);
+        eng_d e_long = e_flat * (s + (s_beta + s_gamma));
+        spot.outside = eng_dm_or(spot.outside, eng_d_less(n + e_long, longest));
+    }
     spot.nn = nn;
     spot.param[0] = beta;
     spot.param[1] = gamma;
@@ -115,8 +135,9 @@ ENG_INLINE struct eng_spot eng_spot_ee(const struct eng_v v[3], const eng_d size
 }
 
 /* In the bracket [x, y], which is short. */
-ENG_INLINE struct eng_spot
-eng_spot_of(enum eng_kind kind, const struct eng_motion_lanes *motion, eng_d x, eng_d y)
+ENG_INLINE struct eng_spot eng_spot_of(enum eng_kind kind,
+                                       const struct eng_motion_lanes *motion, eng_d x,
+                                       eng_d y, bool closely)
 {
     struct eng_v v[3];
     eng_d t = 0.5 * (x + y);
@@ -126,8 +147,9 @@ eng_spot_of(enum eng_kind kind, const struct eng_motion_lanes *motion, eng_d x, 
         v[k] = eng_v_mix(s, motion->v[0][k], t, motion->v[1][k]);
     }
     eng_d e = 52 * (y - x) + 424 * ENG_U;
-    return kind == ENG_VF ? eng_spot_vf(v, motion->size, e)
-                          : eng_spot_ee(v, motion->size, e);
+    eng_d e_flat = 5 * (y - x) + 40 * ENG_U;
+    return kind == ENG_VF ? eng_spot_vf(v, motion->size, e, e_flat, closely)
+                          : eng_spot_ee(v, motion->size, e, e_flat, closely);
 }
 
 #endif
