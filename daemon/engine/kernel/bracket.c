@@ -110,6 +110,23 @@ ENG_INLINE eng_dm open(enum eng_kind kind, enum look look, const struct eng_grou
     return eng_dm_and(is_large, eng_d_less(lanes->cubic.error, lanes->cubic.f[0]));
 }
 
+/* Certainly no root in the first half of the step, nor in the second? */
+ENG_INLINE eng_dm is_clear_by_halves(const struct eng_cubic *cubic)
+{
+    const eng_d *f = cubic->f;
+    eng_d quad[3];
+    eng_d line[2];
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; i++) {
+        quad[i] = 0.5 * (f[i] + f[i + 1]);
+    }
+    line[0] = 0.5 * (quad[0] + quad[1]);
+    line[1] = 0.5 * (quad[1] + quad[2]);
+    eng_d low = eng_d_min(eng_d_min(f[0], f[3]), eng_d_min(quad[0], quad[2]));
+    low = eng_d_min(low, eng_d_min(line[0], line[1]));
+    return eng_d_less(cubic->error, low);
+}
+
 /* The interval is the whole step, and its root is wanted where the cubic falls. */
 ENG_INLINE void set_falling(struct lanes *lanes, eng_dm sure, const struct limits *limits)
 {
@@ -117,7 +134,7 @@ ENG_INLINE void set_falling(struct lanes *lanes, eng_dm sure, const struct limit
     eng_d e = lanes->cubic.error;
     uint32_t all = (1u << lanes->count) - 1;
     eng_dm falls = eng_dm_and(sure, eng_d_less(f[3], -e));
-    eng_dm misses = eng_dm_and(sure, all_above(f[0], f[1], f[2], f[3], e));
+    eng_dm misses = eng_dm_and(sure, is_clear_by_halves(&lanes->cubic));
     if (limits->is_early) {
         struct eng_cubic_at at = eng_cubic_at(&lanes->cubic, limits->until);
         eng_dm later = all_above(f[0], at.quad[0], at.line[0], at.value, e);
