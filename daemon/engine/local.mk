@@ -117,6 +117,7 @@ libengine_la_SOURCES = \
     daemon/engine/tree/median.c \
     daemon/engine/tree/median.h \
     daemon/engine/tree/metric.h \
+    daemon/engine/tree/object.c \
     daemon/engine/tree/rebuild.c \
     daemon/engine/tree/rebuild.h \
     daemon/engine/tree/refit.c \

@@ -41,10 +41,15 @@ static enum eng_method method_of(const struct eng_step_settings *settings)
                                                       : ENG_METHOD_WIDE;
 }
 
-/* Triangles of the scene; of the method wide, those that there is room for. */
+/* Triangles of the scene, 2^32 - 1 if there are more. */
 static uint32_t size_of(const struct eng_scene *scene)
 {
-    return scene->triangle_ranges.end;
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_mesh *mesh = scene->objects[i].mesh;
+        sum += mesh ? mesh->info.triangle_count : 0;
+    }
+    return sum < UINT32_MAX ? (uint32_t)sum : UINT32_MAX;
 }
 
 static uint32_t threads_for(const struct eng_scene *scene,

@@ -31,6 +31,7 @@ static int scene_settings(struct srv_call *call, struct eng_scene_settings *sett
     const struct eng_scene_settings defaults = ENG_SCENE_SETTINGS_DEFAULT;
     double ratio = request->rebuild_ratio;
     *settings = defaults;
+    settings->threads = call->session->loop->options->threads_max;
     if (!(ratio <= 1.0)) { /* NaN too */
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "rebuild_ratio is %g; it is 0, at most 1, or negative",

@@ -37,6 +37,7 @@ static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
 /* What a step does to trees. */
 static void settle(struct eng_scene *scene)
 {
+    assert_int_equal(eng_plant_objects(scene), ENG_OK);
     assert_int_equal(eng_build_top(scene), ENG_OK);
     assert_false(scene->top_is_stale);
     eng_refit(scene);

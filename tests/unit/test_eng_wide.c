@@ -128,7 +128,7 @@ static void wide__order_has_every_feature_once_in_tight_groups(void **state)
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, STRIP + 3,
                                      (const uint32_t(*)[3])triangles, STRIP);
     struct eng_wide_order *order;
-    assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, &order),
+    assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, 1, &order),
                      ENG_OK);
     assert_int_equal(order->count[ENG_WIDE_VERTICES], STRIP + 1);
     assert_int_equal(order->count[ENG_WIDE_EDGES], STRIP);
@@ -155,6 +155,29 @@ static void wide__order_has_every_feature_once_in_tight_groups(void **state)
         }
     }
     eng_free(order);
+    eng_mesh_release(mesh);
+}
+
+/* If it failed: how fast a step is would depend on how many threads there were when its
+ * mesh came. */
+static void wide__order_is_the_same_by_any_number_of_threads(void **state)
+{
+    (void)state;
+    struct eng_mesh *mesh = kit_sheet(100, 0.3); /* more features than one thread takes */
+    struct eng_wide_order *orders[2];
+    const uint32_t threads[] = {2, 7, 16};
+    const double(*x)[3] = (const double(*)[3])mesh->x;
+    assert_int_equal(eng_wide_order_new(mesh, x, 0, &orders[0]), ENG_OK);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(eng_wide_order_new(mesh, x, threads[i], &orders[1]), ENG_OK);
+        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+            assert_int_equal(orders[1]->count[kind], orders[0]->count[kind]);
+            assert_memory_equal(orders[1]->feature[kind], orders[0]->feature[kind],
+                                orders[0]->count[kind] * sizeof(uint32_t));
+        }
+        eng_free(orders[1]);
+    }
+    eng_free(orders[0]);
     eng_mesh_release(mesh);
 }
 
@@ -243,8 +266,8 @@ static void wide__trees_follow_objects_that_come_and_go(void **state)
         for (uint32_t i = 0; i < f->count; i++) {
             const struct eng_object *o = eng_scene_object(f->scene, f->objects[i]);
             counts[ENG_WIDE_VERTICES] += o ? o->vertices.count : 0;
-            counts[ENG_WIDE_EDGES] += o ? o->edges.count : 0;
-            counts[ENG_WIDE_FACES] += o ? o->triangles.count : 0;
+            counts[ENG_WIDE_EDGES] += o ? o->mesh->info.edge_count : 0;
+            counts[ENG_WIDE_FACES] += o ? o->mesh->info.triangle_count : 0;
         }
         for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
             assert_int_equal(check_slots(f, kind), counts[kind]);
@@ -310,8 +333,8 @@ static uint32_t list_features(const struct fixture *f, enum eng_wide_kind kind,
     uint32_t count = 0;
     for (uint32_t i = 0; i < f->count; i++) {
         const struct eng_object *o = eng_scene_object(f->scene, f->objects[i]);
-        const uint32_t n[ENG_WIDE_KINDS] = {o->vertices.count, o->edges.count,
-                                            o->triangles.count};
+        const uint32_t n[ENG_WIDE_KINDS] = {o->vertices.count, o->mesh->info.edge_count,
+                                            o->mesh->info.triangle_count};
         for (uint32_t local = 0; local < n[kind]; local++) {
             const uint32_t *v = kind == ENG_WIDE_VERTICES ? &local
                                 : kind == ENG_WIDE_EDGES  ? o->mesh->edges[local]
@@ -515,6 +538,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wide__order_has_every_feature_once_in_tight_groups),
+        cmocka_unit_test(wide__order_is_the_same_by_any_number_of_threads),
         cmocka_unit_test_setup_teardown(wide__trees_follow_objects_that_come_and_go,
                                         setup, teardown),
         cmocka_unit_test_setup_teardown(wide__sweep_finds_the_pairs_of_brute_force, setup,

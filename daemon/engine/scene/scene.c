@@ -1,9 +1,10 @@
 /* daemon/engine/scene/scene.c - objects come and go.
  *
  * Room:     engine.
- * Does:     give every object its ranges of the flat arrays, copy its topology there with
- *           global indices, build its hierarchy.
- * Does not: stage positions (stage.c) or step (step.c).
+ * Does:     give every object its range of vertices, where it stands, and the order of its
+ *           features.
+ * Does not: make binary hierarchies (tree/object.c: when a step asks for them), stage
+ *           positions (stage.c) or step (step.c).
  * Threads:  [compute].
  */
 #include <assert.h>
@@ -12,8 +13,6 @@
 
 #include "build.h"
 #include "memory.h"
-#include "rebuild.h"
-#include "refit.h"
 #include "step_memory.h"
 #include "world.h"
 
@@ -106,35 +105,11 @@ static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx
     return ENG_OK;
 }
 
-static int take(struct eng_ranges *ranges, uint32_t count, struct eng_range *range)
-{
-    if (count == 0) {
-        *range = (struct eng_range){0, 0};
-        return ENG_OK;
-    }
-    uint32_t first;
-    int status = eng_ranges_take(ranges, count, &first);
-    if (status == ENG_OK) {
-        *range = (struct eng_range){first, count};
-    }
-    return status;
-}
-
-static void give(struct eng_ranges *ranges, struct eng_range *range)
-{
-    if (range->count > 0) {
-        eng_ranges_give(ranges, range->first, range->count);
-        range->count = 0;
-    }
-}
-
 static void give_all(struct eng_scene *scene, struct eng_object *object)
 {
-    eng_aside_forget(&scene->memory->aside, object->nodes);
-    give(&scene->vertex_ranges, &object->vertices);
-    give(&scene->edge_ranges, &object->edges);
-    give(&scene->triangle_ranges, &object->triangles);
-    give(&scene->node_ranges, &object->nodes);
+    eng_object_fell(scene, object);
+    eng_ranges_give(&scene->vertex_ranges, object->vertices.first,
+                    object->vertices.count);
     eng_free(object->order);
     object->order = NULL;
 }
@@ -142,23 +117,16 @@ static void give_all(struct eng_scene *scene, struct eng_object *object)
 static int take_all(struct eng_scene *scene, struct eng_object *object,
                     const struct eng_mesh *mesh)
 {
-    const struct eng_mesh_info *info = &mesh->info;
-    int status = take(&scene->vertex_ranges, info->vertex_count, &object->vertices);
-    if (status == ENG_OK) {
-        status = take(&scene->edge_ranges, info->edge_count, &object->edges);
+    uint32_t first;
+    int status = eng_ranges_take(&scene->vertex_ranges, mesh->info.vertex_count, &first);
+    if (status != ENG_OK) {
+        return status;
     }
+    object->vertices = (struct eng_range){first, mesh->info.vertex_count};
+    status = eng_world_reserve(scene);
     if (status == ENG_OK) {
-        status = take(&scene->triangle_ranges, info->triangle_count, &object->triangles);
-    }
-    if (status == ENG_OK) {
-        /* 2n - 1 of n <= 2^31 - 1 fits. */
-        status = take(&scene->node_ranges, 2 * info->triangle_count - 1, &object->nodes);
-    }
-    if (status == ENG_OK) {
-        status = eng_world_reserve(scene);
-    }
-    if (status == ENG_OK) {
-        status = eng_wide_order_new(mesh, (const double(*)[3])mesh->x, &object->order);
+        status = eng_wide_order_new(mesh, (const double(*)[3])mesh->x,
+                                    scene->settings.threads, &object->order);
     }
     if (status != ENG_OK) {
         give_all(scene, object);
@@ -166,44 +134,8 @@ static int take_all(struct eng_scene *scene, struct eng_object *object,
     return status;
 }
 
-/* Copy the topology with global indices and place the object at its
- * registered positions. */
-static void copy_in(struct eng_scene *scene, const struct eng_object *object,
-                    uint32_t object_idx)
-{
-    const struct eng_mesh *mesh = object->mesh;
-    uint32_t v0 = object->vertices.first;
-    uint32_t e0 = object->edges.first;
-    size_t x_bytes = object->vertices.count * sizeof *mesh->x;
-    memcpy(scene->x[0] + v0, mesh->x, x_bytes);
-    memcpy(scene->x[1] + v0, mesh->x, x_bytes);
-    memset(scene->vertices + v0, 0, object->vertices.count * sizeof *scene->vertices);
-    for (uint32_t i = 0; i < object->vertices.count; i++) {
-        scene->vertices[v0 + i].object = object_idx;
-    }
-    if (object->edges.count > 0) {
-        memset(scene->edges + e0, 0, object->edges.count * sizeof *scene->edges);
-    }
-    for (uint32_t i = 0; i < object->edges.count; i++) {
-        scene->edges[e0 + i].a = v0 + mesh->edges[i][0];
-        scene->edges[e0 + i].b = v0 + mesh->edges[i][1];
-        scene->edges[e0 + i].object = object_idx;
-    }
-    for (uint32_t i = 0; i < object->triangles.count; i++) {
-        struct eng_triangle *triangle = &scene->triangles[object->triangles.first + i];
-        *triangle = mesh->triangles[i];
-        triangle->object = object_idx;
-        for (int k = 0; k < 3; k++) {
-            triangle->v[k] += v0;
-            triangle->e[k] += triangle->e[k] == ENG_NO_EDGE ? 0 : e0;
-        }
-    }
-    memset(scene->nodes + object->nodes.first, 0,
-           object->nodes.count * sizeof *scene->nodes);
-}
-
-/* Make an object of `mesh` at a place of the table, with ranges and hierarchy of its own.
- * On failure the place holds what it held. */
+/* Make an object of `mesh` at a place of the table, at its registered positions. On
+ * failure the place holds what it held. */
 static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
                  uint32_t object_id)
 {
@@ -212,20 +144,12 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
     if (status != ENG_OK) {
         return status;
     }
-    struct eng_object before = scene->objects[idx];
-    object.mesh = mesh;
-    copy_in(scene, &object, idx);
+    size_t x_bytes = object.vertices.count * sizeof *mesh->x;
+    memcpy(scene->x[0] + object.vertices.first, mesh->x, x_bytes);
+    memcpy(scene->x[1] + object.vertices.first, mesh->x, x_bytes);
+    object.mesh = eng_mesh_acquire(mesh);
     scene->objects[idx] = object;
-    status = eng_build_object(scene, idx);
-    if (status != ENG_OK) {
-        give_all(scene, &scene->objects[idx]);
-        scene->objects[idx] = before;
-        return status;
-    }
-    eng_mesh_acquire(mesh);
-    eng_refit_object(scene, &scene->objects[idx]);
-    eng_regions_mark(scene, object.nodes);
-    eng_rebuild_note(scene, object.nodes);
+    scene->builds++;
     scene->top_is_stale = true;
     scene->wide.is_stale = true;
     eng_step_memory_forget(scene->memory);
@@ -358,8 +282,8 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
     return orders + eng_wide_bytes(&scene->wide) + sizeof *scene +
            (uint64_t)scene->object_capacity * sizeof *scene->objects +
            (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
-           (uint64_t)scene->vertex_capacity *
-               (2 * sizeof *scene->x[0] + sizeof *scene->vertices) +
+           (uint64_t)scene->vertex_capacity * 2 * sizeof *scene->x[0] +
+           (uint64_t)scene->box_capacity * sizeof *scene->vertices +
            (uint64_t)scene->start_capacity * sizeof *scene->start +
            (uint64_t)scene->edge_capacity * sizeof *scene->edges +
            (uint64_t)scene->triangle_capacity * sizeof *scene->triangles +

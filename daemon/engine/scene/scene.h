@@ -32,11 +32,13 @@ struct eng_scene_settings {
     /* Triangles below which a subtree is reconstructed at once when the traversal touches
      * it; larger ones are built aside, a share in every step. */
     uint32_t rebuild_triangles_max;
+    /* That put an added object's features in order; 0: one. Changes nothing else. */
+    uint32_t threads;
 };
 
 #define ENG_SCENE_SETTINGS_DEFAULT                                                       \
     {                                                                                    \
-        ENG_QUALITY_MEDIAN, 0.9, 1024                                                    \
+        ENG_QUALITY_MEDIAN, 0.9, 1024, 1                                                 \
     }
 
 /* An empty scene; `settings` NULL: the defaults. ENG_E_INVAL, ENG_E_NOMEM. */

@@ -1,7 +1,8 @@
 /* daemon/engine/scene/world.c - the flat arrays of a scene.
  *
  * Room:     engine.
- * Does:     grow the arrays with the ranges that are handed out.
+ * Does:     grow the arrays with the ranges that are handed out; those of binary
+ *           hierarchies: tree/object.c.
  * Threads:  [compute].
  */
 #include "world.h"
@@ -29,7 +30,7 @@ int eng_world_grow(void *array, uint32_t capacity, size_t bytes)
     return ENG_OK;
 }
 
-static int reserve_vertices(struct eng_scene *scene)
+int eng_world_reserve(struct eng_scene *scene)
 {
     uint32_t end = scene->vertex_ranges.end;
     if (end <= scene->vertex_capacity) {
@@ -41,35 +42,7 @@ static int reserve_vertices(struct eng_scene *scene)
         status = eng_world_grow(&scene->x[1], capacity, sizeof *scene->x[1]);
     }
     if (status == ENG_OK) {
-        status = eng_world_grow(&scene->vertices, capacity, sizeof *scene->vertices);
-    }
-    if (status == ENG_OK) {
         scene->vertex_capacity = capacity;
-    }
-    return status;
-}
-
-int eng_world_reserve(struct eng_scene *scene)
-{
-    int status = reserve_vertices(scene);
-    if (status == ENG_OK && scene->edge_ranges.end > scene->edge_capacity) {
-        uint32_t capacity = eng_world_grown(scene->edge_capacity, scene->edge_ranges.end);
-        status = eng_world_grow(&scene->edges, capacity, sizeof *scene->edges);
-        scene->edge_capacity = status == ENG_OK ? capacity : scene->edge_capacity;
-    }
-    if (status == ENG_OK && scene->triangle_ranges.end > scene->triangle_capacity) {
-        uint32_t capacity =
-            eng_world_grown(scene->triangle_capacity, scene->triangle_ranges.end);
-        status = eng_world_grow(&scene->triangles, capacity, sizeof *scene->triangles);
-        scene->triangle_capacity = status == ENG_OK ? capacity : scene->triangle_capacity;
-    }
-    if (status == ENG_OK && scene->node_ranges.end > scene->node_capacity) {
-        uint32_t capacity = eng_world_grown(scene->node_capacity, scene->node_ranges.end);
-        status = eng_world_grow(&scene->nodes, capacity, sizeof *scene->nodes);
-        if (status == ENG_OK) {
-            status = eng_world_grow(&scene->upkeep, capacity, sizeof *scene->upkeep);
-        }
-        scene->node_capacity = status == ENG_OK ? capacity : scene->node_capacity;
     }
     return status;
 }

@@ -91,12 +91,14 @@ struct eng_object {
     struct eng_mesh *mesh; /* NULL: this index is free */
     uint32_t id;           /* what records carry */
     struct eng_range vertices;
+    struct eng_wide_order *order; /* of its features in the trees of the method wide */
+    /* Its binary hierarchy, of the method paper: count 0 until a step asks for it. Nodes
+     * are in pre-order, a parent precedes its children; first = root. */
     struct eng_range edges;
     struct eng_range triangles;
-    struct eng_wide_order *order; /* of its features in the trees of the method wide */
-    struct eng_range nodes; /* pre-order: a parent precedes its children; first = root */
-    bool still;             /* x[0] and x[1] hold the same positions of this object */
-    uint64_t staged;        /* stage number that last wrote to it */
+    struct eng_range nodes;
+    bool still;      /* x[0] and x[1] hold the same positions of this object */
+    uint64_t staged; /* stage number that last wrote to it */
 };
 
 /* A range written by the step being staged. */
@@ -128,7 +130,8 @@ struct eng_scene {
     struct eng_ranges edge_ranges;
     struct eng_ranges triangle_ranges;
     struct eng_ranges node_ranges;
-    uint32_t vertex_capacity; /* of the arrays below */
+    uint32_t vertex_capacity; /* of positions */
+    uint32_t box_capacity;    /* of the vertices' boxes */
     uint32_t edge_capacity;
     uint32_t triangle_capacity;
     uint32_t node_capacity;
@@ -141,6 +144,8 @@ struct eng_scene {
     double (
         *start)[3]; /* x0 of the step being staged, where given; allocated on first use */
     uint32_t start_capacity;
+
+    /* Of the method paper (tree/object.c). */
     struct eng_vertex *vertices;
     struct eng_edge *edges;
     struct eng_triangle *triangles; /* global indices, .object filled in */
@@ -187,7 +192,8 @@ uint32_t eng_world_grown(uint32_t capacity, uint32_t end);
  * is unchanged on failure (ENG_E_NOMEM). */
 int eng_world_grow(void *array, uint32_t capacity, size_t bytes);
 
-/* Make room in the arrays up to `end` of each range allocator. ENG_E_NOMEM: unchanged. */
+/* Make room for the positions up to the end of the vertex ranges. ENG_E_NOMEM:
+ * unchanged. */
 int eng_world_reserve(struct eng_scene *scene);
 
 #endif

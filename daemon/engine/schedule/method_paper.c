@@ -158,7 +158,10 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
     struct eng_step_memory *memory = team->scene->memory;
     int status = ENG_OK;
     if (team->scene->top_is_stale) {
-        status = eng_refit_plan_features(&memory->plan, team->scene);
+        status = eng_plant_objects(team->scene);
+        if (status == ENG_OK) {
+            status = eng_refit_plan_features(&memory->plan, team->scene);
+        }
         if (status == ENG_OK) {
             status = eng_build_top(team->scene);
         }

@@ -110,7 +110,7 @@ static int take_nodes(struct eng_scene *scene, uint32_t count, uint32_t *first)
         status = eng_ranges_take(&scene->node_ranges, count - 1, first);
     }
     if (status == ENG_OK) {
-        status = eng_world_reserve(scene);
+        status = eng_tree_reserve(scene);
         if (status != ENG_OK) {
             eng_ranges_give(&scene->node_ranges, *first, count - 1);
         }

@@ -17,9 +17,22 @@
  * stands at: links, counts and triangles; boxes are left to refit. ENG_E_NOMEM. */
 int eng_build_object(struct eng_scene *scene, uint32_t object_idx);
 
+/* Give every object that has none its ranges of edges, triangles and nodes, its topology
+ * there with global indices, and its hierarchy, as it stands. Scenes that are never
+ * stepped by the method paper do without. ENG_E_NOMEM, ENG_E_LIMIT: some may have got
+ * theirs; it can be tried again. */
+int eng_plant_objects(struct eng_scene *scene);
+
+/* Give back what eng_plant_objects took for an object, if it did. */
+void eng_object_fell(struct eng_scene *scene, struct eng_object *object);
+
 /* Levels that the hierarchy of an object may have, the root being 0; within a region one
  * more after a reconstruction (rebuild.h). */
 uint32_t eng_object_levels(const struct eng_scene *scene, uint32_t triangle_count);
+
+/* Make room in the arrays of binary hierarchies up to the end of each range allocator.
+ * ENG_E_NOMEM: can be tried again. */
+int eng_tree_reserve(struct eng_scene *scene);
 
 /* Build the tree over all objects from the boxes of their roots, and set scene->root.
  * Takes its nodes from the scene. ENG_E_NOMEM, ENG_E_LIMIT: the old tree stays, still

@@ -1,8 +1,10 @@
 /* daemon/engine/wide/wide_order.c - the order in which an object's features are stored.
  *
  * Room:     engine.
- * Does:     median splits of the centroids.
- * Threads:  [any].
+ * Does:     median splits of the centroids, the first ones of them until there is a part
+ *           for every thread, and then the parts.
+ * Threads:  [any]; opens parallel regions if it is told to. The order does not depend on
+ *           how many threads made it: each split is of a list that they do not change.
  */
 #include "wide_order.h"
 
@@ -17,8 +19,15 @@
  * n < 2^32 items there are no more than this. */
 #define STACK_MAX 64u
 
+/* Features of an object below which one thread orders them: some 3 ms. */
+#define TEAM_FEATURES_MIN 32768u
+
+/* Parts for each thread, so that they end together, and of the three trees at most. */
+#define PARTS_PER_THREAD 8u
+#define PARTS_MAX        (ENG_WIDE_KINDS << 8)
+
 struct part {
-    uint32_t first;
+    size_t first; /* of the items, which may be those of three lists */
     uint32_t count;
 };
 
@@ -33,22 +42,54 @@ static uint32_t middle_of(uint32_t count, uint32_t least)
     return (uint32_t)(middle > 0 ? middle : step);
 }
 
-void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
+/* Split a part that is longer than `least` in two; returns the second, or none. */
+static struct part split(struct eng_split_item *items, struct part *part, uint32_t least)
+{
+    struct eng_split_item *first = items + part->first;
+    uint32_t count = part->count;
+    if (count <= least) {
+        return (struct part){part->first + count, 0};
+    }
+    part->count = middle_of(count, least);
+    eng_median_split(first, count, part->count, eng_median_axis(first, count));
+    return (struct part){part->first + part->count, count - part->count};
+}
+
+static void sort_part(struct eng_split_item *items, struct part all, uint32_t least)
 {
     struct part stack[STACK_MAX];
     uint32_t waiting = 0;
-    stack[waiting++] = (struct part){0, count};
+    stack[waiting++] = all;
     while (waiting > 0) {
         struct part part = stack[--waiting];
-        if (part.count <= least) {
-            continue;
+        if (part.count > least) {
+            struct part second = split(items, &part, least);
+            assert(waiting + 2 <= STACK_MAX);
+            stack[waiting++] = second;
+            stack[waiting++] = part;
         }
-        struct eng_split_item *first = items + part.first;
-        uint32_t middle = middle_of(part.count, least);
-        eng_median_split(first, part.count, middle, eng_median_axis(first, part.count));
-        assert(waiting + 2 <= STACK_MAX);
-        stack[waiting++] = (struct part){part.first + middle, part.count - middle};
-        stack[waiting++] = (struct part){part.first, middle};
+    }
+}
+
+void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
+{
+    sort_part(items, (struct part){0, count}, least);
+}
+
+/* All parts, by as many threads. */
+static void sort_parts(struct eng_split_item *items, struct part *parts, uint32_t count,
+                       int threads)
+{
+    while (count < (uint32_t)threads * PARTS_PER_THREAD && 2 * count <= PARTS_MAX) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+        for (uint32_t i = 0; i < count; i++) {
+            parts[count + i] = split(items, &parts[i], ENG_WIDE);
+        }
+        count *= 2;
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (uint32_t i = 0; i < count; i++) {
+        sort_part(items, parts[i], ENG_WIDE);
     }
 }
 
@@ -92,37 +133,45 @@ static uint32_t list(const struct eng_mesh *mesh, const double (*x)[3],
     return count;
 }
 
-static uint32_t larger(uint32_t a, uint32_t b)
+static int threads_for(size_t features, uint32_t threads)
 {
-    return a > b ? a : b;
+    uint32_t most = PARTS_MAX / ENG_WIDE_KINDS;
+    return features < TEAM_FEATURES_MIN || threads == 0 ? 1
+           : threads < most                             ? (int)threads
+                                                        : (int)most;
 }
 
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
-                       struct eng_wide_order **order)
+                       uint32_t threads, struct eng_wide_order **order)
 {
     const struct eng_mesh_info *info = &mesh->info;
-    uint32_t used = info->vertex_count - info->isolated_count;
-    const uint32_t count[ENG_WIDE_KINDS] = {used, info->edge_count, info->triangle_count};
-    uint32_t most = larger(used, larger(info->edge_count, info->triangle_count));
+    const uint32_t count[ENG_WIDE_KINDS] = {info->vertex_count - info->isolated_count,
+                                            info->edge_count, info->triangle_count};
     size_t all = (size_t)count[0] + count[1] + count[2];
     struct eng_wide_order *made =
         eng_alloc(1, sizeof *made + all * sizeof *made->feature[0]);
-    struct eng_split_item *items = made ? eng_alloc(most, sizeof *items) : NULL;
-    if (!items) {
+    struct eng_split_item *items = made ? eng_alloc(all, sizeof *items) : NULL;
+    struct part *parts = items ? eng_alloc(PARTS_MAX, sizeof *parts) : NULL;
+    if (!parts) {
+        eng_free(items);
         eng_free(made);
         return ENG_E_NOMEM;
     }
     uint32_t *next = (uint32_t *)(void *)(made + 1);
+    size_t first = 0;
     for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        uint32_t listed = list(mesh, x, kind, items);
+        uint32_t listed = list(mesh, x, kind, items + first);
         assert(listed == count[kind]);
-        eng_wide_sort(items, listed, ENG_WIDE);
         made->count[kind] = listed;
-        made->feature[kind] = next;
-        for (uint32_t i = 0; i < listed; i++) {
-            *next++ = items[i].id;
-        }
+        made->feature[kind] = next + first;
+        parts[kind] = (struct part){first, listed};
+        first += listed;
     }
+    sort_parts(items, parts, ENG_WIDE_KINDS, threads_for(all, threads));
+    for (size_t i = 0; i < all; i++) {
+        next[i] = items[i].id;
+    }
+    eng_free(parts);
     eng_free(items);
     *order = made;
     return ENG_OK;

@@ -3,7 +3,7 @@
  * Room:     engine. May include: median.h, mesh.h.
  * Does:     put features that are near each other next to each other, so that every
  *           aligned group of 16, 256, .. of them has a tight box.
- * Threads:  [any]; one thread for one order.
+ * Threads:  [any]; one caller for one order.
  */
 #ifndef ENG_WIDE_ORDER_H
 #define ENG_WIDE_ORDER_H
@@ -20,10 +20,11 @@ struct eng_wide_order {
     uint32_t *feature[ENG_WIDE_KINDS]; /* [count] */
 };
 
-/* Of a committed mesh, at the positions `x` of its vertices. Freed with eng_free.
- * ENG_E_NOMEM. O(n log n). */
+/* Of a committed mesh, at the positions `x` of its vertices, by that many threads, whose
+ * number (0: one) does not change the order. Freed with eng_free. ENG_E_NOMEM.
+ * O(n log n). */
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
-                       struct eng_wide_order **order);
+                       uint32_t threads, struct eng_wide_order **order);
 
 uint64_t eng_wide_order_bytes(const struct eng_wide_order *order);
 
