@@ -59,6 +59,9 @@ struct run {
 /* Every hierarchy anew, from where the scene stands. Returns how long it took. */
 static uint64_t build_anew(struct eng_scene *scene)
 {
+    if (eng_plant_objects(scene) != ENG_OK) {
+        exit(2);
+    }
     uint64_t begin_ns = bench_now_ns();
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh && eng_build_object(scene, i) != ENG_OK) {

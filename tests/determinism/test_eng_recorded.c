@@ -105,7 +105,7 @@ static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply 
 static void check_row(const struct known *known, const struct ply frames[2],
                       struct eng_mesh *mesh, const struct row *row)
 {
-    struct eng_scene_settings made = {row->quality, row->ratio, row->region};
+    struct eng_scene_settings made = {row->quality, row->ratio, row->region, 1};
     struct eng_scene *scene = NULL;
     struct eng_step_result result;
     uint32_t object_idx;

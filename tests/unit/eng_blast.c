@@ -70,6 +70,7 @@ struct eng_step_result blast_run(struct blast *blast, double t0, double t1,
 
 void blast_rebuild(struct blast *blast)
 {
+    assert_int_equal(eng_plant_objects(blast->scene), ENG_OK);
     assert_int_equal(eng_build_object(blast->scene, blast->idx), ENG_OK);
     blast->scene->top_is_stale = true;
 }

@@ -22,7 +22,7 @@ static struct blast blast;
 
 static void start(double ratio, enum eng_quality quality)
 {
-    blast_init(&blast, &(struct eng_scene_settings){quality, ratio, REGION});
+    blast_init(&blast, &(struct eng_scene_settings){quality, ratio, REGION, 1});
 }
 
 static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)

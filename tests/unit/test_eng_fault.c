@@ -310,7 +310,7 @@ static void run_disorder(struct eng_scene *scene, struct diary *diary)
 static void fault__steps_go_on_without_memory_aside(void **state)
 {
     (void)state;
-    const struct eng_scene_settings settings = {ENG_QUALITY_SAH, 1e-9, 3};
+    const struct eng_scene_settings settings = {ENG_QUALITY_SAH, 1e-9, 3, 1};
     struct diary reference = {.count = 0};
     struct eng_mesh *mesh = kit_sheet(2 * SIDE, 0);
     for (uint64_t n = 0; n <= 4; n++) { /* items, triangles, links, boxes */

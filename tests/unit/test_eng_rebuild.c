@@ -24,7 +24,7 @@ static struct blast blast;
 
 static void start(double ratio, uint32_t triangles_max, enum eng_quality quality)
 {
-    blast_init(&blast, &(struct eng_scene_settings){quality, ratio, triangles_max});
+    blast_init(&blast, &(struct eng_scene_settings){quality, ratio, triangles_max, 1});
 }
 
 static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
@@ -220,6 +220,7 @@ static void rebuild__touched_regions_are_made_good_and_no_others(void **state)
         struct eng_step_settings settings =
             team_of(1u << way / 2, way & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
         start(0.9, 40, ENG_QUALITY_MEDIAN);
+        assert_int_equal(eng_plant_objects(blast.scene), ENG_OK);
         struct eng_range nodes = blast.scene->objects[blast.idx].nodes;
         uint64_t rebuilds = 0;
         for (int part = 1; part >= 0; part--) {

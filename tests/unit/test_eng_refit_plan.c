@@ -38,6 +38,7 @@ static int setup(void **state)
         eng_mesh_release(mesh);
     }
     assert_int_equal(eng_scene_remove(f->scene, 4), ENG_OK); /* a gap in every array */
+    assert_int_equal(eng_plant_objects(f->scene), ENG_OK);
     assert_int_equal(eng_build_top(f->scene), ENG_OK);
     *state = f;
     return 0;

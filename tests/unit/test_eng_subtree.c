@@ -41,6 +41,7 @@ static void subtree__order_says_what_the_links_say(void **state)
         assert_int_equal(eng_scene_add(scene, mesh, i, &idx), ENG_OK);
         eng_mesh_release(mesh);
     }
+    assert_int_equal(eng_plant_objects(scene), ENG_OK);
     assert_int_equal(eng_build_top(scene), ENG_OK);
     assert_true(scene->node_ranges.end <= sizeof parents / sizeof *parents);
     find_parents(scene, parents);
