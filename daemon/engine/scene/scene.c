@@ -1,9 +1,9 @@
 /* daemon/engine/scene/scene.c - objects come and go.
  *
  * Room:     engine.
- * Does:     give every object its range of vertices, where it stands, and the order of its
- *           features.
- * Does not: make binary hierarchies (tree/object.c: when a step asks for them), stage
+ * Does:     give every object its range of vertices, where it stands, and the order of
+ *           its features.
+ * Does not: make binary hierarchies (object.c of tree/: when a step asks for them), stage
  *           positions (stage.c) or step (step.c).
  * Threads:  [compute].
  */

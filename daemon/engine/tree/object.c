@@ -1,4 +1,4 @@
-/* tree/object.c - the binary hierarchy of an object comes and goes.
+/* object.c - the binary hierarchy of an object comes and goes.
  *
  * Room:     engine.
  * Does:     give an object its ranges of the flat arrays, copy its topology there with
