@@ -140,10 +140,13 @@ const char *fuzz_sieve_check(struct fuzz_sieve *sieve, struct prng *prng,
             memcpy(sieve->first_b, sieve->b, kept * sizeof *sieve->b);
             sieve->looked_at += sieve->count;
             sieve->kept += kept;
-        } else if (kept != first ||
-                   memcmp(sieve->first_b, sieve->b, kept * sizeof *sieve->b) != 0) {
-            *wrong = 0;
-            return "sets sift a chunk differently; its first query";
+            continue;
+        }
+        for (uint32_t i = 0; i < kept || i < first; i++) {
+            if (i >= kept || i >= first || sieve->b[i] != sieve->first_b[i]) {
+                *wrong = sieve->pair[i < kept ? sieve->b[i] : sieve->first_b[i]];
+                return "sets sift a chunk differently, here or at an earlier query";
+            }
         }
     }
     return NULL;
