@@ -125,9 +125,7 @@ static bool is_in_domain(struct eng_exact *exact, enum eng_kind kind)
            mpz_cmp(exact->z[G2], exact->z[NN]) <= 0;
 }
 
-/* Is a corner of the one feature a corner of the other? As where one mesh continues
- * another: most of what touches at all touches there. */
-static bool share_corner(const struct eng_query *query, int end)
+bool eng_exact_share_corner(const struct eng_query *query, int end)
 {
     const double(*x)[3] = query->x[end];
     int split = query->kind == ENG_VF ? 1 : 2;
@@ -144,7 +142,7 @@ static bool share_corner(const struct eng_query *query, int end)
 struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_query *query,
                                    int end)
 {
-    if (share_corner(query, end)) {
+    if (eng_exact_share_corner(query, end)) {
         return (struct eng_moment){true, 0};
     }
     exact->queries++;

@@ -47,6 +47,11 @@ struct eng_moment {
     int side;      /* sign of det[p, b, c]: -1, 0, 1 */
 };
 
+/* Is a corner of the one feature a corner of the other at t = `end`? As where one mesh
+ * continues another: most of what touches at all touches there, and it takes no
+ * arithmetic to know. */
+bool eng_exact_share_corner(const struct eng_query *query, int end);
+
 /* The configuration at t = `end` (0 or 1), by the definition: degenerate triangles are
  * the segments they collapse to, degenerate edges are points. */
 struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_query *query,

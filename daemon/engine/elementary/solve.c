@@ -237,6 +237,10 @@ static enum look look_at(struct search *search, const struct span *span,
 static bool touches_at_start(struct search *search)
 {
     struct eng_pose pose;
+    search->f_start = 0;
+    if (eng_exact_share_corner(&search->query, 0)) {
+        return true;
+    }
     eng_motion_pose(&search->motion, 0, &pose);
     search->f_start = eng_pose_det(&pose);
     if (fabs(search->f_start) > search->motion.e_det ||

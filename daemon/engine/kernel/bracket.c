@@ -104,7 +104,6 @@ ENG_INLINE eng_dm open(enum eng_kind kind, enum look look, const struct eng_grou
     }
     lanes->starts_below = eng_d_less(lanes->cubic.f[0], zero);
     eng_cubic_turn(&lanes->cubic, lanes->starts_below);
-    lanes->powers = eng_cubic_powers(&lanes->cubic);
     eng_dm is_large =
         eng_d_at_most(zero + SIZE_MIN, eng_d_min(eng_d_min(size[0], size[1]), size[2]));
     return eng_dm_and(is_large, eng_d_less(lanes->cubic.error, lanes->cubic.f[0]));
@@ -235,7 +234,6 @@ ENG_INLINE void set_next(struct lanes *lanes, int piece)
 #pragma GCC unroll 4
     for (int i = 0; i < 4; i++) {
         lanes->cubic.f[i] = -lanes->cubic.f[i];
-        lanes->powers.c[i] = -lanes->powers.c[i];
     }
     lanes->flat_l = piece == 1 ? eng_dm_not(lanes->bends[1]) : lanes->bends[1];
     lanes->flat_r = eng_dm_and(lanes->flat_l, eng_dm_not(lanes->flat_l)); /* none */
@@ -246,6 +244,7 @@ ENG_INLINE void set_next(struct lanes *lanes, int piece)
 ENG_INLINE void guess(enum look look, struct lanes *lanes)
 {
     const eng_d zero = {0};
+    lanes->powers = eng_cubic_powers(&lanes->cubic);
     if (look == LOOK_FALLING) {
         lanes->root = eng_cubic_guess(&lanes->cubic);
     } else {
