@@ -138,6 +138,8 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_method.c \
     daemon/engine/wide/wide_order.c \
     daemon/engine/wide/wide_order.h \
+    daemon/engine/wide/wide_resort.c \
+    daemon/engine/wide/wide_resort.h \
     daemon/engine/wide/wide_refit.c \
     daemon/engine/wide/wide_sweep.c \
     daemon/engine/wide/wide_sweep.h \

@@ -275,9 +275,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns, size_of(scene),
                      team.count);
     r.times.step = eng_now_ns() - begin_ns + staged_ns;
-    eng_aside_end_step(&scene->memory->aside, r.times.step - staged_ns, team.count);
-    r.counters.swaps = scene->memory->aside.swaps;
-    r.counters.swapped_triangles = scene->memory->aside.swapped_triangles;
+    team.method->end(&team, &r, r.times.step - staged_ns);
     r.counters.builds = scene->builds - builds;
     r.counters.allocs = eng_alloc_count() - allocs;
     *result = r;

@@ -107,29 +107,29 @@ struct eng_step_settings {
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
         ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                   \
-            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL,       \
-            NULL, false                                                                  \
+            ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL, NULL, \
+            false                                                                        \
     }
 
 /* What one thread of a step did. Times in nanoseconds of that thread. */
 struct eng_thread_record {
-    uint64_t task_units;   /* self-CD task units */
-    uint64_t pairs;        /* pairs of nodes refined */
-    uint64_t box_tests;    /* pairs of nodes tested */
-    uint64_t tests;        /* elementary tests: candidates it sent to the filter */
-    uint64_t steals;       /* tasks taken from others; nodes received from others */
-    uint64_t requests;     /* rounds over the victims; requests placed */
-    uint64_t given;        /* nodes handed to others (the paper's scheduler) */
-    uint64_t sleeps;       /* times it slept, or offered its processor, without work */
-    uint64_t rebuilds;     /* subtrees reconstructed during traversal */
-    uint64_t lock_waits;   /* times it waited for another's reconstruction */
+    uint64_t task_units; /* self-CD task units */
+    uint64_t pairs;      /* pairs of nodes refined */
+    uint64_t box_tests;  /* pairs of nodes tested */
+    uint64_t tests;      /* elementary tests: candidates it sent to the filter */
+    uint64_t steals;     /* tasks taken from others; nodes received from others */
+    uint64_t requests;   /* rounds over the victims; requests placed */
+    uint64_t given;      /* nodes handed to others (the paper's scheduler) */
+    uint64_t sleeps;     /* times it slept, or offered its processor, without work */
+    uint64_t rebuilds;   /* subtrees reconstructed during traversal */
+    uint64_t lock_waits; /* times it waited for another's reconstruction */
     uint64_t refit_ns;
-    uint64_t low_ns;       /* traversal and tests; of high-level nodes: high_ns */
+    uint64_t low_ns; /* traversal and tests; of high-level nodes: high_ns */
     uint64_t high_ns;
-    uint64_t tests_ns;     /* of the two above: filters and solver */
-    uint64_t rebuild_ns;   /* of the two above: reconstruction */
-    uint64_t wait_ns;      /* without work, between the step's barriers */
-    uint64_t merge_ns;     /* sort and gather */
+    uint64_t tests_ns;   /* of the two above: filters and solver */
+    uint64_t rebuild_ns; /* of the two above: reconstruction */
+    uint64_t wait_ns;    /* without work, between the step's barriers */
+    uint64_t merge_ns;   /* sort and gather */
 };
 
 struct eng_step_counters {
@@ -138,14 +138,14 @@ struct eng_step_counters {
     uint64_t leaf_pairs;    /* overlapping leaf pairs */
     uint64_t candidates_vf; /* VF pairs whose feature boxes overlap */
     uint64_t candidates_ee;
-    uint64_t survivors; /* of these, not rejected by the filter */
-    uint64_t exact;     /* queries that needed exact arithmetic */
+    uint64_t survivors;         /* of these, not rejected by the filter */
+    uint64_t exact;             /* queries that needed exact arithmetic */
     uint64_t rebuilds;          /* subtrees reconstructed during traversal (6.2) */
     uint64_t rebuilt_triangles; /* what they hold; above the objects: objects */
-    uint64_t swaps;             /* large subtrees, built aside, put in place */
+    uint64_t swaps; /* made aside and put in place: large subtrees, orders of features */
     uint64_t swapped_triangles;
-    uint64_t builds;    /* hierarchies built during the step */
-    uint64_t allocs;    /* allocations made during the step */
+    uint64_t builds; /* hierarchies built during the step */
+    uint64_t allocs; /* allocations made during the step */
 };
 
 struct eng_step_times { /* nanoseconds */
@@ -154,7 +154,7 @@ struct eng_step_times { /* nanoseconds */
     uint64_t traversal;
     uint64_t tests;
     uint64_t merge;
-    uint64_t step; /* the sum and what lies between */
+    uint64_t step;    /* the sum and what lies between */
     uint64_t low;     /* wall time of low-level nodes; by stealing: of all nodes */
     uint64_t high;    /* of high-level nodes; low + high = traversal + tests */
     uint64_t rebuild; /* sum over the threads: reconstruction, subtrees built aside */

@@ -57,6 +57,7 @@ ENG_TESTS = \
     tests/unit/test_eng_place \
     tests/unit/test_eng_refit_plan \
     tests/unit/test_eng_boxes \
+    tests/unit/test_eng_resort \
     tests/unit/test_eng_wide
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
@@ -212,6 +213,10 @@ tests_unit_test_eng_effort_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_boxes_SOURCES = tests/unit/test_eng_boxes.c
 tests_unit_test_eng_boxes_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_boxes_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_resort_SOURCES = tests/unit/test_eng_resort.c
+tests_unit_test_eng_resort_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_resort_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_wide_SOURCES = tests/unit/test_eng_wide.c
 tests_unit_test_eng_wide_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

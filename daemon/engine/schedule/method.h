@@ -29,6 +29,10 @@ struct eng_method_calls {
     void (*enter)(struct eng_worker *worker);
     void (*leave)(struct eng_worker *worker);
 
+    /* The step, which took `step_ns` without staging, is over: learn from it, and write
+     * to its result what was swapped in. [compute] */
+    void (*end)(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns);
+
     /* All tasks of a step by one thread. [compute] */
     void (*perform_all)(struct eng_worker *worker);
     /* Push the tasks that all others come from. [team], one thread */

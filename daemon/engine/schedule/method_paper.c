@@ -199,6 +199,14 @@ static void beside(struct eng_worker *worker)
     eng_aside_share(&worker->scene->memory->aside, worker);
 }
 
+static void end(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns)
+{
+    struct eng_aside *aside = &team->scene->memory->aside;
+    eng_aside_end_step(aside, step_ns, team->count);
+    result->counters.swaps = aside->swaps;
+    result->counters.swapped_triangles = aside->swapped_triangles;
+}
+
 static void no_more(struct eng_worker *worker)
 {
     (void)worker;
@@ -212,6 +220,7 @@ const struct eng_method_calls eng_method_paper = {.prepare = prepare,
                                                   .beside = beside,
                                                   .enter = no_more,
                                                   .leave = no_more,
+                                                  .end = end,
                                                   .perform_all = eng_schedule_serial,
                                                   .push_first = push_first,
                                                   .perform = perform,

@@ -23,7 +23,8 @@ enum eng_trace_kind {
                             * of its own; a: node, b: pairs */
     ENG_TRACE_TESTS = 6,   /* a chunk of elementary tests; a: kind, b: candidates */
     ENG_TRACE_REBUILD = 7, /* reconstruction in the traversal; a: node, b: triangles */
-    ENG_TRACE_ASIDE = 8,   /* a share of a subtree built aside; a: node, b: triangles */
+    ENG_TRACE_ASIDE = 8,   /* a share of a subtree built aside; a: node, b: triangles.
+                            * Method wide: of new orders; a: object, b: features of all */
     ENG_TRACE_WAIT = 9,    /* without work, asleep or searching */
     ENG_TRACE_MERGE = 10,  /* sort, gather, hash */
     ENG_TRACE_KINDS

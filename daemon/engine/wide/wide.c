@@ -16,6 +16,7 @@ void eng_wide_init(struct eng_wide *wide)
 {
     memset(wide, 0, sizeof *wide);
     wide->kernels = eng_kernels();
+    eng_wide_resort_init(&wide->resort);
     atomic_init(&wide->left_grid, false);
     wide->is_stale = true;
 }
@@ -36,6 +37,7 @@ void eng_wide_deinit(struct eng_wide *wide)
     eng_free(wide->marks);
     eng_free(wide->slot_of);
     eng_free(wide->items);
+    eng_wide_resort_deinit(&wide->resort);
 }
 
 static uint32_t corner_count(enum eng_wide_kind kind)

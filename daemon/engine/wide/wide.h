@@ -19,6 +19,7 @@
 
 #include "kernel.h"
 #include "wide_order.h"
+#include "wide_resort.h"
 
 struct eng_object;
 struct eng_scene;
@@ -63,7 +64,8 @@ struct eng_wide {
     uint32_t slot_of_capacity;
     struct eng_split_item *items; /* [item_capacity] scratch: the objects */
     uint32_t item_capacity;
-    bool is_stale; /* objects came or went since it was put together */
+    struct eng_wide_resort resort;
+    bool is_stale; /* objects came or went, or have a new order, since it was made */
 };
 
 void eng_wide_init(struct eng_wide *wide);

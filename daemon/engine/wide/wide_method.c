@@ -162,6 +162,7 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
     struct eng_scene *scene = team->scene;
     int status = ENG_OK;
     (void)settings;
+    eng_wide_resort_prepare(&scene->wide.resort, scene);
     if (scene->wide.is_stale) {
         status = eng_wide_assemble(&scene->wide, scene);
     }
@@ -185,19 +186,46 @@ static void refit(struct eng_scene *scene)
     eng_wide_refit(&scene->wide, scene, false);
 }
 
-static void no_more(struct eng_worker *worker)
+static void ready(struct eng_worker *worker)
 {
     (void)worker;
+}
+
+static void beside(struct eng_worker *worker)
+{
+    struct eng_wide_resort *resort = &worker->scene->wide.resort;
+    if (resort->state != ENG_WIDE_SORTING) {
+        return;
+    }
+    uint64_t begin_ns = eng_now_ns();
+    uint32_t object = resort->object;
+    eng_wide_resort_share(resort, worker->scene);
+    uint64_t share_ns = eng_now_ns() - begin_ns;
+    worker->record.low_ns += share_ns;
+    worker->record.rebuild_ns += share_ns;
+    eng_worker_trace(worker, ENG_TRACE_ASIDE, begin_ns, object,
+                     (uint32_t)resort->item_count);
+}
+
+static void end(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns)
+{
+    struct eng_wide_resort *resort = &team->scene->wide.resort;
+    result->counters.swaps = resort->sorts;
+    result->counters.swapped_triangles = resort->sorted_triangles;
+    if (result->incomplete == ENG_COMPLETE && result->mode != ENG_MODE_ANY) {
+        eng_wide_resort_learn(resort, result->mode, result->counters.box_tests, step_ns);
+    }
 }
 
 const struct eng_method_calls eng_method_wide = {.prepare = prepare,
                                                  .start = start,
                                                  .refit = refit,
                                                  .refit_by_team = eng_wide_refit_by_team,
-                                                 .ready = no_more,
-                                                 .beside = no_more,
+                                                 .ready = ready,
+                                                 .beside = beside,
                                                  .enter = eng_wide_work_begin,
                                                  .leave = eng_wide_work_end,
+                                                 .end = end,
                                                  .perform_all = perform_all,
                                                  .push_first = push_first,
                                                  .perform = perform,

@@ -15,21 +15,12 @@
 #include "memory.h"
 #include "topology.h"
 
-/* Ranges that wait while another is split: a range is split near its middle, so that of
- * n < 2^32 items there are no more than this. */
-#define STACK_MAX 64u
-
 /* Features of an object below which one thread orders them: some 3 ms. */
 #define TEAM_FEATURES_MIN 32768u
 
 /* Parts for each thread, so that they end together, and of the three trees at most. */
 #define PARTS_PER_THREAD 8u
 #define PARTS_MAX        (ENG_WIDE_KINDS << 8)
-
-struct part {
-    size_t first; /* of the items, which may be those of three lists */
-    uint32_t count;
-};
 
 /* Where to split `count` > least items. */
 static uint32_t middle_of(uint32_t count, uint32_t least)
@@ -43,44 +34,96 @@ static uint32_t middle_of(uint32_t count, uint32_t least)
 }
 
 /* Split a part that is longer than `least` in two; returns the second, or none. */
-static struct part split(struct eng_split_item *items, struct part *part, uint32_t least)
+static struct eng_wide_range split(struct eng_split_item *items,
+                                   struct eng_wide_range *part, uint32_t least)
 {
     struct eng_split_item *first = items + part->first;
     uint32_t count = part->count;
     if (count <= least) {
-        return (struct part){part->first + count, 0};
+        return (struct eng_wide_range){part->first + count, 0};
     }
     part->count = middle_of(count, least);
     eng_median_split(first, count, part->count, eng_median_axis(first, count));
-    return (struct part){part->first + part->count, count - part->count};
+    return (struct eng_wide_range){part->first + part->count, count - part->count};
 }
 
-static void sort_part(struct eng_split_item *items, struct part all, uint32_t least)
+void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, uint32_t count, uint32_t least)
 {
-    struct part stack[STACK_MAX];
-    uint32_t waiting = 0;
-    stack[waiting++] = all;
-    while (waiting > 0) {
-        struct part part = stack[--waiting];
-        if (part.count > least) {
-            struct part second = split(items, &part, least);
-            assert(waiting + 2 <= STACK_MAX);
-            stack[waiting++] = second;
-            stack[waiting++] = part;
+    sorter->least = least;
+    sorter->waiting = 1;
+    sorter->stack[0] = (struct eng_wide_range){0, count};
+    sorter->is_splitting = false;
+}
+
+/* A range is split near its middle, so that of n < 2^32 items no more wait at a time than
+ * there are levels, and one. */
+static void push(struct eng_wide_sorter *sorter, struct eng_wide_range range)
+{
+    assert(sorter->waiting < sizeof sorter->stack / sizeof *sorter->stack);
+    sorter->stack[sorter->waiting++] = range;
+}
+
+static void sort_range(struct eng_split_item *items, struct eng_wide_range all,
+                       uint32_t least)
+{
+    struct eng_wide_sorter sorter;
+    eng_wide_sorter_begin(&sorter, all.count, least);
+    while (sorter.waiting > 0) {
+        struct eng_wide_range range = sorter.stack[--sorter.waiting];
+        if (range.count > least) {
+            struct eng_wide_range second = split(items + all.first, &range, least);
+            push(&sorter, second);
+            push(&sorter, range);
         }
     }
 }
 
+/* One more pass over the range that is being split. */
+static void pass(struct eng_wide_sorter *sorter, struct eng_split_item *items)
+{
+    struct eng_wide_range range = sorter->range;
+    if (eng_median_round(&sorter->median, items + range.first)) {
+        uint32_t middle = sorter->median.middle;
+        push(sorter, (struct eng_wide_range){range.first + middle, range.count - middle});
+        push(sorter, (struct eng_wide_range){range.first, middle});
+        sorter->is_splitting = false;
+    }
+}
+
+bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_item *items,
+                             uint32_t whole)
+{
+    if (sorter->is_splitting) {
+        pass(sorter, items);
+        return true;
+    }
+    if (sorter->waiting == 0) {
+        return false;
+    }
+    struct eng_wide_range range = sorter->stack[--sorter->waiting];
+    if (range.count <= whole) {
+        sort_range(items, range, sorter->least);
+    } else if (range.count > sorter->least) {
+        sorter->range = range;
+        sorter->is_splitting = true;
+        eng_median_begin(&sorter->median, range.count,
+                         middle_of(range.count, sorter->least),
+                         eng_median_axis(items + range.first, range.count));
+    }
+    return true;
+}
+
 void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
 {
-    sort_part(items, (struct part){0, count}, least);
+    sort_range(items, (struct eng_wide_range){0, count}, least);
 }
 
 /* All parts, by as many threads. */
-static void sort_parts(struct eng_split_item *items, struct part *parts, uint32_t count,
-                       int threads)
+static void sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
+                       uint32_t count, int threads)
 {
-    while (count < (uint32_t)threads * PARTS_PER_THREAD && 2 * count <= PARTS_MAX) {
+    while (threads > 1 && count < (uint32_t)threads * PARTS_PER_THREAD &&
+           2 * count <= PARTS_MAX) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (uint32_t i = 0; i < count; i++) {
             parts[count + i] = split(items, &parts[i], ENG_WIDE);
@@ -89,7 +132,7 @@ static void sort_parts(struct eng_split_item *items, struct part *parts, uint32_
     }
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (uint32_t i = 0; i < count; i++) {
-        sort_part(items, parts[i], ENG_WIDE);
+        sort_range(items, parts[i], ENG_WIDE);
     }
 }
 
@@ -108,8 +151,8 @@ static struct eng_split_item item_of(const double (*x)[3], const uint32_t *verti
     return item;
 }
 
-static uint32_t list(const struct eng_mesh *mesh, const double (*x)[3],
-                     enum eng_wide_kind kind, struct eng_split_item *items)
+uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
+                             enum eng_wide_kind kind, struct eng_split_item *items)
 {
     uint32_t count = 0;
     if (kind == ENG_WIDE_EDGES) {
@@ -151,7 +194,7 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     struct eng_wide_order *made =
         eng_alloc(1, sizeof *made + all * sizeof *made->feature[0]);
     struct eng_split_item *items = made ? eng_alloc(all, sizeof *items) : NULL;
-    struct part *parts = items ? eng_alloc(PARTS_MAX, sizeof *parts) : NULL;
+    struct eng_wide_range *parts = items ? eng_alloc(PARTS_MAX, sizeof *parts) : NULL;
     if (!parts) {
         eng_free(items);
         eng_free(made);
@@ -160,11 +203,11 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     uint32_t *next = (uint32_t *)(void *)(made + 1);
     size_t first = 0;
     for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        uint32_t listed = list(mesh, x, kind, items + first);
+        uint32_t listed = eng_wide_order_list(mesh, x, kind, items + first);
         assert(listed == count[kind]);
         made->count[kind] = listed;
         made->feature[kind] = next + first;
-        parts[kind] = (struct part){first, listed};
+        parts[kind] = (struct eng_wide_range){first, listed};
         first += listed;
     }
     sort_parts(items, parts, ENG_WIDE_KINDS, threads_for(all, threads));

@@ -8,6 +8,8 @@
 #ifndef ENG_WIDE_ORDER_H
 #define ENG_WIDE_ORDER_H
 
+#include <stddef.h>
+
 #include "median.h"
 #include "mesh.h"
 
@@ -28,8 +30,34 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
 
 uint64_t eng_wide_order_bytes(const struct eng_wide_order *order);
 
+/* The features of one tree of a mesh whose vertices are at `x`, in no order: item ids are
+ * local indices. Returns how many. */
+uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
+                             enum eng_wide_kind kind, struct eng_split_item *items);
+
 /* Sort items[count] by splits at the median of the longest axis, each at a multiple of
  * the largest power of 16 below its range; down to ranges of `least`, 1 or 16. */
 void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least);
+
+/* The same in pieces, for who has to stop between. */
+struct eng_wide_sorter {
+    uint32_t least;
+    uint32_t waiting; /* ranges of the stack */
+    struct eng_wide_range {
+        size_t first;
+        uint32_t count;
+    } stack[64];
+    bool is_splitting; /* the one at hand */
+    struct eng_wide_range range;
+    struct eng_median median;
+};
+
+void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, uint32_t count,
+                           uint32_t least);
+
+/* One pass over a range of the items, or everything that is below a range of at most
+ * `whole` items. False: they are sorted. */
+bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_item *items,
+                             uint32_t whole);
 
 #endif

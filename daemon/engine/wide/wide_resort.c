@@ -1,0 +1,175 @@
+/* daemon/engine/wide/wide_resort.c - features put in order again, aside.
+ *
+ * Room:     engine.
+ * Does:     see wide_resort.h.
+ * Threads:  wide_resort.h.
+ */
+#include "wide_resort.h"
+
+#include <string.h>
+
+#include "clock.h"
+#include "memory.h"
+#include "topology.h"
+#include "world.h"
+
+/* A sort is wanted when a step takes this much more than the cheapest one since the last
+ * sort. What a sort costs in all, some 80 ns a feature, is what a step gains by a quarter
+ * fewer tests in two or three. */
+#define GROWTH_NUM 5u
+#define GROWTH_DEN 4u
+
+/* Box tests below which it is not worth while: 0.2 ms. */
+#define TESTS_MIN 10000u
+
+/* The share of a step that the sort may take, and the least that it takes. */
+#define BUDGET_PART   32u
+#define BUDGET_MIN_NS 20000u
+
+/* Pieces of work between two looks at the clock, each a pass over at most this many
+ * items or a pass over a larger part. */
+#define PIECE_ITEMS 1024u
+
+void eng_wide_resort_init(struct eng_wide_resort *resort)
+{
+    memset(resort, 0, sizeof *resort);
+    resort->state = ENG_WIDE_IDLE;
+}
+
+void eng_wide_resort_deinit(struct eng_wide_resort *resort)
+{
+    eng_free(resort->items);
+}
+
+uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort)
+{
+    return resort->item_count * sizeof *resort->items;
+}
+
+/* Idle, and nothing known of the order at hand. */
+static void forget(struct eng_wide_resort *resort)
+{
+    eng_free(resort->items);
+    resort->items = NULL;
+    resort->item_count = 0;
+    resort->state = ENG_WIDE_IDLE;
+    memset(resort->least_tests, 0, sizeof resort->least_tests);
+}
+
+static size_t feature_count(const struct eng_scene *scene)
+{
+    size_t sum = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+            sum += object->mesh ? object->order->count[kind] : 0;
+        }
+    }
+    return sum;
+}
+
+static void begin(struct eng_wide_resort *resort, const struct eng_scene *scene)
+{
+    size_t count = feature_count(scene);
+    resort->items = count > 0 ? eng_alloc(count, sizeof *resort->items) : NULL;
+    if (!resort->items) {
+        forget(resort);
+        return;
+    }
+    resort->item_count = count;
+    resort->object = 0;
+    resort->kind = ENG_WIDE_VERTICES;
+    resort->first = 0;
+    resort->is_begun = false;
+    resort->state = ENG_WIDE_SORTING;
+}
+
+static void take(struct eng_wide_resort *resort, struct eng_scene *scene)
+{
+    const struct eng_split_item *item = resort->items;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        for (int kind = 0; object->mesh && kind < ENG_WIDE_KINDS; kind++) {
+            for (uint32_t k = 0; k < object->order->count[kind]; k++) {
+                object->order->feature[kind][k] = (item++)->id;
+            }
+        }
+        resort->sorted_triangles += object->mesh ? object->mesh->info.triangle_count : 0;
+    }
+    resort->sorts++;
+    scene->wide.is_stale = true;
+    forget(resort);
+}
+
+void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *scene)
+{
+    resort->sorts = 0;
+    resort->sorted_triangles = 0;
+    if (scene->wide.is_stale) {
+        forget(resort);
+    } else if (resort->state == ENG_WIDE_SORTED) {
+        take(resort, scene);
+    } else if (resort->state == ENG_WIDE_WANTED) {
+        begin(resort, scene);
+    }
+}
+
+/* The next part: another tree of the object, or another object. */
+static void go_on(struct eng_wide_resort *resort, const struct eng_scene *scene)
+{
+    const struct eng_object *object = &scene->objects[resort->object];
+    resort->is_begun = false;
+    resort->first += object->mesh ? object->order->count[resort->kind] : 0;
+    if (object->mesh && resort->kind + 1 < ENG_WIDE_KINDS) {
+        resort->kind++;
+        return;
+    }
+    resort->kind = ENG_WIDE_VERTICES;
+    if (++resort->object == scene->object_capacity) {
+        resort->state = ENG_WIDE_SORTED;
+    }
+}
+
+/* A piece of the part at hand. */
+static void advance(struct eng_wide_resort *resort, const struct eng_scene *scene)
+{
+    const struct eng_object *object = &scene->objects[resort->object];
+    if (!object->mesh) {
+        go_on(resort, scene);
+        return;
+    }
+    struct eng_split_item *items = resort->items + resort->first;
+    if (!resort->is_begun) {
+        const double(*x)[3] = (const double(*)[3])scene->x[scene->now];
+        uint32_t count = eng_wide_order_list(object->mesh, x + object->vertices.first,
+                                             resort->kind, items);
+        eng_wide_sorter_begin(&resort->sorter, count, ENG_WIDE);
+        resort->is_begun = true;
+    } else if (!eng_wide_sorter_advance(&resort->sorter, items, PIECE_ITEMS)) {
+        go_on(resort, scene);
+    }
+}
+
+void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scene *scene)
+{
+    uint64_t end_ns = eng_now_ns() + resort->budget_ns;
+    while (resort->state == ENG_WIDE_SORTING) {
+        advance(resort, scene);
+        if (eng_now_ns() >= end_ns) {
+            break;
+        }
+    }
+}
+
+void eng_wide_resort_learn(struct eng_wide_resort *resort, enum eng_mode mode,
+                           uint64_t box_tests, uint64_t step_ns)
+{
+    uint64_t *least = &resort->least_tests[mode];
+    uint64_t budget_ns = step_ns / BUDGET_PART;
+    resort->budget_ns = budget_ns > BUDGET_MIN_NS ? budget_ns : BUDGET_MIN_NS;
+    if (resort->state == ENG_WIDE_IDLE && *least > 0 && box_tests >= TESTS_MIN &&
+        box_tests / GROWTH_NUM > *least / GROWTH_DEN) {
+        resort->state = ENG_WIDE_WANTED;
+    }
+    *least = *least == 0 || box_tests < *least ? box_tests : *least;
+}

@@ -1,0 +1,68 @@
+/* daemon/engine/wide/wide_resort.h - features put in order again, aside.
+ *
+ * Room:     engine. May include: step.h, wide_order.h.
+ * Does:     see by the box tests of a step that the features do not lie in the order any
+ *           more in which they are stored; find a new order over several steps, a bounded
+ *           share in each; have the trees put together by it before a later step. So no
+ *           step pays for a sort.
+ * Does not: change an answer: it does not depend on the order.
+ * Threads:  functions say.
+ *
+ * The parts of an order, one for each tree of each object, are sorted one after the other
+ * from where the features were in the step at hand: that some places are a few steps old
+ * costs a little quality and nothing else.
+ *
+ *   idle -> wanted -> sorting -> sorted -> (taken) idle
+ */
+#ifndef ENG_WIDE_RESORT_H
+#define ENG_WIDE_RESORT_H
+
+#include <stddef.h>
+
+#include "step.h"
+#include "wide_order.h"
+
+struct eng_scene;
+
+enum eng_wide_resort_state {
+    ENG_WIDE_IDLE,
+    ENG_WIDE_WANTED, /* the next step makes room for it */
+    ENG_WIDE_SORTING,
+    ENG_WIDE_SORTED /* the next step takes it */
+};
+
+struct eng_wide_resort {
+    enum eng_wide_resort_state state;
+    /* Box tests of the cheapest step since the last sort, by mode; 0: none yet. */
+    uint64_t least_tests[ENG_MODE_PAIRS + 1];
+    uint64_t budget_ns; /* of a step's share */
+    uint64_t sorts;     /* taken in this step, with their triangles */
+    uint64_t sorted_triangles;
+    /* While sorting: features of all objects, object by object, tree by tree. */
+    struct eng_split_item *items; /* [item_count] */
+    size_t item_count;
+    uint32_t object; /* the part at hand: its object's index, .. */
+    enum eng_wide_kind kind;
+    size_t first;  /* .. and its first item */
+    bool is_begun; /* it is listed, and `sorter` is at work on it */
+    struct eng_wide_sorter sorter;
+};
+
+void eng_wide_resort_init(struct eng_wide_resort *resort);
+void eng_wide_resort_deinit(struct eng_wide_resort *resort);
+uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort);
+
+/* Before a step: forget what was begun if objects have come or gone since; else take what
+ * is sorted, after which the trees are stale; make room for what is wanted. Without
+ * memory nothing is sorted. [compute] */
+void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *scene);
+
+/* A share of the work, after the refit. By one thread; it writes nothing that others
+ * read. [team] */
+void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scene *scene);
+
+/* What a whole step took, and whether that asks for a sort. [compute] */
+void eng_wide_resort_learn(struct eng_wide_resort *resort, enum eng_mode mode,
+                           uint64_t box_tests, uint64_t step_ns);
+
+#endif

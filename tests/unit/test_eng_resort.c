@@ -1,0 +1,161 @@
+/* test_eng_resort.c - features that have left their neighbours are put in order again.
+ *
+ * Room:     tests; engine headers.
+ * Does:     let triangles change places, and look at what steps take from then on.
+ * Threads:  one, and teams of two.
+ */
+#include "eng_kit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "step.h"
+#include "world.h"
+
+#define COUNT    6000u
+#define VERTICES (3 * COUNT)
+
+struct soup {
+    struct eng_scene *scene;
+    uint32_t idx;
+    double rest[VERTICES][3];
+    double (*x)[3];        /* [VERTICES] where it is to go */
+    uint32_t place[COUNT]; /* triangle i goes to where triangle place[i] was */
+};
+
+static struct soup soup;
+
+static void start(void)
+{
+    struct kit_random random = {91};
+    struct eng_mesh *mesh = kit_soup(&random, COUNT);
+    memcpy(soup.rest, mesh->x, sizeof soup.rest);
+    assert_int_equal(eng_scene_new(NULL, &soup.scene), ENG_OK);
+    assert_int_equal(eng_scene_add(soup.scene, mesh, 1, &soup.idx), ENG_OK);
+    eng_mesh_release(mesh);
+    soup.x = malloc(sizeof soup.rest);
+    assert_non_null(soup.x);
+    memcpy(soup.x, soup.rest, sizeof soup.rest);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        uint32_t other = kit_below(&random, i + 1);
+        soup.place[i] = soup.place[other];
+        soup.place[other] = i;
+    }
+}
+
+static void end(void)
+{
+    eng_scene_free(soup.scene);
+    free(soup.x);
+}
+
+/* Every triangle goes to the place of another. */
+static void shuffle(void)
+{
+    for (uint32_t i = 0; i < COUNT; i++) {
+        memcpy(soup.x[3 * i], soup.rest[3 * soup.place[i]], sizeof soup.rest[0] * 3);
+    }
+}
+
+static struct eng_step_result step(enum eng_mode mode, uint32_t threads)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    settings.method = ENG_METHOD_WIDE;
+    settings.mode = mode;
+    settings.threads = threads;
+    settings.team_always = true;
+    eng_stage_begin(soup.scene);
+    assert_int_equal(
+        eng_stage_x0x1(soup.scene, soup.idx, ENG_F64, 0, VERTICES, soup.x, soup.x),
+        ENG_OK);
+    assert_int_equal(eng_step(soup.scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    return result;
+}
+
+/* Steps until the features have a new order; what the step that takes it took, and how
+ * many steps came before. */
+static struct eng_step_result until_sorted(uint32_t threads, uint32_t *steps)
+{
+    for (*steps = 0; *steps < 10000; (*steps)++) {
+        struct eng_step_result result = step(ENG_MODE_PAIRS, threads);
+        if (result.counters.swaps > 0) {
+            assert_int_equal(result.counters.swaps, 1);
+            assert_int_equal(result.counters.swapped_triangles, COUNT);
+            return result;
+        }
+        assert_int_equal(result.counters.swapped_triangles, 0);
+    }
+    fail_msg("never sorted");
+    return (struct eng_step_result){0};
+}
+
+/* If it failed: a mesh that comes apart would be as slow for ever as on the day that its
+ * parts had mixed; or the answer would depend on the order. */
+static void resort__makes_a_mixed_soup_as_good_as_new(void **state)
+{
+    (void)state;
+    for (uint32_t threads = 1; threads <= 2; threads++) {
+        uint32_t steps;
+        start();
+        struct eng_step_result fresh = step(ENG_MODE_PAIRS, threads);
+        shuffle();
+        struct eng_step_result mixed = step(ENG_MODE_PAIRS, threads);
+        assert_true(mixed.counters.box_tests > 2 * fresh.counters.box_tests);
+        struct eng_step_result sorted = until_sorted(threads, &steps);
+        assert_true(steps >= 1); /* a share in each, not all at once */
+        assert_true(10 * sorted.counters.box_tests < 11 * fresh.counters.box_tests);
+        assert_int_equal(sorted.hash_lo, mixed.hash_lo);
+        assert_int_equal(sorted.count, mixed.count);
+        assert_int_equal(eng_wide_resort_bytes(&soup.scene->wide.resort), 0);
+        end();
+    }
+}
+
+/* If it failed: scenes whose order is good would pay for sorting it. */
+static void resort__leaves_a_good_order_alone(void **state)
+{
+    (void)state;
+    start();
+    for (uint32_t i = 0; i < 50; i++) {
+        assert_int_equal(step(ENG_MODE_PAIRS, 1).counters.swaps, 0);
+        assert_int_equal(soup.scene->wide.resort.state, ENG_WIDE_IDLE);
+    }
+    end();
+}
+
+/* If it failed: an order of features that are gone would be taken. */
+static void resort__forgets_what_it_began_when_objects_change(void **state)
+{
+    (void)state;
+    const enum eng_wide_resort_state states[] = {ENG_WIDE_WANTED, ENG_WIDE_SORTING,
+                                                 ENG_WIDE_SORTED};
+    for (int i = 0; i < 3; i++) {
+        struct kit_random random = {3};
+        uint32_t other;
+        start();
+        step(ENG_MODE_PAIRS, 1);
+        shuffle();
+        for (uint32_t steps = 0; soup.scene->wide.resort.state != states[i]; steps++) {
+            assert_true(steps < 10000);
+            step(ENG_MODE_PAIRS, 1);
+        }
+        struct eng_mesh *mesh = kit_soup(&random, 50);
+        assert_int_equal(eng_scene_add(soup.scene, mesh, 2, &other), ENG_OK);
+        eng_mesh_release(mesh);
+        assert_int_equal(step(ENG_MODE_PAIRS, 1).counters.swaps, 0);
+        assert_int_equal(soup.scene->wide.resort.state, ENG_WIDE_IDLE);
+        end();
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(resort__makes_a_mixed_soup_as_good_as_new),
+        cmocka_unit_test(resort__leaves_a_good_order_alone),
+        cmocka_unit_test(resort__forgets_what_it_began_when_objects_change),
+    };
+    return cmocka_run_group_tests_name("eng_resort", tests, NULL, NULL);
+}
