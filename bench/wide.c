@@ -116,9 +116,11 @@ struct side {
     struct eng_step_result result;
     struct eng_wide_sweep sweep;
     double round_ms;  /* a step of the round at hand */
+    double round_cpu; /* the same of the processors' time */
     uint64_t digest;  /* of all its answers */
     double toi_first; /* the sum over its steps */
     struct bench_samples ms;
+    struct bench_samples cpu;
     struct bench_samples ratio; /* base by this, of each round */
 };
 
@@ -129,6 +131,14 @@ struct run {
     struct side sides[SIDES];
 };
 
+/* Milliseconds of all threads of the program. */
+static double cpu_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
 static void take_in(struct side *side, uint64_t value)
 {
     side->digest = (side->digest ^ value) * 0x9e3779b97f4a7c15u;
@@ -137,8 +147,10 @@ static void take_in(struct side *side, uint64_t value)
 static void sweep(struct run *run, enum side_name name)
 {
     struct side *side = &run->sides[name];
-    int status = eng_wide_sweep(side->world.scene, sides[name].by_many ? run->threads : 1,
-                                NULL, NULL, &side->sweep);
+    uint32_t threads = sides[name].by_many ? run->threads : 1;
+    double begin = cpu_ms();
+    int status = eng_wide_sweep(side->world.scene, threads, NULL, NULL, &side->sweep);
+    side->round_cpu += cpu_ms() - begin;
     bench_check(status == ENG_OK, run->source->name, "no memory for the swept pairs");
     side->round_ms += 1e-6 * (double)(side->sweep.refit_ns + side->sweep.pairs_ns);
     take_in(side, side->sweep.vf);
@@ -149,13 +161,16 @@ static void step(struct run *run, enum side_name name)
 {
     struct side *side = &run->sides[name];
     const struct eng_step_result *result = &side->result;
+    double begin = cpu_ms();
     bench_world_step(&side->world, &run->frames, &side->settings, &side->result);
+    double end = cpu_ms();
     bench_check(result->incomplete == ENG_COMPLETE, run->source->name, "incomplete");
     if (sides[name].way == WAY_SWEEP) {
         sweep(run, name);
         return;
     }
     side->round_ms += 1e-6 * (double)result->times.step;
+    side->round_cpu += end - begin;
     side->toi_first += result->toi_first;
     take_in(side, result->count);
     take_in(side, result->hash_hi);
@@ -170,6 +185,7 @@ static void take_turn(struct run *run, enum side_name name)
     uint32_t steps = run->source->frame_count - 1;
     for (int time = 0; time < 2; time++) {
         side->round_ms = 0;
+        side->round_cpu = 0;
         side->digest = 0;
         side->toi_first = 0;
         for (uint32_t i = 0; i < steps; i++) {
@@ -178,6 +194,7 @@ static void take_turn(struct run *run, enum side_name name)
         }
     }
     side->round_ms /= steps;
+    side->round_cpu /= steps;
 }
 
 /* Whatever they took, all must have found the same. */
@@ -212,6 +229,7 @@ static void keep(struct run *run)
         struct side *side = &run->sides[i];
         if (side->is_there) {
             bench_add(&side->ms, side->round_ms);
+            bench_add(&side->cpu, side->round_cpu);
             bench_add(&side->ratio, run->sides[sides[i].base].round_ms / side->round_ms);
         }
     }
@@ -271,8 +289,8 @@ static void print_table(const struct run *run)
     printf("\n%s: %s, %u threads, %" PRIu64 " contacts, %zu rounds\n", run->source->name,
            eng_kernels()->name, run->threads, run->sides[ALL_ONE].result.count,
            run->sides[ALL_ONE].ms.count);
-    printf("  %-22s %8s %8s %8s %8s  %s\n", "ms a step", "median", "least", "asked",
-           "times", "as fast as");
+    printf("  %-22s %8s %8s %8s %8s %8s  %s\n", "ms a step", "median", "least", "cpu",
+           "asked", "times", "as fast as");
     for (int i = 0; i < SIDES; i++) {
         const struct side *side = &run->sides[i];
         double asked_ms = target_ms(run->source->name, sides[i].target);
@@ -280,7 +298,8 @@ static void print_table(const struct run *run)
             continue;
         }
         struct bench_summary ms = bench_summarise(&side->ms);
-        printf("  %-22s %8.3g %8.3g", sides[i].what, ms.p50, ms.min);
+        printf("  %-22s %8.3g %8.3g %8.3g", sides[i].what, ms.p50, ms.min,
+               bench_summarise(&side->cpu).min);
         if (asked_ms > 0) {
             printf(" %8.3g", asked_ms);
         } else {
@@ -372,6 +391,7 @@ static void measure(const struct bench_scene *source, uint32_t threads,
     }
     for (int i = 0; i < SIDES; i++) {
         bench_free(&run.sides[i].ms);
+        bench_free(&run.sides[i].cpu);
         bench_free(&run.sides[i].ratio);
         if (run.sides[i].is_there) {
             bench_world_deinit(&run.sides[i].world);
