@@ -80,6 +80,8 @@ bench_kernels_LDADD = $(bench_engine_libs)
 bench_roofline_SOURCES = \
     bench/floor.c \
     bench/floor.h \
+    bench/parts.c \
+    bench/parts.h \
     bench/roofline.c \
     $(bench_engine_sources)
 bench_roofline_CPPFLAGS = $(bench_engine_cppflags)

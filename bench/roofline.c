@@ -5,7 +5,6 @@
  *           scene, with the boxes around both ends of the step: refit, join, filters,
  *           elementary tests. Compare what they make with the scalar set's before a time
  *           is printed, and say how many times the floor it takes.
- * Does not: count what the compiler made: operations are those of the sources.
  * Threads:  one.
  */
 #include <stdio.h>
@@ -14,8 +13,10 @@
 
 #include "batch.h"
 #include "floor.h"
+#include "parts.h"
 #include "report.h"
 #include "resident.h"
+#include "wide_grid.h"
 #include "wide_join.h"
 #include "world.h"
 
@@ -25,38 +26,15 @@
 #define TOLERANCE  1e-6
 #define WITHIN_MAX 300000u
 
-enum part {
-    PART_POINTS, /* a vertex: its box */
-    PART_EDGES,  /* an edge: its box, from two vertices, and the block's */
-    PART_FACES,
-    PART_FOLD,     /* a vertex: its box to the block */
-    PART_JOIN,     /* a box against a block of 16 */
-    PART_APART_VF, /* a candidate */
-    PART_APART_EE,
-    PART_FILTER_VF, /* a candidate that no axis separates */
-    PART_FILTER_EE,
-    PART_BRACKET_VF, /* a candidate that no filter rejects */
-    PART_BRACKET_EE,
-    PART_TESTS_VF, /* a candidate: filters and solver */
-    PART_TESTS_EE,
-    PART_WITHIN, /* a double */
-    PART_WIDEN,  /* a float, to a double */
-    PART_COUNT
-};
-
-static const char *const part_names[PART_COUNT] = {
-    "box a vertex", "box an edge", "box a face", "block a vertex", "join 1 x 16",
-    "apart VF",     "apart EE",    "filter VF",  "filter EE",      "bracket VF",
-    "bracket EE",   "tests VF",    "tests EE",   "check double",   "check float"};
-
 /* What an instruction set did in one repeat, and what came out. */
 struct outcome {
     uint64_t ns[PART_COUNT];
     uint64_t items[PART_COUNT];
     uint64_t sum; /* of hashes: equal for all sets */
     uint64_t hits;
-    uint64_t unsure; /* pairs that took a search one by one */
-    uint64_t exact;  /* answers of exact arithmetic */
+    uint64_t unsure;   /* pairs that took a search one by one */
+    uint64_t filtered; /* pairs that the filter leaves */
+    uint64_t exact;    /* answers of exact arithmetic */
     uint64_t refit_ns;
     uint64_t pairs_ns;
 };
@@ -69,6 +47,8 @@ struct bench {
     struct eng_batch batch;
     uint32_t quads[ENG_CHUNK_MAX][4];
     uint32_t pairs[ENG_CHUNK_MAX];
+    struct eng_sieve sieves[ENG_KINDS];
+    struct eng_wide_chunk sifted;
     const struct eng_kernels *kernels;
     struct outcome *outcome;
     bool is_testing;
@@ -85,57 +65,6 @@ static struct bench_samples pairs_ms[ENG_ISA_COUNT];
 
 /* ---- floors --------------------------------------------------------------------- */
 
-/* Lanes of doubles and of floats. */
-static double double_lanes(enum eng_isa isa)
-{
-    static const double lanes[ENG_ISA_COUNT] = {1, 2, 4, 8, 2};
-    return lanes[isa];
-}
-
-static double float_lanes(enum eng_isa isa)
-{
-    static const double lanes[ENG_ISA_COUNT] = {1, 4, 8, 16, 4};
-    return lanes[isa];
-}
-
-/* Of a part's item. Bytes: what has to come from or go to where it is kept, once: a point
- * and its box are 64, a box in a block is 48, a pair has 16 of indices; a vertex has some
- * 3 edges and 2 faces. Operations: those that the comment names, by all lanes at a time;
- * loads, turning points round and what is done once a group are not among them. */
-static struct bench_cost cost_of(enum part part, enum eng_isa isa)
-{
-    double d = double_lanes(isa);
-    double f = float_lanes(isa);
-    switch (part) {
-    case PART_POINTS: /* 16 of 8 doubles: there and back, compare, one up or down */
-        return (struct bench_cost){64 + 64, 16 * 8 / d};
-    case PART_FOLD: /* a maximum of 16 floats; 4 sides of 4 boxes turn with 7 shuffles */
-        return (struct bench_cost){64 + 48, 16 / f + 7};
-    case PART_EDGES: /* a maximum more */
-        return (struct bench_cost){64.0 / 3 + 8 + 48, 2 * 16 / f + 7};
-    case PART_FACES: /* two more */
-        return (struct bench_cost){64.0 / 2 + 12 + 48, 3 * 16 / f + 7};
-    case PART_JOIN: /* 4 sums and 2 ands an axis, of 16 floats; the block stays near */
-        return (struct bench_cost){64, 18 * 16 / f};
-    case PART_APART_VF: /* 4 extremes and 2 compares of 8 doubles */
-    case PART_APART_EE:
-        return (struct bench_cost){4 * 64 + 16, 6 * 8 / d};
-    case PART_FILTER_VF: /* differences 18, times 126; the rest where a lane is left */
-        return (struct bench_cost){4 * 64 + 16, (18 + 126) / d};
-    case PART_FILTER_EE: /* 30, 138 */
-        return (struct bench_cost){4 * 64 + 16, (30 + 138) / d};
-    case PART_BRACKET_VF: /* 33 of differences, cubic 85, four rounds to its root 112,
-                           * bracket 72, place and normal 118; 8 divisions or roots, each
-                           * two cycles a lane */
-    case PART_BRACKET_EE:
-        return (struct bench_cost){4 * 64 + 16, 420 / d + 32};
-    case PART_WITHIN: /* clear the sign, compare, and */
-        return (struct bench_cost){8, 3 / d};
-    default: /* PART_WIDEN: widen before */
-        return (struct bench_cost){4 + 8, 4 / d};
-    }
-}
-
 /* Bytes a nanosecond, where a part's bytes are. */
 struct speeds {
     double ghz;
@@ -151,8 +80,8 @@ static double floor_of(enum part part, enum eng_isa isa, const struct outcome *o
     if (part == PART_TESTS_VF || part == PART_TESTS_EE) {
         /* The kernels, on what reaches them. */
         static const enum part parts[2][3] = {
-            {PART_APART_VF, PART_FILTER_VF, PART_BRACKET_VF},
-            {PART_APART_EE, PART_FILTER_EE, PART_BRACKET_EE}};
+            {PART_APART_VF, PART_SIFT_VF, PART_BRACKET_VF},
+            {PART_APART_EE, PART_SIFT_EE, PART_BRACKET_EE}};
         double ns = 0;
         for (int i = 0; i < 3 && outcome->items[part] > 0; i++) {
             enum part one = parts[part == PART_TESTS_EE][i];
@@ -165,7 +94,7 @@ static double floor_of(enum part part, enum eng_isa isa, const struct outcome *o
                   : part == PART_WITHIN ? speeds->read
                   : part == PART_WIDEN  ? speeds->copy
                                         : speeds->near;
-    return bench_floor_ns(cost_of(part, isa), speeds->ghz, gbps);
+    return bench_floor_ns(bench_part_cost(part, isa), speeds->ghz, gbps);
 }
 
 /* ---- kernels -------------------------------------------------------------------- */
@@ -216,6 +145,12 @@ static void box_all(struct bench *bench)
         }
     }
     count_part(bench, PART_POINTS, begin_ns, 0);
+    /* The last slot is nobody's, and 0 is on the grid. */
+    begin_ns = bench_now_ns();
+    bool on_grid =
+        kernels->place_points(wide->points, tree->slot_count, &wide->grid, wide->marks);
+    count_part(bench, PART_MARKS, begin_ns, tree->slot_count);
+    bench->outcome->sum += on_grid;
     begin_ns = bench_now_ns();
     kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, tree->blocks,
                       tree->boxes);
@@ -267,39 +202,86 @@ static void sum_hits(struct bench *bench, uint32_t hits)
     }
 }
 
-/* The tests come first, as in a step: the points are where the join has left them. The
- * kernels by themselves find them in the first caches. */
-static void test_chunk(struct bench *bench, enum eng_kind kind, uint32_t count)
+/* What the sieve leaves of the first `count` pairs of bench->sifted. */
+static void sift(struct bench *bench, enum eng_kind kind, uint32_t count)
+{
+    struct eng_wide_chunk *sifted = &bench->sifted;
+    sifted->count =
+        bench->kernels->sift(kind, &bench->sieves[kind], sifted->a, sifted->b, count);
+}
+
+/* Axes, sieve and solver on the pairs of a chunk, which are those of plain swept boxes.
+ * (In a step the moving boxes of the join stand for the axes.) */
+static void test_pairs(struct bench *bench, enum eng_kind kind,
+                       const struct eng_wide_chunk *chunk)
 {
     const struct eng_point *points = bench->scene->wide.points;
     const uint32_t(*quads)[4] = (const uint32_t(*)[4])bench->quads;
-    const struct eng_kernels *kernels = bench->kernels;
     struct eng_batch *batch = &bench->batch;
     struct outcome *outcome = bench->outcome;
-    bool is_vf = kind == ENG_VF;
     uint64_t exact = bench->exact.queries;
+    uint32_t *pairs = bench->pairs;
+    batch->from = ENG_FROM_BRACKET;
+    make_quads(bench, kind, chunk);
     uint64_t begin_ns = bench_now_ns();
-    uint32_t hits = eng_batch_test(kernels, kind, points, quads, count, TOLERANCE, 1,
-                                   &bench->exact, batch);
-    count_part(bench, is_vf ? PART_TESTS_VF : PART_TESTS_EE, begin_ns, count);
+    uint32_t kept = bench->kernels->apart(kind, points, quads, chunk->count, pairs);
+    for (uint32_t i = 0; i < kept; i++) {
+        bench->sifted.a[i] = chunk->a[pairs[i]];
+        bench->sifted.b[i] = chunk->b[pairs[i]];
+    }
+    sift(bench, kind, kept);
+    make_quads(bench, kind, &bench->sifted);
+    uint32_t hits =
+        eng_batch_test(bench->kernels, kind, points, quads, bench->sifted.count,
+                       TOLERANCE, 1, &bench->exact, batch);
+    count_part(bench, kind == ENG_VF ? PART_TESTS_VF : PART_TESTS_EE, begin_ns,
+               chunk->count);
     outcome->hits += hits;
     outcome->unsure += batch->unsure_count;
     outcome->exact += bench->exact.queries - exact;
     sum_hits(bench, hits);
-    begin_ns = bench_now_ns();
-    uint32_t kept = kernels->apart(kind, points, quads, count, bench->pairs);
-    count_part(bench, is_vf ? PART_APART_VF : PART_APART_EE, begin_ns, count);
+}
+
+/* The tests come first, as in a step: the points are where the join has left them. The
+ * kernels by themselves find them in the first caches. */
+static void test_chunk(struct bench *bench, enum eng_kind kind,
+                       const struct eng_wide_chunk *chunk)
+{
+    const struct eng_point *points = bench->scene->wide.points;
+    const uint32_t(*quads)[4] = (const uint32_t(*)[4])bench->quads;
+    const struct eng_kernels *kernels = bench->kernels;
+    struct outcome *outcome = bench->outcome;
+    bool is_vf = kind == ENG_VF;
+    test_pairs(bench, kind, chunk);
+    make_quads(bench, kind, chunk);
+    uint64_t begin_ns = bench_now_ns();
+    uint32_t kept = kernels->apart(kind, points, quads, chunk->count, bench->pairs);
+    count_part(bench, is_vf ? PART_APART_VF : PART_APART_EE, begin_ns, chunk->count);
+    for (uint32_t i = 0; i < kept; i++) {
+        bench->sifted.a[i] = chunk->a[bench->pairs[i]];
+        bench->sifted.b[i] = chunk->b[bench->pairs[i]];
+    }
     begin_ns = bench_now_ns();
     uint32_t left =
         kernels->filter(kind, points, quads, bench->pairs, kept, bench->pairs);
     count_part(bench, is_vf ? PART_FILTER_VF : PART_FILTER_EE, begin_ns, kept);
-    outcome->sum += mix(left, kept) * batch->survivors;
-    struct eng_bracketed out = {
-        .index = batch->index, .hits = batch->hits, .unsure = batch->unsure};
+    outcome->filtered += left;
+    outcome->sum += mix(left, kept);
+    begin_ns = bench_now_ns();
+    sift(bench, kind, kept);
+    count_part(bench, is_vf ? PART_SIFT_VF : PART_SIFT_EE, begin_ns, kept);
+    make_quads(bench, kind, &bench->sifted);
+    left = bench->sifted.count;
+    for (uint32_t i = 0; i < left; i++) {
+        bench->pairs[i] = i;
+    }
+    struct eng_bracketed out = {.index = bench->batch.index,
+                                .hits = bench->batch.hits,
+                                .unsure = bench->batch.unsure};
     begin_ns = bench_now_ns();
     kernels->bracket(kind, points, quads, bench->pairs, left, TOLERANCE, 1, &out);
     count_part(bench, is_vf ? PART_BRACKET_VF : PART_BRACKET_EE, begin_ns, left);
-    outcome->sum += mix(out.hit_count, out.unsure_count);
+    outcome->sum += mix(out.hit_count, out.unsure_count) + left;
 }
 
 static void on_chunk(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
@@ -307,8 +289,7 @@ static void on_chunk(void *owner, enum eng_kind kind, struct eng_wide_chunk *chu
     struct bench *bench = owner;
     uint64_t sum = 0;
     if (bench->is_testing && bench->chunks % bench->stride == 0) {
-        make_quads(bench, kind, chunk);
-        test_chunk(bench, kind, chunk->count);
+        test_chunk(bench, kind, chunk);
     } else if (bench->is_summing) {
         for (uint32_t i = 0; i < chunk->count; i++) {
             sum += (uint64_t)(chunk->a[i] + 1) * (chunk->b[i] + 1);
@@ -336,6 +317,8 @@ static void join_all(struct bench *bench, bool is_testing)
     bench->is_testing = is_testing;
     bench->chunks = 0;
     eng_wide_join_begin(join, wide);
+    bench->sieves[ENG_VF] = eng_wide_sieve(wide, ENG_VF);
+    bench->sieves[ENG_EE] = eng_wide_sieve(wide, ENG_EE);
     uint64_t begin_ns = bench_now_ns();
     eng_wide_join_nodes(join, ENG_VF, top, 0, 0);
     eng_wide_join_nodes(join, ENG_EE, top, 0, 0);
@@ -415,7 +398,7 @@ static void print_part(const struct bench *bench, enum part part,
         }
         double floor_ns = floor_of(part, (enum eng_isa)isa, outcome, speeds);
         struct bench_samples floor = {&floor_ns, 1, 1};
-        snprintf(what, sizeof what, "%s, %s", part_names[part],
+        snprintf(what, sizeof what, "%s, %s", bench_part_name(part),
                  eng_kernels_of((enum eng_isa)isa)->name);
         bench_row(&(struct bench_row){.scene = bench->name,
                                       .what = what,
@@ -446,7 +429,8 @@ static void print_shares(const struct bench *bench, const struct outcome *outcom
         const char *what;
         uint64_t count;
     } rows[] = {{"not apart", items[PART_FILTER_VF] + items[PART_FILTER_EE]},
-                {"not filtered", items[PART_BRACKET_VF] + items[PART_BRACKET_EE]},
+                {"not filtered", outcome->filtered},
+                {"not sifted", items[PART_BRACKET_VF] + items[PART_BRACKET_EE]},
                 {"searched", outcome->unsure},
                 {"exact answers", outcome->exact},
                 {"contacts", outcome->hits}};

@@ -50,6 +50,17 @@ static bool still_fits(const struct eng_grid *grid, const double low[3],
     return half >= USED_LEAST * reach;
 }
 
+struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum eng_kind kind)
+{
+    const struct eng_wide_tree *edges = &wide->trees[ENG_WIDE_EDGES];
+    const struct eng_wide_tree *b =
+        &wide->trees[kind == ENG_VF ? ENG_WIDE_FACES : ENG_WIDE_EDGES];
+    return (struct eng_sieve){.marks = wide->marks,
+                              .a_corner = {edges->corner[0], edges->corner[1]},
+                              .b_corner = {b->corner[0], b->corner[1], b->corner[2]},
+                              .t_end = 1};
+}
+
 void eng_wide_grid_choose(struct eng_wide *wide)
 {
     struct eng_grid *grid = &wide->grid;

@@ -15,6 +15,9 @@
  * [compute] */
 void eng_wide_grid_choose(struct eng_wide *wide);
 
+/* For all pairs of a kind over the whole step. [any] */
+struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum eng_kind kind);
+
 /* After the refit: may a sieve use the marks? [any] */
 static inline bool eng_wide_has_marks(const struct eng_wide *wide)
 {

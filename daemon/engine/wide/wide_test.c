@@ -205,19 +205,6 @@ static void flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
     eng_test_end(worker, kind, count, begin_ns);
 }
 
-static void sieve_begin(struct eng_sieve *sieve, const struct eng_wide *wide,
-                        enum eng_kind kind)
-{
-    const struct eng_wide_tree *edges = &wide->trees[ENG_WIDE_EDGES];
-    const struct eng_wide_tree *b = kind == ENG_VF ? &wide->trees[ENG_WIDE_FACES] : edges;
-    sieve->marks = wide->marks;
-    for (int k = 0; k < 3; k++) {
-        sieve->b_corner[k] = b->corner[k];
-    }
-    sieve->a_corner[0] = edges->corner[0];
-    sieve->a_corner[1] = edges->corner[1];
-}
-
 void eng_wide_work_begin(struct eng_worker *worker)
 {
     struct eng_wide_work *work = worker->wide;
@@ -231,7 +218,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
         work->join.jobs[kind][0].in_time = worker->settings->mode != ENG_MODE_PAIRS;
         work->times[kind] = (struct eng_wide_times){0, 0};
         work->filters[kind] = (struct eng_wide_filters){0, 0};
-        sieve_begin(&work->sieves[kind], &worker->scene->wide, kind);
+        work->sieves[kind] = eng_wide_sieve(&worker->scene->wide, kind);
     }
     look(worker);
 }
