@@ -59,11 +59,11 @@ struct bench_cost bench_part_cost(enum part part, enum eng_isa isa)
         return (struct bench_cost){4 * 64 + 16, (18 + 126) / d};
     case PART_FILTER_EE: /* 30, 138 */
         return (struct bench_cost){4 * 64 + 16, (30 + 138) / d};
-    case PART_BRACKET_VF: /* 33 of differences, cubic 85, four rounds to its root 112,
-                           * bracket 72, place and normal 118; 8 divisions or roots, each
-                           * two cycles a lane */
+    case PART_BRACKET_VF: /* 33 of differences, cubic and halves 115, a guess 12, three
+                           * rounds to its root 60, bracket 54, place 102; 6 divisions or
+                           * roots, each two cycles a lane */
     case PART_BRACKET_EE:
-        return (struct bench_cost){4 * 64 + 16, 420 / d + 32};
+        return (struct bench_cost){4 * 64 + 16, 376 / d + 24};
     case PART_WITHIN: /* clear the sign, compare, and */
         return (struct bench_cost){8, 3 / d};
     default: /* PART_WIDEN: widen before */
