@@ -31,6 +31,9 @@
  * 100. */
 #define WORK_MAX 40
 
+/* Spans that exact arithmetic finds empty before it is asked about all the rest. */
+#define EMPTY_MAX 2
+
 /* Brackets are at most this long whatever the tolerance: a contact that is said to begin
  * much earlier would be no use to who advances to it. */
 #define WIDTH_MAX 0x1p-30
@@ -147,21 +150,31 @@ static enum look narrow(struct search *search, struct span span, struct eng_hit 
     return LOOK_HIT;
 }
 
+/* Where the first contact is, if there is one, from a time on before which there is
+ * none. Asked about the whole step: its ends are short numbers. */
+static enum look look_at_rest(struct search *search, struct eng_hit *hit)
+{
+    double l = 0;
+    double r = 1;
+    search->span_count = 0;
+    if (!eng_exact_first(search->exact, &search->query, search->tolerance, &l, &r)) {
+        return LOOK_EMPTY;
+    }
+    set_hit(search, l, r, ENG_PROVED, hit);
+    return LOOK_HIT;
+}
+
 /* A span that floating point cannot decide: exact arithmetic does, and brackets the first
- * contact if the span is longer than the tolerance. */
+ * contact if the span is longer than the tolerance. Features that stay coplanar up to
+ * rounding, or graze each other, would be asked about span after span: one answer about
+ * the rest of the step settles it. */
 static enum look decide_exactly(struct search *search, struct span span,
                                 struct eng_hit *hit)
 {
-    if (!eng_exact_meets(search->exact, &search->query, span.l, span.r)) {
-        /* Features that stay coplanar up to rounding would be asked about span after
-         * span; one answer about the rest of the step settles most of them. */
-        if (++search->empty_count == 2 && span.r < 1 &&
-            !eng_exact_meets(search->exact, &search->query, span.r, 1)) {
-            search->span_count = 0;
-        }
-        return LOOK_EMPTY;
+    if (eng_exact_meets(search->exact, &search->query, span.l, span.r)) {
+        return narrow(search, span, hit);
     }
-    return narrow(search, span, hit);
+    return ++search->empty_count == EMPTY_MAX ? look_at_rest(search, hit) : LOOK_EMPTY;
 }
 
 /* Decide a short span, or say that it has to be cut. */
@@ -286,8 +299,7 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
             return false;
         }
         if (work == WORK_MAX || search.span_count + 3 > SPANS_MAX) {
-            span.r = 1;
-            return decide_exactly(&search, span, hit) == LOOK_HIT && hit->toi <= t_end;
+            return look_at_rest(&search, hit) == LOOK_HIT && hit->toi <= t_end;
         }
         if (look_at(&search, &span, hit) == LOOK_HIT) {
             return hit->toi <= t_end;
