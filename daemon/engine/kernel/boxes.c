@@ -64,13 +64,105 @@ void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool
     }
 }
 
-ENG_INLINE struct eng_extents unite(const struct eng_extents *a,
-                                    const struct eng_extents *b)
+#if ENG_F_LANES == 16
+
+/* The boxes of a block on their way: a register each. */
+struct sixteen {
+    eng_f box[ENG_WIDE];
+};
+
+ENG_INLINE void put(struct sixteen *boxes, uint32_t lane, eng_f box)
+{
+    boxes->box[lane] = box;
+}
+
+ENG_INLINE eng_f load(const struct eng_extents *box)
+{
+    return eng_f_load(&box->side[0][0]);
+}
+
+/* Sides of boxes j, j + 4, j + 8 and j + 12, for j = 0 .. 3: first[side][j] has a quarter
+ * of each box. */
+ENG_INLINE void split_sides(const struct sixteen *boxes, __m512 first[ENG_SIDES][4])
+{
+#pragma GCC unroll 4
+    for (int j = 0; j < 4; j++) {
+        __m512 a = (__m512)boxes->box[j];
+        __m512 b = (__m512)boxes->box[j + 4];
+        __m512 c = (__m512)boxes->box[j + 8];
+        __m512 d = (__m512)boxes->box[j + 12];
+        __m512 ab01 = _mm512_shuffle_f32x4(a, b, 0x44);
+        __m512 ab23 = _mm512_shuffle_f32x4(a, b, 0xee);
+        __m512 cd01 = _mm512_shuffle_f32x4(c, d, 0x44);
+        __m512 cd23 = _mm512_shuffle_f32x4(c, d, 0xee);
+        first[0][j] = _mm512_shuffle_f32x4(ab01, cd01, 0x88);
+        first[1][j] = _mm512_shuffle_f32x4(ab01, cd01, 0xdd);
+        first[2][j] = _mm512_shuffle_f32x4(ab23, cd23, 0x88);
+        first[3][j] = _mm512_shuffle_f32x4(ab23, cd23, 0xdd);
+    }
+}
+
+/* The box around all, and all of them into rows: 60 shuffles, where four boxes at a time
+ * (below) take 112 and three stores for one. */
+ENG_INLINE void fold(const struct sixteen *boxes, struct eng_wide_block *block,
+                     struct eng_extents *around)
+{
+    eng_f all[ENG_WIDE / 2];
+    __m512 side[ENG_SIDES][4];
+#pragma GCC unroll 8
+    for (uint32_t i = 0; i < ENG_WIDE / 2; i++) {
+        all[i] = eng_f_max(boxes->box[i], boxes->box[i + ENG_WIDE / 2]);
+    }
+#pragma GCC unroll 3
+    for (uint32_t n = ENG_WIDE / 4; n > 0; n /= 2) {
+#pragma GCC unroll 4
+        for (uint32_t i = 0; i < n; i++) {
+            all[i] = eng_f_max(all[i], all[i + n]);
+        }
+    }
+    eng_f_store(&around->side[0][0], all[0]);
+    split_sides(boxes, side);
+#pragma GCC unroll 4
+    for (int s = 0; s < ENG_SIDES; s++) {
+        __m512 xy01 = _mm512_unpacklo_ps(side[s][0], side[s][1]);
+        __m512 xy23 = _mm512_unpacklo_ps(side[s][2], side[s][3]);
+        __m512 z01 = _mm512_unpackhi_ps(side[s][0], side[s][1]);
+        __m512 z23 = _mm512_unpackhi_ps(side[s][2], side[s][3]);
+        _mm512_store_ps(block->row[s][0], _mm512_shuffle_ps(xy01, xy23, 0x44));
+        _mm512_store_ps(block->row[s][1], _mm512_shuffle_ps(xy01, xy23, 0xee));
+        _mm512_store_ps(block->row[s][2], _mm512_shuffle_ps(z01, z23, 0x44));
+    }
+}
+
+ENG_INLINE eng_f larger(eng_f a, eng_f b)
+{
+    return eng_f_max(a, b);
+}
+
+#define BOX eng_f
+
+#else
+
+struct sixteen {
+    struct eng_extents box[ENG_WIDE];
+};
+
+ENG_INLINE void put(struct sixteen *boxes, uint32_t lane, struct eng_extents box)
+{
+    boxes->box[lane] = box;
+}
+
+ENG_INLINE struct eng_extents load(const struct eng_extents *box)
+{
+    return *box;
+}
+
+ENG_INLINE struct eng_extents larger(struct eng_extents a, struct eng_extents b)
 {
     struct eng_extents box;
     for (size_t i = 0; i < 16; i += ENG_F_LANES) {
-        eng_f x = eng_f_load(&a->side[0][0] + i);
-        eng_f y = eng_f_load(&b->side[0][0] + i);
+        eng_f x = eng_f_load(&a.side[0][0] + i);
+        eng_f y = eng_f_load(&b.side[0][0] + i);
         eng_f_store(&box.side[0][0] + i, eng_f_max(x, y));
     }
     return box;
@@ -96,26 +188,56 @@ ENG_INLINE void turn(const struct eng_extents *boxes, int side, uint32_t lane,
     }
 }
 
-ENG_INLINE void fold(const struct eng_extents *boxes, struct eng_wide_block *block,
+ENG_INLINE void fold(const struct sixteen *boxes, struct eng_wide_block *block,
                      struct eng_extents *around)
 {
-    struct eng_extents all = boxes[0];
+    struct eng_extents all = boxes->box[0];
     for (uint32_t i = 1; i < ENG_WIDE; i++) {
-        all = unite(&all, &boxes[i]);
+        all = larger(all, boxes->box[i]);
     }
     *around = all;
     for (int side = 0; side < ENG_SIDES; side++) {
         for (uint32_t lane = 0; lane < ENG_WIDE; lane += 4) {
-            turn(boxes, side, lane, block);
+            turn(boxes->box, side, lane, block);
         }
     }
 }
+
+#define BOX struct eng_extents
+
+#endif
 
 void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
                           struct eng_wide_block *blocks, struct eng_extents *around)
 {
     for (uint32_t i = 0; i < block_count; i++) {
-        fold(boxes + i * ENG_WIDE, &blocks[i], &around[i]);
+        struct sixteen sixteen;
+#pragma GCC unroll 16
+        for (uint32_t lane = 0; lane < ENG_WIDE; lane++) {
+            put(&sixteen, lane, load(&boxes[i * ENG_WIDE + lane]));
+        }
+        fold(&sixteen, &blocks[i], &around[i]);
+    }
+}
+
+ENG_INLINE void box_unite(const struct eng_extents *points,
+                          const uint32_t *const corner[3], uint32_t corners,
+                          uint32_t block_count, struct eng_wide_block *blocks,
+                          struct eng_extents *around)
+{
+    for (uint32_t i = 0; i < block_count; i++) {
+        struct sixteen sixteen;
+#pragma GCC unroll 16
+        for (uint32_t lane = 0; lane < ENG_WIDE; lane++) {
+            uint32_t slot = i * ENG_WIDE + lane;
+            BOX box =
+                larger(load(&points[corner[0][slot]]), load(&points[corner[1][slot]]));
+            if (corners == 3) {
+                box = larger(box, load(&points[corner[2][slot]]));
+            }
+            put(&sixteen, lane, box);
+        }
+        fold(&sixteen, &blocks[i], &around[i]);
     }
 }
 
@@ -123,15 +245,9 @@ void ENG_KERNEL(box_unite)(const struct eng_extents *points,
                            const uint32_t *const corner[3], uint32_t block_count,
                            struct eng_wide_block *blocks, struct eng_extents *around)
 {
-    for (uint32_t i = 0; i < block_count; i++) {
-        struct eng_extents boxes[ENG_WIDE];
-        for (uint32_t lane = 0; lane < ENG_WIDE; lane++) {
-            uint32_t slot = i * ENG_WIDE + lane;
-            boxes[lane] = unite(&points[corner[0][slot]], &points[corner[1][slot]]);
-            if (corner[2]) {
-                boxes[lane] = unite(&boxes[lane], &points[corner[2][slot]]);
-            }
-        }
-        fold(boxes, &blocks[i], &around[i]);
+    if (corner[2]) {
+        box_unite(points, corner, 3, block_count, blocks, around);
+    } else {
+        box_unite(points, corner, 2, block_count, blocks, around);
     }
 }
