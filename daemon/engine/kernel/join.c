@@ -14,20 +14,25 @@
  * h1 are sums of two floats, with a relative error of u = 2^-24 each. If h1 < 0 as well
  * the boxes are apart for the whole step. Else h0 < 0 <= h1, and
  *     s h0 + t h1 < 0 with s = (1 - t_end) - 2^-20, t = t_end + 2^-20
- * says it, if h0 and h1 are exact: it is the wanted sum and 2^-20 (|h0| + |h1|) more. The
- * error of the computed sum is below 8 u (|h0| + |h1|) = 2^-21 (..): one for each of h0
- * and h1, one for each of s and t (with the rounding of t_end itself), each product and
- * the sum. 2^-120 covers products below the normal range.
+ * says it, if h0 and h1 are exact: it is the wanted sum and 2^-20 (|h0| + |h1|) more.
+ * What is computed is (s / t) h0 + h1, that over t. s is off by 2 u at most, then t, h0,
+ * the quotient and the product by u of themselves each: all in all by less than
+ * 6 u |h0| / t, and h1 by u |h1|, of 2^-20 (|h0| + |h1|) / t. The sum of the two has the
+ * sign that it should have. 2^-120 covers products below the normal range.
  *
  * In time. What moving boxes let through may be apart along x up to some time and along y
  * from an earlier one on. With h0, h1 as above the boxes can meet along an axis, one way,
- * while (1 - t) h0 + t h1 >= 0: from -h0 / (h1 - h0) on where h0 < 0, up to h0 / (h0 -
- * h1) where h1 < 0 (both are not: such pairs are gone). Numerators have a relative error
- * of u, denominators, sums of two terms of one sign, of 2 u. Of several such times that
- * which products show to be the latest (earliest) is kept; to take another one rejects
- * less. The last comparison is of two products of a numerator and a denominator each:
- * 2 (u + 2 u + u), less than 10 u, and the factor 1 + 2^-19 leaves 32 u. 2^-120 covers
- * products below the normal range.
+ * while (1 - t) h0 + t h1 >= 0: from -h0 / (-h0 + h1) on where h0 < 0, up to h0 / (h0 -
+ * h1) where h1 < 0 (both are not: such pairs are gone). At one end of the step boxes are
+ * not apart both ways, for the two h0 add up to their sizes: so the lesser is looked at.
+ * Where it is not below 0 the first time is to be 0 and the last 1: 0 / (0 + |h1|), and
+ * |h0| / (|h0| + 0). Another 2^-100, so that no denominator is 0, makes the first time
+ * sooner and the last one later, which rejects less. Numerators have a relative error of
+ * 2 u, denominators, sums of terms of one sign, of 3 u. Of several times that which
+ * products show to be the latest (soonest) is kept; to take another one rejects less.
+ * The last comparison is of two products of a numerator and a denominator each: 2 (2 u +
+ * 3 u + u) and u for the factor, and that, 1 + 2^-19, leaves 32 u. 2^-120 covers products
+ * below the normal range.
  */
 #include "lanes_pack.h"
 #include "table.h"
@@ -52,10 +57,11 @@ struct rows {
 /* What pairs are tested for. */
 enum rule { RULE_STEP, RULE_UNTIL };
 
-struct until {
-    eng_f s;
-    eng_f t;
-};
+/* s / t of the comment above. */
+ENG_INLINE eng_f until_of(float t_end)
+{
+    return eng_f_all((1.0f - t_end - 0x1p-20f) / (t_end + 0x1p-20f));
+}
 
 ENG_INLINE void rows_load(struct rows *rows, const struct eng_wide_block *block)
 {
@@ -79,80 +85,126 @@ ENG_INLINE eng_f row_of(const struct rows *rows, enum eng_side side, size_t axis
 #endif
 }
 
-ENG_INLINE eng_fi apart_one_way(eng_f h0, eng_f h1, enum rule rule,
-                                const struct until *until)
+/* Signs: those of `signs`, and where the boxes are apart one way. */
+ENG_INLINE eng_fi apart_one_way(eng_fi signs, eng_f h0, eng_f h1, enum rule rule,
+                                eng_f until)
 {
     if (rule == RULE_UNTIL) {
-        h1 = until->s * h0 + (until->t * h1 + 0x1p-120f);
+        h1 = until * h0 + (h1 + 0x1p-120f);
     }
-    return (eng_fi)h0 & (eng_fi)h1;
+    return eng_fi_or_and(signs, (eng_fi)h0, (eng_fi)h1);
 }
 
-/* Signs: apart along an axis, in lanes `at` and after. */
-ENG_INLINE eng_fi apart_along(struct single box, const struct rows *rows, size_t axis,
-                              uint32_t at, enum rule rule, const struct until *until)
+ENG_INLINE eng_f bound(struct single box, enum eng_side side, size_t axis)
 {
-    const float *x = box.x + axis * box.axis;
-    eng_f up0 = eng_f_all(x[ENG_LOW0 * box.side]) + row_of(rows, ENG_HIGH0, axis, at);
-    eng_f up1 = eng_f_all(x[ENG_LOW1 * box.side]) + row_of(rows, ENG_HIGH1, axis, at);
-    eng_f down0 = eng_f_all(x[ENG_HIGH0 * box.side]) + row_of(rows, ENG_LOW0, axis, at);
-    eng_f down1 = eng_f_all(x[ENG_HIGH1 * box.side]) + row_of(rows, ENG_LOW1, axis, at);
-    return apart_one_way(up0, up1, rule, until) |
-           apart_one_way(down0, down1, rule, until);
+    return eng_f_all(box.x[axis * box.axis + side * box.side]);
 }
 
-/* Bit i: the box may meet that of lane i. */
-ENG_INLINE uint32_t overlap(struct single box, const struct rows *rows, enum rule rule,
-                            const struct until *until)
+/* Lanes of sixteen boxes. */
+struct left {
+    eng_left part[PARTS];
+};
+
+ENG_INLINE uint32_t bits_of(const struct left *left)
 {
     uint32_t bits = 0;
-    for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
-        eng_fi signs = apart_along(box, rows, 0, at, rule, until) |
-                       apart_along(box, rows, 1, at, rule, until) |
-                       apart_along(box, rows, 2, at, rule, until);
-        bits |= eng_fi_no_signs(signs) << at;
+#pragma GCC unroll 16
+    for (uint32_t part = 0; part < PARTS; part++) {
+        bits |= eng_left_bits(left->part[part]) << (part * ENG_F_LANES);
     }
     return bits;
 }
 
-/* Fractions of the step between which all axes let the boxes meet. */
-struct times {
-    eng_f from_n, from_d;
-    eng_f to_n, to_d;
+/* The lanes that the box may meet. */
+ENG_INLINE struct left overlap(struct single box, const struct rows *rows, enum rule rule,
+                               eng_f until)
+{
+    struct left left;
+#pragma GCC unroll 16
+    for (uint32_t part = 0; part < PARTS; part++) {
+        uint32_t at = part * ENG_F_LANES;
+        eng_fi signs = {0};
+#pragma GCC unroll 3
+        for (size_t axis = 0; axis < 3; axis++) {
+            eng_f up0 = bound(box, ENG_LOW0, axis) + row_of(rows, ENG_HIGH0, axis, at);
+            eng_f up1 = bound(box, ENG_LOW1, axis) + row_of(rows, ENG_HIGH1, axis, at);
+            eng_f down0 = bound(box, ENG_HIGH0, axis) + row_of(rows, ENG_LOW0, axis, at);
+            eng_f down1 = bound(box, ENG_HIGH1, axis) + row_of(rows, ENG_LOW1, axis, at);
+            signs = apart_one_way(signs, up0, up1, rule, until);
+            signs = apart_one_way(signs, down0, down1, rule, until);
+        }
+        left.part[part] = eng_left_of(signs);
+    }
+    return left;
+}
+
+/* A time, n / d. */
+struct fraction {
+    eng_f n, d;
 };
 
-ENG_INLINE void narrow(struct times *times, eng_f h0, eng_f h1)
+/* Of the two ways of being apart along an axis that which is at one end of the step, if
+ * any: how far apart, and the gap that way at the other end. */
+struct parting {
+    eng_f apart; /* 0 or more */
+    eng_f other; /* |.| and 2^-100: more than 0 */
+};
+
+ENG_INLINE struct parting parting_of(eng_f up, eng_f down, eng_f other_up,
+                                     eng_f other_down)
 {
     const eng_f zero = {0};
-    eng_f rise = h1 - h0;
-    eng_fm later = eng_fm_and(eng_f_less(h0, zero),
-                              eng_f_less(times->from_n * rise, -h0 * times->from_d));
-    eng_fm sooner = eng_fm_and(eng_f_less(h1, zero),
-                               eng_f_less(h0 * times->to_d, -rise * times->to_n));
-    times->from_n = eng_f_select(later, -h0, times->from_n);
-    times->from_d = eng_f_select(later, rise, times->from_d);
-    times->to_n = eng_f_select(sooner, h0, times->to_n);
-    times->to_d = eng_f_select(sooner, -rise, times->to_d);
+    eng_f other = eng_f_select(eng_f_less(up, down), other_up, other_down);
+    return (struct parting){zero - eng_f_min(eng_f_min(up, down), zero),
+                            eng_f_abs(other) + 0x1p-100f};
+}
+
+/* The later, or the sooner, of two times. */
+ENG_INLINE struct fraction later(struct fraction a, struct fraction b)
+{
+    eng_fm is_b = eng_f_less(a.n * b.d, b.n * a.d);
+    return (struct fraction){eng_f_select(is_b, b.n, a.n), eng_f_select(is_b, b.d, a.d)};
+}
+
+ENG_INLINE struct fraction sooner(struct fraction a, struct fraction b)
+{
+    eng_fm is_b = eng_f_less(b.n * a.d, a.n * b.d);
+    return (struct fraction){eng_f_select(is_b, b.n, a.n), eng_f_select(is_b, b.d, a.d)};
+}
+
+/* Between which times an axis lets the boxes meet. */
+ENG_INLINE void meeting_along(struct single box, const struct eng_wide_block *rows,
+                              size_t axis, uint32_t at, struct fraction *from,
+                              struct fraction *to)
+{
+    eng_f up0 = bound(box, ENG_LOW0, axis) + eng_f_load(rows->row[ENG_HIGH0][axis] + at);
+    eng_f up1 = bound(box, ENG_LOW1, axis) + eng_f_load(rows->row[ENG_HIGH1][axis] + at);
+    eng_f down0 =
+        bound(box, ENG_HIGH0, axis) + eng_f_load(rows->row[ENG_LOW0][axis] + at);
+    eng_f down1 =
+        bound(box, ENG_HIGH1, axis) + eng_f_load(rows->row[ENG_LOW1][axis] + at);
+    struct parting first = parting_of(up0, down0, up1, down1);
+    struct parting last = parting_of(up1, down1, up0, down0);
+    *from = (struct fraction){first.apart, first.apart + first.other};
+    *to = (struct fraction){last.other, last.apart + last.other};
 }
 
 /* Bit i: no time brings the box and that of lane i together. Only for pairs that
  * overlap. */
-ENG_INLINE uint32_t never_together(struct single box, const struct rows *rows)
+ENG_INLINE uint32_t never_together(struct single box, const struct eng_wide_block *rows)
 {
     uint32_t bits = 0;
     for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
-        struct times times = {eng_f_all(0), eng_f_all(1), eng_f_all(1), eng_f_all(1)};
+        struct fraction from[3];
+        struct fraction to[3];
+#pragma GCC unroll 3
         for (size_t axis = 0; axis < 3; axis++) {
-            const float *x = box.x + axis * box.axis;
-            narrow(&times,
-                   eng_f_all(x[ENG_LOW0 * box.side]) + row_of(rows, ENG_HIGH0, axis, at),
-                   eng_f_all(x[ENG_LOW1 * box.side]) + row_of(rows, ENG_HIGH1, axis, at));
-            narrow(&times,
-                   eng_f_all(x[ENG_HIGH0 * box.side]) + row_of(rows, ENG_LOW0, axis, at),
-                   eng_f_all(x[ENG_HIGH1 * box.side]) + row_of(rows, ENG_LOW1, axis, at));
+            meeting_along(box, rows, axis, at, &from[axis], &to[axis]);
         }
-        eng_f to = times.to_n * times.from_d * (1 + 0x1p-19f) + 0x1p-120f;
-        bits |= eng_fm_bits(eng_f_less(to, times.from_n * times.to_d)) << at;
+        struct fraction begin = later(later(from[0], from[1]), from[2]);
+        struct fraction end = sooner(sooner(to[0], to[1]), to[2]);
+        eng_f ends = end.n * begin.d * (1 + 0x1p-19f) + 0x1p-120f;
+        bits |= eng_fm_bits(eng_f_less(ends, begin.n * end.d)) << at;
     }
     return bits;
 }
@@ -174,19 +226,43 @@ ENG_INLINE void corners_load(struct corners *corners, const uint32_t *const corn
     }
 }
 
-/* Of `bits`, those whose feature has not this vertex. */
-ENG_INLINE uint32_t without_vertex(uint32_t bits, const struct corners *corners,
-                                   uint32_t count, uint32_t vertex)
+/* Those lanes go whose feature has this vertex. */
+ENG_INLINE void without_vertex(struct left *left, const struct corners *corners,
+                               uint32_t count, uint32_t vertex)
 {
 #pragma GCC unroll 3
     for (uint32_t k = 0; k < count; k++) {
+#pragma GCC unroll 16
         for (uint32_t part = 0; part < PARTS; part++) {
-            eng_fi same = eng_fi_all(vertex);
-            bits =
-                eng_fi_unequal(bits, corners->vertex[k][part], same, part * ENG_F_LANES);
+            left->part[part] = eng_left_unequal(
+                left->part[part], corners->vertex[k][part], eng_fi_all(vertex));
         }
     }
-    return bits;
+}
+
+/* Boxes that meet a lane or more, until their times are looked at. */
+struct found {
+    uint32_t count;
+    uint32_t lane[ENG_WIDE + 1]; /* behind the last one is written, not read */
+    uint32_t bits[ENG_WIDE + 1];
+};
+
+/* What becomes of found pairs: those that no time brings together go. By itself, because
+ * whether a box has found any cannot be foreseen. */
+ENG_INLINE uint32_t keep_in_time(struct eng_join *job, uint32_t n, uint32_t m,
+                                 const struct found *found, uint32_t *out_a,
+                                 uint32_t *out_b)
+{
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < found->count; k++) {
+        uint32_t i = found->lane[k];
+        struct single box = {&job->a[n].row[0][0][i], 3 * ENG_WIDE, ENG_WIDE};
+        uint32_t never = found->bits[k] & never_together(box, &job->b[m]);
+        job->apart_in_time += (uint32_t)__builtin_popcount(never);
+        eng_fill16(out_a + count, n * ENG_WIDE + i);
+        count += eng_pack16(out_b + count, found->bits[k] ^ never, m * ENG_WIDE);
+    }
+    return count;
 }
 
 /* All pairs of blocks n of a and m of b that the rule lets through; of a block with
@@ -197,15 +273,15 @@ ENG_INLINE uint32_t without_vertex(uint32_t bits, const struct corners *corners,
  * written, and the count goes on by none. */
 ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                          uint32_t a_vertices, uint32_t b_vertices, bool twins,
-                         enum rule rule, uint32_t *out_a, uint32_t *out_b)
+                         bool in_time, enum rule rule, uint32_t *out_a, uint32_t *out_b)
 {
     const struct eng_wide_block *a = &job->a[n];
-    struct until until = {eng_f_all(1.0f - job->t_end - 0x1p-20f),
-                          eng_f_all(job->t_end + 0x1p-20f)};
+    eng_f until = until_of(job->t_end);
     struct single around = {&job->b_boxes[m].side[0][0], 4, 1};
     struct rows rows;
     rows_load(&rows, a);
-    uint32_t lanes = overlap(around, &rows, rule, &until);
+    struct left left = overlap(around, &rows, rule, until);
+    uint32_t lanes = bits_of(&left);
     if (lanes == 0) {
         job->tests++;
         return 0;
@@ -214,6 +290,7 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
     uint32_t wanted = twins ? 0xffffu : 0xfffeu; /* of a block with itself, by lane */
     const uint32_t *corner[2] = {job->a_corner[0], job->a_corner[1]};
     struct corners corners;
+    struct found found = {.count = 0};
     corners_load(&corners, job->b_corner, b_vertices, m * ENG_WIDE);
     rows_load(&rows, &job->b[m]);
     job->tests += 1 + (uint32_t)__builtin_popcount(lanes);
@@ -221,50 +298,56 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
         uint32_t i = (uint32_t)__builtin_ctz(lanes);
         uint32_t slot = n * ENG_WIDE + i;
         struct single box = {&a->row[0][0][i], 3 * ENG_WIDE, ENG_WIDE};
-        uint32_t bits = overlap(box, &rows, rule, &until);
+        left = overlap(box, &rows, rule, until);
+        if (a_vertices > 0) {
+            without_vertex(&left, &corners, b_vertices,
+                           a_vertices == 1 ? slot : corner[0][slot]);
+        }
+        if (a_vertices > 1) {
+            without_vertex(&left, &corners, b_vertices, corner[1][slot]);
+        }
+        uint32_t bits = bits_of(&left);
         if (self) {
             bits &= wanted << i;
         }
-        if (a_vertices > 0) {
-            bits = without_vertex(bits, &corners, b_vertices,
-                                  a_vertices == 1 ? slot : corner[0][slot]);
+        if (in_time) {
+            found.lane[found.count] = i;
+            found.bits[found.count] = bits;
+            found.count += bits != 0;
+        } else {
+            eng_fill16(out_a + count, slot);
+            count += eng_pack16(out_b + count, bits, m * ENG_WIDE);
         }
-        if (a_vertices > 1) {
-            bits = without_vertex(bits, &corners, b_vertices, corner[1][slot]);
-        }
-        if (a_vertices > 0 && job->in_time && bits != 0) {
-            uint32_t never = bits & never_together(box, &rows);
-            job->apart_in_time += (uint32_t)__builtin_popcount(never);
-            bits ^= never;
-        }
-        eng_fill16(out_a + count, slot);
-        count += eng_pack16(out_b + count, bits, m * ENG_WIDE);
     }
-    return count;
+    return in_time ? keep_in_time(job, n, m, &found, out_a, out_b) : count;
 }
 
-/* The rule, and whether it is a block with itself, as constants of the code. */
-#define JOIN_BY(a_vertices, b_vertices, twins, self, rule)                               \
-    join(job, n, m, self, a_vertices, b_vertices, twins, rule, out_a, out_b)
-#define JOIN(a_vertices, b_vertices, twins, self)                                        \
-    (job->t_end < 1 ? JOIN_BY(a_vertices, b_vertices, twins, self, RULE_UNTIL)           \
-                    : JOIN_BY(a_vertices, b_vertices, twins, self, RULE_STEP))
+/* The rule, whether it is a block with itself, and whether times are looked at, as
+ * constants of the code. */
+#define JOIN_BY(a_vertices, b_vertices, twins, self, in_time, rule)                      \
+    join(job, n, m, self, a_vertices, b_vertices, twins, in_time, rule, out_a, out_b)
+#define JOIN(a_vertices, b_vertices, twins, self, in_time)                               \
+    (job->t_end < 1 ? JOIN_BY(a_vertices, b_vertices, twins, self, in_time, RULE_UNTIL)  \
+                    : JOIN_BY(a_vertices, b_vertices, twins, self, in_time, RULE_STEP))
+#define JOIN_TIMED(a_vertices, b_vertices, twins, self)                                  \
+    (job->in_time ? JOIN(a_vertices, b_vertices, twins, self, true)                      \
+                  : JOIN(a_vertices, b_vertices, twins, self, false))
 
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    return self ? JOIN(0, 0, true, true) : JOIN(0, 0, true, false);
+    return self ? JOIN(0, 0, true, true, false) : JOIN(0, 0, true, false, false);
 }
 
 uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    return self ? JOIN(2, 2, false, true) : JOIN(2, 2, false, false);
+    return self ? JOIN_TIMED(2, 2, false, true) : JOIN_TIMED(2, 2, false, false);
 }
 
 uint32_t ENG_KERNEL(join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
     (void)self; /* two trees */
-    return JOIN(1, 3, false, false);
+    return JOIN_TIMED(1, 3, false, false);
 }

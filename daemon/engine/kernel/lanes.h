@@ -112,4 +112,9 @@ ENG_INLINE eng_d eng_d_abs(eng_d a)
 #endif
 }
 
+ENG_INLINE eng_f eng_f_abs(eng_f a)
+{
+    return (eng_f)((eng_fi)a & INT32_MAX);
+}
+
 #endif
