@@ -214,7 +214,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
     eng_wide_join_begin(&work->join, &worker->scene->wide);
-    for (int kind = 0; kind < ENG_KINDS; kind++) {
+    for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
         work->join.jobs[kind][0].in_time = worker->settings->mode != ENG_MODE_PAIRS;
         work->times[kind] = (struct eng_wide_times){0, 0};
         work->filters[kind] = (struct eng_wide_filters){0, 0};
