@@ -46,6 +46,7 @@ enum eng_refit_scheme {
     ENG_REFIT_PAPER = 1 /* 2k subtrees, the first k dealt out (section 6.1) */
 };
 enum eng_kind { ENG_VF = 0, ENG_EE = 1 };
+#define ENG_KINDS 2
 enum eng_verdict {
     ENG_VERDICT_NO = 0,
     ENG_VERDICT_POSSIBLE = 1,

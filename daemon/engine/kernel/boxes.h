@@ -47,7 +47,7 @@ struct eng_join {
     const uint32_t *a_corner[3];
     const uint32_t *b_corner[3];
     float t_end;    /* < 1: pairs that certainly do not meet up to then are left out */
-    bool in_time;   /* of features: pairs that no time brings together on all axes, too */
+    bool in_time;   /* pairs that no time brings together on all axes are left out, too */
     uint64_t tests; /* counts: one box against a block */
     uint64_t apart_in_time; /* counts: pairs left out for in_time */
 };

@@ -336,7 +336,7 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    return self ? JOIN(0, 0, true, true, false) : JOIN(0, 0, true, false, false);
+    return self ? JOIN_TIMED(0, 0, true, true) : JOIN_TIMED(0, 0, true, false);
 }
 
 uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,

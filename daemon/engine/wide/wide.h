@@ -64,6 +64,8 @@ struct eng_wide {
     uint32_t slot_of_capacity;
     struct eng_split_item *items; /* [item_capacity] scratch: the objects */
     uint32_t item_capacity;
+    /* Steps, by kind of pair, that do not look at the times of nodes: it did not pay. */
+    uint32_t steps_without_times[ENG_KINDS];
     struct eng_wide_resort resort;
     bool is_stale; /* objects came or went, or have a new order, since it was made */
 };

@@ -22,6 +22,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
+    memset(join->below, 0, sizeof join->below);
     memset(join->jobs, 0, sizeof join->jobs);
     for (int kind = 0; kind < ENG_KINDS; kind++) {
         const struct eng_wide_tree *a = &wide->trees[tree_of[kind][0]];
@@ -80,6 +81,7 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32
     below->count = join->kernels->join_nodes(
         &join->jobs[kind][level], n, m, kind == ENG_EE && n == m, below->a, below->b);
     join->pairs++;
+    join->below[kind] += below->count;
 }
 
 void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
@@ -118,6 +120,15 @@ void eng_wide_join_flush(struct eng_wide_join *join)
 {
     flush(join, ENG_VF);
     flush(join, ENG_EE);
+}
+
+uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum eng_kind kind)
+{
+    uint64_t apart = 0;
+    for (uint32_t level = 1; level < ENG_WIDE_LEVELS_MAX; level++) {
+        apart += join->jobs[kind][level].apart_in_time;
+    }
+    return apart;
 }
 
 uint64_t eng_wide_join_tests(const struct eng_wide_join *join)

@@ -13,8 +13,6 @@
 #include "step.h"
 #include "wide.h"
 
-#define ENG_KINDS 2 /* enum eng_kind */
-
 /* Pairs of slots: VF vertex and face, EE two edges in any order. */
 struct eng_wide_chunk {
     uint32_t count;
@@ -37,9 +35,10 @@ struct eng_wide_join {
     void (*flush)(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk);
     /* Called now and then: may set stopped, or t_end by eng_wide_join_until. */
     void (*look)(void *owner);
-    bool stopped;    /* the join ends early */
-    uint32_t looked; /* joins since the last look */
-    uint64_t pairs;  /* pairs of nodes refined */
+    bool stopped;              /* the join ends early */
+    uint32_t looked;           /* joins since the last look */
+    uint64_t pairs;            /* pairs of nodes refined */
+    uint64_t below[ENG_KINDS]; /* pairs of nodes that they led to */
     struct eng_join jobs[ENG_KINDS][ENG_WIDE_LEVELS_MAX];
     struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
     struct eng_wide_chunk chunks[ENG_KINDS];
@@ -63,6 +62,9 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32
 
 /* Hand over what is left in the chunks. */
 void eng_wide_join_flush(struct eng_wide_join *join);
+
+/* Of the pairs that nodes led to so far, those that were left out for their times. */
+uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum eng_kind kind);
 
 /* Boxes tested against a block so far. */
 uint64_t eng_wide_join_tests(const struct eng_wide_join *join);

@@ -215,7 +215,12 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->batch.owner = worker;
     eng_wide_join_begin(&work->join, &worker->scene->wide);
     for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
-        work->join.jobs[kind][0].in_time = worker->settings->mode != ENG_MODE_PAIRS;
+        bool in_time = worker->settings->mode != ENG_MODE_PAIRS;
+        work->join.jobs[kind][0].in_time = in_time;
+        for (uint32_t level = 1; level < ENG_WIDE_LEVELS_MAX; level++) {
+            work->join.jobs[kind][level].in_time =
+                in_time && worker->scene->wide.steps_without_times[kind] == 0;
+        }
         work->times[kind] = (struct eng_wide_times){0, 0};
         work->filters[kind] = (struct eng_wide_filters){0, 0};
         work->sieves[kind] = eng_wide_sieve(&worker->scene->wide, kind);
