@@ -25,7 +25,7 @@
 #define PLACE_OFF_MAX 1e-4
 
 /* Faces and pairs of edges that are nearer to one line than this, |b x c| of the square
- * of the longer: parameters computed from the normal are worth nothing there. */
+ * of the longer: the normal alone would not tell a place there. Counted apart. */
 #define NEARLY_A_LINE 0x1p-26
 
 /* As tests/oracle wants the points. */
@@ -139,7 +139,7 @@ static bool is_one_place(const struct eng_query *query, const struct eng_hit *hi
     if (off > whole * *most) {
         *most = off / whole;
     }
-    return is_line || off <= PLACE_OFF_MAX * whole;
+    return off <= PLACE_OFF_MAX * whole;
 }
 
 /* What every contact has; step.h. */

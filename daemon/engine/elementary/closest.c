@@ -20,17 +20,24 @@ static void gap_at(const struct eng_pose *pose, double beta, double gamma, doubl
     eng_madd(gap, gap, -gamma, pose->c);
 }
 
-/* Projection of p to the plane of b and c, if it falls into the domain. */
+/* Of the square of the sine between b and c: below, what rounding leaves of their cross
+ * product may point anywhere. */
+#define SURE_SINE2 0x1p-60
+
+/* Projection of p to the plane of b and c, if it falls into the domain. `is_sure`: b and
+ * c span a plane beyond doubt; else another place may be nearer. */
 static bool inside(enum eng_kind kind, const struct eng_pose *pose, double *beta,
-                   double *gamma)
+                   double *gamma, bool *is_sure)
 {
     double n[3];
     double m[3];
     eng_cross(n, pose->b, pose->c);
     double nn = eng_dot(n, n);
-    if (!(nn > 0x1p-100 * eng_dot(pose->b, pose->b) * eng_dot(pose->c, pose->c))) {
+    double size = eng_dot(pose->b, pose->b) * eng_dot(pose->c, pose->c);
+    if (!(nn > 0x1p-100 * size)) {
         return false;
     }
+    *is_sure = nn > SURE_SINE2 * size;
     eng_cross(m, pose->p, pose->c);
     *beta = eng_dot(m, n) / nn;
     eng_cross(m, pose->b, pose->p);
@@ -44,13 +51,17 @@ static bool inside(enum eng_kind kind, const struct eng_pose *pose, double *beta
 void eng_closest_to_origin(enum eng_kind kind, const struct eng_pose *pose,
                            struct eng_closest *closest)
 {
-    if (inside(kind, pose, &closest->beta, &closest->gamma)) {
+    double best = INFINITY;
+    bool is_sure = false;
+    if (inside(kind, pose, &closest->beta, &closest->gamma, &is_sure)) {
         gap_at(pose, closest->beta, closest->gamma, closest->gap);
-        return;
+        if (is_sure) {
+            return;
+        }
+        best = eng_dot(closest->gap, closest->gap);
     }
     const double(*sides)[4] = kind == ENG_VF ? triangle_sides : square_sides;
     int side_count = kind == ENG_VF ? 3 : 4;
-    double best = INFINITY;
     for (int i = 0; i < side_count; i++) {
         double start[3];
         double along[3] = {0, 0, 0};
@@ -63,7 +74,7 @@ void eng_closest_to_origin(enum eng_kind kind, const struct eng_pose *pose,
         double gap[3];
         eng_madd(gap, start, -s, along);
         double distance2 = eng_dot(gap, gap);
-        if (distance2 < best || i == 0) {
+        if (distance2 < best || (i == 0 && best == INFINITY)) {
             best = distance2;
             closest->beta = sides[i][0] + s * sides[i][2];
             closest->gamma = sides[i][1] + s * sides[i][3];
