@@ -13,6 +13,10 @@
 /* Joins of two blocks between two looks: some 200 us. */
 #define JOINS_PER_LOOK 1024u
 
+/* Bounds on time below which times are not looked at: hardly anything comes or goes until
+ * then, and what is apart at first is left out for that. */
+#define NEAR_MOST 0x1p-4f
+
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide)
 {
     static const enum eng_wide_kind tree_of[ENG_KINDS][2] = {
@@ -48,8 +52,11 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
 void eng_wide_join_until(struct eng_wide_join *join, float t_end)
 {
     for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
-        join->jobs[ENG_VF][level].t_end = t_end;
-        join->jobs[ENG_EE][level].t_end = t_end;
+        for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
+            struct eng_join *job = &join->jobs[kind][level];
+            job->t_end = t_end;
+            job->in_time = job->in_time && t_end > NEAR_MOST;
+        }
     }
 }
 
