@@ -26,7 +26,7 @@ struct pccd_client *test_connect(const char *url)
     pccd_options_init(&options);
     options.url = url;
     options.timeout_ms = TIMEOUT_MS;
-    options.result_bytes = 1u << 20;
+    options.result_bytes = 4u << 20; /* several answers of a grid that wait to be taken */
     if (pccd_connect(&options, &client) != 0) {
         fprintf(stderr, "# connect: %s\n", pccd_error_text(NULL));
     }
