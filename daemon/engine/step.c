@@ -44,12 +44,8 @@ static enum eng_method method_of(const struct eng_step_settings *settings)
 /* Triangles of the scene, 2^32 - 1 if there are more. */
 static uint32_t size_of(const struct eng_scene *scene)
 {
-    uint64_t sum = 0;
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        const struct eng_mesh *mesh = scene->objects[i].mesh;
-        sum += mesh ? mesh->info.triangle_count : 0;
-    }
-    return sum < UINT32_MAX ? (uint32_t)sum : UINT32_MAX;
+    return scene->triangle_count < UINT32_MAX ? (uint32_t)scene->triangle_count
+                                              : UINT32_MAX;
 }
 
 static uint32_t threads_for(const struct eng_scene *scene,

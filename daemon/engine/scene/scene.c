@@ -149,6 +149,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
     memcpy(scene->x[1] + object.vertices.first, mesh->x, x_bytes);
     object.mesh = eng_mesh_acquire(mesh);
     scene->objects[idx] = object;
+    scene->triangle_count += mesh->info.triangle_count;
     scene->builds++;
     scene->top_is_stale = true;
     scene->wide.is_stale = true;
@@ -205,6 +206,7 @@ int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
     struct eng_object before = *object;
     status = place(scene, object_idx, mesh, before.id);
     if (status == ENG_OK) {
+        scene->triangle_count -= before.mesh->info.triangle_count;
         scene->replaced[scene->replaced_count++] =
             (struct eng_replaced){.object = object_idx, .before = before};
     }
@@ -226,8 +228,10 @@ void eng_scene_take_back(struct eng_scene *scene)
         struct eng_replaced *replaced = &scene->replaced[--scene->replaced_count];
         struct eng_object *object = &scene->objects[replaced->object];
         give_all(scene, object);
+        scene->triangle_count -= object->mesh->info.triangle_count;
         eng_mesh_release(object->mesh);
         *object = replaced->before;
+        scene->triangle_count += object->mesh->info.triangle_count;
     }
 }
 
@@ -251,6 +255,7 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
         return ENG_E_STATE;
     }
     give_all(scene, object);
+    scene->triangle_count -= object->mesh->info.triangle_count;
     eng_mesh_release(object->mesh);
     object->mesh = NULL;
     scene->object_count--;

@@ -122,6 +122,7 @@ struct eng_scene {
     struct eng_object *objects;
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;
+    uint64_t triangle_count; /* of all objects */
     struct eng_replaced *replaced; /* not settled yet */
     uint32_t replaced_count;
     uint32_t replaced_capacity;
