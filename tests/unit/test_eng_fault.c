@@ -336,12 +336,47 @@ static void fault__steps_go_on_without_memory_aside(void **state)
     assert_int_equal(scarce.held_blocks, 0);
 }
 
+/* If it failed: a step would fail for want of memory that only makes later ones faster,
+ * or ask for it again in every step. */
+static void fault__steps_go_on_without_memory_for_an_order(void **state)
+{
+    (void)state;
+    struct eng_mesh *mesh = make_sheet();
+    struct eng_scene *scene;
+    struct eng_step_result result;
+    uint32_t idx;
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), ENG_OK);
+    struct eng_wide_resort *resort = &scene->wide.resort;
+    for (int round = 0; round < 2; round++) { /* the first step makes room for others */
+        assert_int_equal(try_step(scene, ENG_MODE_ALL, ENG_METHOD_WIDE, 0, &result),
+                         ENG_OK);
+    }
+    uint64_t hash = result.hash_lo;
+    resort->state = ENG_WIDE_WANTED;
+    scarce.goes_on_failing = false;
+    scarce.failures = 0;
+    scarce.countdown = 1;
+    assert_int_equal(try_step(scene, ENG_MODE_ALL, ENG_METHOD_WIDE, 0, &result), ENG_OK);
+    assert_int_equal(scarce.failures, 1);
+    assert_int_equal(resort->state, ENG_WIDE_IDLE);
+    assert_int_equal(eng_wide_resort_bytes(resort), 0);
+    assert_true(result.hash_lo == hash);
+    resort->state = ENG_WIDE_WANTED; /* with memory it is made */
+    assert_int_equal(try_step(scene, ENG_MODE_ALL, ENG_METHOD_WIDE, 0, &result), ENG_OK);
+    assert_int_not_equal(resort->state, ENG_WIDE_IDLE);
+    eng_scene_free(scene);
+    eng_mesh_release(mesh);
+    assert_int_equal(scarce.held_blocks, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fault__failed_calls_leave_nothing_behind),
         cmocka_unit_test(fault__every_allocation_may_fail),
         cmocka_unit_test(fault__steps_go_on_without_memory_aside),
+        cmocka_unit_test(fault__steps_go_on_without_memory_for_an_order),
     };
     return cmocka_run_group_tests_name("eng_fault", tests, NULL, NULL);
 }

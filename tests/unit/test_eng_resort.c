@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "step.h"
+#include "worker.h"
 #include "world.h"
 
 #define COUNT    6000u
@@ -150,12 +151,44 @@ static void resort__forgets_what_it_began_when_objects_change(void **state)
     }
 }
 
+/* If it failed: a step that is cancelled, or past its deadline, would sort on; or a share
+ * would be as long as an object is large. */
+static void resort__shares_are_short_and_end_with_the_step(void **state)
+{
+    (void)state;
+    const struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_stop stop;
+    start();
+    step(ENG_MODE_PAIRS, 1);
+    struct eng_wide_resort *resort = &soup.scene->wide.resort;
+    resort->state = ENG_WIDE_WANTED;
+    eng_wide_resort_prepare(resort, soup.scene);
+    assert_int_equal(resort->state, ENG_WIDE_SORTING);
+    resort->budget_ns = 0; /* one piece */
+    eng_stop_init(&stop, &settings);
+    atomic_store(&stop.stopped, true);
+    eng_wide_resort_share(resort, soup.scene, &stop);
+    assert_int_equal(resort->sources, 0);
+    atomic_store(&stop.stopped, false);
+    while (resort->kind != ENG_WIDE_EDGES || resort->sources == 0) {
+        assert_int_equal(resort->state, ENG_WIDE_SORTING);
+        eng_wide_resort_share(resort, soup.scene, &stop);
+    }
+    assert_int_equal(resort->listed, 16384); /* of 18000 edges */
+    assert_false(resort->is_begun);
+    eng_wide_resort_share(resort, soup.scene, &stop);
+    assert_int_equal(resort->listed, 3 * COUNT);
+    assert_true(resort->is_begun);
+    end();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(resort__makes_a_mixed_soup_as_good_as_new),
         cmocka_unit_test(resort__leaves_a_good_order_alone),
         cmocka_unit_test(resort__forgets_what_it_began_when_objects_change),
+        cmocka_unit_test(resort__shares_are_short_and_end_with_the_step),
     };
     return cmocka_run_group_tests_name("eng_resort", tests, NULL, NULL);
 }

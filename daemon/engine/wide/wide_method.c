@@ -199,7 +199,7 @@ static void beside(struct eng_worker *worker)
     }
     uint64_t begin_ns = eng_now_ns();
     uint32_t object = resort->object;
-    eng_wide_resort_share(resort, worker->scene);
+    eng_wide_resort_share(resort, worker->scene, worker->stop);
     uint64_t share_ns = eng_now_ns() - begin_ns;
     worker->record.low_ns += share_ns;
     worker->record.rebuild_ns += share_ns;

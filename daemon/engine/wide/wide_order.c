@@ -151,29 +151,33 @@ static struct eng_split_item item_of(const double (*x)[3], const uint32_t *verti
     return item;
 }
 
-uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
-                             enum eng_wide_kind kind, struct eng_split_item *items)
+uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind kind)
 {
-    uint32_t count = 0;
-    if (kind == ENG_WIDE_EDGES) {
-        for (; count < mesh->info.edge_count; count++) {
-            items[count] = item_of(x, mesh->edges[count], 2, count);
+    return kind == ENG_WIDE_EDGES ? mesh->info.edge_count : mesh->info.triangle_count;
+}
+
+uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
+                             enum eng_wide_kind kind, uint32_t first, uint32_t count,
+                             struct eng_split_item *items)
+{
+    uint32_t listed = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+        if (kind == ENG_WIDE_EDGES) {
+            items[listed++] = item_of(x, mesh->edges[i], 2, i);
+            continue;
         }
-        return count;
-    }
-    for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
-        const struct eng_triangle *triangle = &mesh->triangles[t];
+        const struct eng_triangle *triangle = &mesh->triangles[i];
         if (kind == ENG_WIDE_FACES) {
-            items[count++] = item_of(x, triangle->v, 3, t);
+            items[listed++] = item_of(x, triangle->v, 3, i);
             continue;
         }
         for (unsigned k = 0; k < 3; k++) {
             if (triangle->owns & ENG_OWNS_VERTEX(k)) {
-                items[count++] = item_of(x, &triangle->v[k], 1, triangle->v[k]);
+                items[listed++] = item_of(x, &triangle->v[k], 1, triangle->v[k]);
             }
         }
     }
-    return count;
+    return listed;
 }
 
 static int threads_for(size_t features, uint32_t threads)
@@ -203,7 +207,8 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     uint32_t *next = (uint32_t *)(void *)(made + 1);
     size_t first = 0;
     for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        uint32_t listed = eng_wide_order_list(mesh, x, kind, items + first);
+        uint32_t listed = eng_wide_order_list(
+            mesh, x, kind, 0, eng_wide_order_sources(mesh, kind), items + first);
         assert(listed == count[kind]);
         made->count[kind] = listed;
         made->feature[kind] = next + first;

@@ -30,10 +30,15 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
 
 uint64_t eng_wide_order_bytes(const struct eng_wide_order *order);
 
-/* The features of one tree of a mesh whose vertices are at `x`, in no order: item ids are
- * local indices. Returns how many. */
+/* Edges or, for the two other trees, triangles of a mesh. */
+uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind kind);
+
+/* The features of one tree that edges or triangles first .. first + count - 1 of a mesh
+ * own, with the mesh's vertices at `x`, in no order: item ids are local indices. Returns
+ * how many. */
 uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
-                             enum eng_wide_kind kind, struct eng_split_item *items);
+                             enum eng_wide_kind kind, uint32_t first, uint32_t count,
+                             struct eng_split_item *items);
 
 /* Sort items[count] by splits at the median of the longest axis, each at a multiple of
  * the largest power of 16 below its range; down to ranges of `least`, 1 or 16. */

@@ -23,6 +23,7 @@
 #include "wide_order.h"
 
 struct eng_scene;
+struct eng_stop;
 
 enum eng_wide_resort_state {
     ENG_WIDE_IDLE,
@@ -43,8 +44,10 @@ struct eng_wide_resort {
     size_t item_count;
     uint32_t object; /* the part at hand: its object's index, .. */
     enum eng_wide_kind kind;
-    size_t first;  /* .. and its first item */
-    bool is_begun; /* it is listed, and `sorter` is at work on it */
+    size_t first;     /* .. and its first item */
+    uint32_t sources; /* edges or triangles whose features are listed, .. */
+    uint32_t listed;  /* .. and these features */
+    bool is_begun;    /* all are, and `sorter` is at work on them */
     struct eng_wide_sorter sorter;
 };
 
@@ -57,9 +60,10 @@ uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort);
  * memory nothing is sorted. [compute] */
 void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *scene);
 
-/* A share of the work, after the refit. By one thread; it writes nothing that others
- * read. [team] */
-void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scene *scene);
+/* A share of the work, after the refit; it ends early once the step is to stop. By one
+ * thread; it writes nothing that others read. [team] */
+void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scene *scene,
+                           const struct eng_stop *stop);
 
 /* What a whole step took, and whether that asks for a sort. [compute] */
 void eng_wide_resort_learn(struct eng_wide_resort *resort, enum eng_mode mode,
