@@ -66,9 +66,11 @@ void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool
 
 #if ENG_F_LANES == 16
 
-/* The boxes of a block on their way: a register each. */
+/* A box on its way, and those of a block: a register each. */
+typedef eng_f way_box;
+
 struct sixteen {
-    eng_f box[ENG_WIDE];
+    way_box box[ENG_WIDE];
 };
 
 ENG_INLINE void put(struct sixteen *boxes, uint32_t lane, eng_f box)
@@ -139,12 +141,12 @@ ENG_INLINE eng_f larger(eng_f a, eng_f b)
     return eng_f_max(a, b);
 }
 
-#define BOX eng_f
-
 #else
 
+typedef struct eng_extents way_box;
+
 struct sixteen {
-    struct eng_extents box[ENG_WIDE];
+    way_box box[ENG_WIDE];
 };
 
 ENG_INLINE void put(struct sixteen *boxes, uint32_t lane, struct eng_extents box)
@@ -203,8 +205,6 @@ ENG_INLINE void fold(const struct sixteen *boxes, struct eng_wide_block *block,
     }
 }
 
-#define BOX struct eng_extents
-
 #endif
 
 void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
@@ -230,7 +230,7 @@ ENG_INLINE void box_unite(const struct eng_extents *points,
 #pragma GCC unroll 16
         for (uint32_t lane = 0; lane < ENG_WIDE; lane++) {
             uint32_t slot = i * ENG_WIDE + lane;
-            BOX box =
+            way_box box =
                 larger(load(&points[corner[0][slot]]), load(&points[corner[1][slot]]));
             if (corners == 3) {
                 box = larger(box, load(&points[corner[2][slot]]));
