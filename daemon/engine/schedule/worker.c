@@ -18,6 +18,9 @@
  */
 #define SPINS_BEFORE_YIELD 256u
 
+/* By this much more than the tolerance a contact may begin after its toi. */
+#define BEGINS_LATER 0x1p-48
+
 static bool batch_should_stop(void *worker)
 {
     return eng_worker_should_stop(worker);
@@ -126,9 +129,13 @@ static void look_at_bound(struct eng_worker *worker)
     double bound = eng_stop_time_bound(worker->stop);
     if (bound < worker->time_bound) {
         worker->time_bound = bound;
-        /* A record kept for its toi may begin up to a tolerance later, so the boxes must
-         * let it through however soon the bound was known. */
-        worker->box_bound = eng_round_up(bound + worker->settings->tolerance);
+        /* A record is kept for its toi, and the contact begins later by less than the
+         * length of its bracket: the tolerance, and 16 u = 2^-49 where exact arithmetic
+         * has rounded outward (elementary/BOUNDS.md, the T of the bracket kernel). So
+         * the boxes must let it through, however soon the bound was known; the other
+         * 2^-49 is for the rounding of this sum, 2^-51 at most. */
+        worker->box_bound =
+            eng_round_up(bound + worker->settings->tolerance + BEGINS_LATER);
     }
 }
 
