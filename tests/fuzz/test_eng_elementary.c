@@ -124,11 +124,52 @@ static void elementary__answers_are_exact_at_every_instruction_set(void **state)
     fuzz_run_deinit(&run);
 }
 
+/* If this failed, features that lie nearly in one line when they meet would be said to
+ * touch in places that are far from each other: the normal, which tells the place, is
+ * nothing but rounding there. */
+static void elementary__names_one_place_where_features_are_nearly_in_a_line(void **state)
+{
+    static const char lines[] =
+        "ee 0x1.0c6f7a0b5ed8dp-20 0x1p+0 0x1.000000dp+25 -0x1.40000000e8p+34 "
+        "-0x1.fffff7p+24 0x1.fffffbap+24 -0x1.3fffffff28p+34 -0x1.0000008p+25 "
+        "0x1p+25 -0x1.400000004p+34 -0x1.fffff6p+24 0x1.000002p+25 "
+        "-0x1.3fffffff8p+34 -0x1.0000018p+25 0x1.0000025p+25 "
+        "-0x1.4000000128p+34 -0x1.fffffep+24 0x1.000000dp+25 "
+        "-0x1.4000000068p+34 -0x1.fffffep+24 0x1.000001p+25 -0x1.400000008p+34 "
+        "-0x1.fffffep+24 0x1.000002p+25 -0x1.40000001p+34 -0x1.fffffep+24\n"
+        "vf 0x1.0624dd2f1a9fcp-10 0x1p+0 -0x1p+0 0x1.4p+2 -0x1.4p+3 0x1.cp+2 "
+        "-0x1p+2 0x1p+3 0x1p+1 0x1.8p+2 -0x1.8p+3 -0x1.cp+2 -0x1.4p+2 0x1.4p+3 "
+        "-0x1.cp+2 -0x1.4p+2 0x1p+3 -0x1.cp+2 0x1.8p+2 -0x1.9p+4 -0x1.cp+2 "
+        "-0x1.cp+2 0x1.cp+3 -0x1.cp+2 -0x1.8p+2 0x1.6p+3\n"
+        "vf 0x1.0c6f7a0b5ed8dp-20 0x1p+0 0x1.9p+1 0x1.28p+3 0x1.3p+2 -0x1.4p+3 "
+        "-0x1.4p+2 0x1p+3 0x1p+1 0x1p+2 0x1.8p+2 -0x1p+0 0x1.4p+3 0x1.ap+3 "
+        "-0x1.7p+1 0x1.2p+1 0x1.fp+2 -0x1.8p+1 0x1p+1 0x1p+3 -0x1p+1 0x1p+2 "
+        "0x1.8p+2 -0x1.8p+1 0x1p+1 0x1p+3\n";
+    struct eng_query query;
+    double tolerance;
+    double t_end;
+    int count = 0;
+    (void)state;
+    FILE *file = fmemopen((void *)(uintptr_t)lines, sizeof lines - 1, "r");
+    assert_non_null(file);
+    while (fuzz_query_read(file, &query, &tolerance, &t_end)) {
+        struct fuzz_tally tally = {0};
+        struct eng_hit hit;
+        double early;
+        assert_true(eng_solve(&query, tolerance, t_end, &exact, &hit));
+        assert_int_equal(fuzz_judge(&query, &hit, tolerance, &tally, &early), FUZZ_RIGHT);
+        count++;
+    }
+    assert_int_equal(count, 3);
+    fclose(file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(judge__finds_wrong_answers),
         cmocka_unit_test(judge__finds_misformed_answers),
+        cmocka_unit_test(elementary__names_one_place_where_features_are_nearly_in_a_line),
         cmocka_unit_test(elementary__answers_are_exact_at_every_instruction_set),
     };
     eng_exact_init(&exact);
