@@ -205,7 +205,9 @@ struct pccd_step_times {
 };
 
 /* rebuilds: subtrees built anew during the traversal; swaps: large ones, built aside over
- * several steps, that were put in place; both with the triangles in them. */
+ * several steps, that were put in place; both with the triangles in them. candidates:
+ * pairs whose feature boxes overlap; the method wide may leave out those that no time
+ * brings together, except in mode pairs. */
 struct pccd_step_counters {
     uint64_t task_units, box_tests, leaf_pairs, candidates_vf, candidates_ee, survivors,
         exact, builds, allocs, rebuilds, rebuilt_triangles, swaps, swapped_triangles;

@@ -134,10 +134,12 @@ struct eng_thread_record {
 };
 
 struct eng_step_counters {
-    uint64_t task_units;    /* self-CD task units processed */
-    uint64_t box_tests;     /* node pairs tested */
-    uint64_t leaf_pairs;    /* overlapping leaf pairs */
-    uint64_t candidates_vf; /* VF pairs whose feature boxes overlap */
+    uint64_t task_units; /* self-CD task units processed */
+    uint64_t box_tests;  /* node pairs tested */
+    uint64_t leaf_pairs; /* overlapping leaf pairs */
+    /* VF pairs whose feature boxes overlap. Method wide may count fewer, except in mode
+     * pairs: those below nodes that no time brings together are left out there. */
+    uint64_t candidates_vf;
     uint64_t candidates_ee;
     uint64_t survivors;         /* of these, not rejected by the filter */
     uint64_t exact;             /* queries that needed exact arithmetic */

@@ -47,7 +47,8 @@ struct eng_wide_join {
 /* Get ready for the trees as they are; owner, flush and look are set by the caller. */
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide);
 
-/* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1. */
+/* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1. For a
+ * bound that is near the join also stops looking at the times of pairs (in_time). */
 void eng_wide_join_until(struct eng_wide_join *join, float t_end);
 
 /* All pairs that nodes n and m of a level lead to: of the vertex and the face tree, or of

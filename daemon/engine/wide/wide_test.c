@@ -10,7 +10,7 @@
 #include "test.h"
 #include "wide_grid.h"
 
-/* Left out for each that was kept, from which on looking at times pays: it costs some 45
+/* Left out for each that was kept, from which on looking at times pays: it costs some 40
  * cycles for a box against a block, and a pair in the filter some 25. */
 #define TIMES_PAY_FROM       1u
 #define CHUNKS_WITHOUT_TIMES 31u
