@@ -17,6 +17,7 @@
 
 #include "limits.h"
 #include "seqpacket.h"
+#include "supervise.h"
 
 const char *argp_program_version = "pccdd " PACKAGE_VERSION;
 
@@ -38,6 +39,7 @@ enum {
     OPT_QUEUE,
     OPT_PIN,
     OPT_SUPERVISE,
+    OPT_CRASHES,
     OPT_SANDBOX
 };
 
@@ -55,6 +57,8 @@ static const struct argp_option option_table[] = {
      "on SIGTERM, finish requests in flight for at most that long (default 10)", 1},
     {"supervise", OPT_SUPERVISE, NULL, 0,
      "stay as a small parent that starts the daemon again when it crashes", 1},
+    {"crashes-max", OPT_CRASHES, "N", 0,
+     "supervise: give up after that many crashes within 10 s (default 5)", 1},
     {"sandbox", OPT_SANDBOX, "WHEN", 0,
      "keep only the system calls that serving needs: on, off, or auto (default: on "
      "where it can be had)",
@@ -178,6 +182,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case OPT_SUPERVISE:
         options->supervise = true;
         return 0;
+    case OPT_CRASHES:
+        options->crashes_max =
+            (uint32_t)number(state, "crashes-max", text, 1, SRV_CRASHES_LIMIT);
+        return 0;
     case OPT_IDLE_EXIT:
         options->idle_exit_s = (uint32_t)number(state, "idle-exit", text, 0, 1u << 30);
         return 0;
@@ -240,6 +248,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
                   [SRV_QUOTA_MESHES] = PROTO_MESHES_PER_UID,
                   [SRV_QUOTA_TRIANGLES] = PROTO_TRIANGLES_PER_UID},
         .grace_s = 10,
+        .crashes_max = SRV_CRASHES_MAX,
         .ready_fd = -1,
         .listen_fd = -1,
         .log_level = SRV_LOG_INFO,

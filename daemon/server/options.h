@@ -43,6 +43,7 @@ struct srv_options {
     uint32_t idle_exit_s; /* 0: stay */
     bool private_daemon;  /* go with the last client */
     bool supervise;       /* be the parent of workers (supervise.h) */
+    uint32_t crashes_max; /* that the parent bears within 10 s */
     enum srv_sandbox sandbox;
     int ready_fd;  /* -1: none */
     int listen_fd; /* given to us (activate.h); -1: open one */

@@ -24,7 +24,8 @@ struct supervisor {
     char **argv;
     pid_t worker; /* 0: none */
     bool stopping;
-    uint64_t crash_ns[SRV_CRASHES_MAX]; /* a ring: the last ones */
+    uint32_t crashes_max;                 /* 1 .. SRV_CRASHES_LIMIT */
+    uint64_t crash_ns[SRV_CRASHES_LIMIT]; /* a ring of crashes_max: the last ones */
     uint32_t crash_count;
 };
 
@@ -62,11 +63,11 @@ static int start_worker(struct supervisor *supervisor)
 static bool crashes_too_often(struct supervisor *supervisor)
 {
     uint64_t now_ns = srv_now_ns();
-    uint64_t *oldest = &supervisor->crash_ns[supervisor->crash_count++ % SRV_CRASHES_MAX];
-    *oldest = now_ns;
-    /* The next place of the ring holds the one before the last four. */
-    uint64_t first_ns = supervisor->crash_ns[supervisor->crash_count % SRV_CRASHES_MAX];
-    return supervisor->crash_count >= SRV_CRASHES_MAX &&
+    uint32_t max = supervisor->crashes_max;
+    supervisor->crash_ns[supervisor->crash_count++ % max] = now_ns;
+    /* The next place of the ring holds the first of the last `max`. */
+    uint64_t first_ns = supervisor->crash_ns[supervisor->crash_count % max];
+    return supervisor->crash_count >= max &&
            now_ns - first_ns <= (uint64_t)SRV_CRASHES_WINDOW_MS * 1000000u;
 }
 
@@ -95,7 +96,7 @@ static int on_end(struct supervisor *supervisor, int wait_status)
     }
     if (crashes_too_often(supervisor)) {
         srv_log(SRV_LOG_ERROR, 0, "giving up: %u crashes within %u seconds",
-                SRV_CRASHES_MAX, SRV_CRASHES_WINDOW_MS / 1000);
+                supervisor->crashes_max, SRV_CRASHES_WINDOW_MS / 1000);
         return 1;
     }
     return start_worker(supervisor) == 0 ? -1 : 1;
@@ -133,7 +134,8 @@ static int run(struct supervisor *supervisor, const sigset_t *signals, int ready
 
 int srv_supervise(const struct srv_options *options, char **argv)
 {
-    struct supervisor supervisor = {.listen_fd = -1, .argv = argv};
+    struct supervisor supervisor = {
+        .listen_fd = -1, .argv = argv, .crashes_max = options->crashes_max};
     sigset_t signals;
     sigemptyset(&signals);
     sigaddset(&signals, SIGCHLD);

@@ -12,8 +12,9 @@
 
 #include "options.h"
 
-/* Crashes within that time after which it gives up. */
+/* Crashes within that time after which it gives up: as a rule, and at most. */
 #define SRV_CRASHES_MAX       5u
+#define SRV_CRASHES_LIMIT     1024u
 #define SRV_CRASHES_WINDOW_MS 10000u
 
 /* Run workers, each this program with the same `argv`, until one ends by itself. Returns

@@ -115,6 +115,25 @@ static void supervise__gives_up_after_five_crashes(void **state)
     assert_int_equal(access(f->daemon.socket, F_OK), -1);
 }
 
+/* If the number could not be chosen, nobody could put a daemon to the test by killing it
+ * again and again; if it were not kept, a larger one would never give up. */
+static void supervise__bears_as_many_crashes_as_it_is_told(void **state)
+{
+    static const char *const hardy[] = {
+        "--supervise", "--crashes-max", "7", "--threads", "1", NULL};
+    struct fixture *f = *state;
+    assert_int_equal(test_daemon_end(&f->daemon, SIGTERM, END_MS), 0);
+    assert_true(test_daemon_restart(&f->daemon, hardy));
+    for (int i = 0; i < 7; i++) {
+        pid_t worker = meet(f);
+        assert_int_equal(kill(worker, SIGKILL), 0);
+        see_it_end(f);
+    }
+    int status = test_daemon_end(&f->daemon, 0, END_MS);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    assert_true(test_daemon_logged(&f->daemon, "giving up: 7 crashes within 10 seconds"));
+}
+
 /* If a signal ended the parent alone, a worker without a socket path would stay. */
 static void supervise__ends_with_its_worker(void **state)
 {
@@ -220,6 +239,8 @@ int main(void)
                                         teardown),
         cmocka_unit_test_setup_teardown(supervise__gives_up_after_five_crashes, setup,
                                         teardown),
+        cmocka_unit_test_setup_teardown(supervise__bears_as_many_crashes_as_it_is_told,
+                                        setup, teardown),
         cmocka_unit_test_setup_teardown(supervise__ends_with_its_worker, setup, teardown),
         cmocka_unit_test_setup_teardown(supervise__worker_goes_when_its_parent_dies,
                                         setup, teardown),
