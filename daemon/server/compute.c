@@ -1,7 +1,8 @@
 /* compute.c - the one thread that computes.
  *
  * Room:     server. See compute.h.
- * Does:     a mutex, a condition, a round of lanes and a list of finished jobs.
+ * Does:     a mutex, a condition, lanes that wait for their turn, and a list of finished
+ *           jobs.
  * Does not: hold the lock while a job runs or while `done` or `notify` are called.
  * Threads:  [loop] and [compute]; the mutex is the only lock of the server, so there is
  *           no lock order to keep.
@@ -13,6 +14,7 @@
 
 #include "crash.h"
 #include "invariant.h"
+#include "now.h"
 #include "pccd_types.h"
 
 static void lock(struct srv_compute *compute)
@@ -27,53 +29,61 @@ static void unlock(struct srv_compute *compute)
     PCCD_ASSERT(failed == 0);
 }
 
-/* Put a lane at the end of the round. Locked. */
-static void round_append(struct srv_compute *compute, struct srv_lane *lane)
+/* ---- turns ------------------------------------------------------------------------- */
+
+/* The lane waits if it has a job and none of them runs; its group likewise. Locked. */
+static void update(struct srv_compute *compute, struct srv_lane *lane)
 {
-    lane->next = NULL;
-    if (compute->round_last == NULL) {
-        compute->round_first = lane;
-    } else {
-        compute->round_last->next = lane;
+    struct srv_group *group = lane->group;
+    bool lane_waits = lane->first != NULL && !lane->serving;
+    if (lane_waits && !lane->turn.queued) {
+        srv_fair_push(&group->lanes, &lane->turn);
+    } else if (!lane_waits && lane->turn.queued) {
+        srv_fair_remove(&group->lanes, &lane->turn);
     }
-    compute->round_last = lane;
+    bool group_waits = group->lanes.count > 0 && !group->serving;
+    if (group_waits && !group->turn.queued) {
+        srv_fair_push(&compute->groups, &group->turn);
+    } else if (!group_waits && group->turn.queued) {
+        srv_fair_remove(&compute->groups, &group->turn);
+    }
 }
 
-/* Take a lane out of the round; `before` precedes it, NULL: it is the first. Locked. */
-static void round_unlink(struct srv_compute *compute, struct srv_lane *lane,
-                         struct srv_lane *before)
-{
-    if (before == NULL) {
-        compute->round_first = lane->next;
-    } else {
-        before->next = lane->next;
-    }
-    if (compute->round_last == lane) {
-        compute->round_last = before;
-    }
-    lane->next = NULL;
-}
-
-/* The first job of the lane whose turn it is; the lane goes to the end of the round when
- * it has more. Locked; a lane has a job. */
+/* The first job of the lane whose turn it is. Locked; a lane has a job. */
 static struct srv_job *take(struct srv_compute *compute)
 {
-    struct srv_lane *lane = compute->round_first;
+    struct srv_group *group = (struct srv_group *)srv_fair_take(&compute->groups);
+    struct srv_lane *lane = (struct srv_lane *)srv_fair_take(&group->lanes);
     struct srv_job *job = lane->first;
     PCCD_ASSERT(job != NULL && job->state == SRV_JOB_QUEUED && compute->queued > 0);
+    group->serving = true;
+    lane->serving = true;
     lane->first = job->next;
     if (lane->first == NULL) {
         lane->last = NULL;
-    }
-    round_unlink(compute, lane, NULL);
-    if (lane->first != NULL) {
-        round_append(compute, lane);
     }
     compute->queued--;
     job->next = NULL;
     job->state = SRV_JOB_RUNNING;
     return job;
 }
+
+/* The job took cost_ns: who waits for more of it waits behind those who have had less.
+ * Locked. */
+static void settle(struct srv_compute *compute, const struct srv_job *job,
+                   uint64_t cost_ns)
+{
+    struct srv_lane *lane = job->lane;
+    struct srv_group *group = lane->group;
+    PCCD_ASSERT(lane->serving && group->serving);
+    srv_fair_charge(&compute->groups, &group->turn, cost_ns);
+    srv_fair_charge(&group->lanes, &lane->turn, cost_ns);
+    group->serving = false;
+    lane->serving = false;
+    update(compute, lane);
+}
+
+/* ---- the thread -------------------------------------------------------------------- */
 
 /* Append to the finished jobs; true when the list was empty: the loop must be told. A
  * list that was not empty has a notification under way that will find this job too.
@@ -102,16 +112,19 @@ static void *compute_main(void *context)
     }
     lock(compute);
     for (;;) { /* ends when stopped and idle */
-        while (compute->round_first == NULL && !compute->stop) {
+        while (compute->queued == 0 && !compute->stop) {
             pthread_cond_wait(&compute->wake, &compute->mutex);
         }
-        if (compute->round_first == NULL) {
+        if (compute->queued == 0) {
             break;
         }
         struct srv_job *job = take(compute);
         unlock(compute);
+        uint64_t begin_ns = srv_now_ns();
         job->run(job);
+        uint64_t cost_ns = srv_now_ns() - begin_ns;
         lock(compute);
+        settle(compute, job, cost_ns);
         if (finish(compute, job)) {
             unlock(compute);
             compute->notify(compute->context);
@@ -156,7 +169,7 @@ void srv_compute_stop(struct srv_compute *compute)
         return;
     }
     lock(compute);
-    PCCD_ASSERT(compute->round_first == NULL);
+    PCCD_ASSERT(compute->queued == 0);
     compute->stop = true;
     pthread_cond_signal(&compute->wake);
     unlock(compute);
@@ -181,14 +194,14 @@ static void append(struct srv_compute *compute, struct srv_lane *lane,
     job->next = NULL;
     job->lane = lane;
     job->state = SRV_JOB_QUEUED;
+    compute->queued++;
     if (lane->first == NULL) {
         lane->first = job;
-        round_append(compute, lane);
     } else {
         lane->last->next = job;
     }
     lane->last = job;
-    compute->queued++;
+    update(compute, lane);
     pthread_cond_signal(&compute->wake);
 }
 
@@ -212,19 +225,6 @@ void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
     unlock(compute);
 }
 
-/* The element before `lane` in the round, NULL: it is the first. Locked; at most one
- * element per session. */
-static struct srv_lane *round_before(struct srv_compute *compute,
-                                     const struct srv_lane *lane)
-{
-    struct srv_lane *before = NULL;
-    for (struct srv_lane *at = compute->round_first; at != lane; at = at->next) {
-        PCCD_ASSERT(at != NULL);
-        before = at;
-    }
-    return before;
-}
-
 /* Unlink a queued job from its lane. Locked; a lane holds a bounded number of jobs. */
 static void unlink_job(struct srv_compute *compute, struct srv_job *job)
 {
@@ -234,18 +234,16 @@ static void unlink_job(struct srv_compute *compute, struct srv_job *job)
         PCCD_ASSERT(at != NULL);
         before = at;
     }
+    if (lane->last == job) {
+        lane->last = before;
+    }
+    compute->queued--;
     if (before == NULL) {
         lane->first = job->next;
     } else {
         before->next = job->next;
     }
-    if (lane->last == job) {
-        lane->last = before;
-    }
-    if (lane->first == NULL) {
-        round_unlink(compute, lane, round_before(compute, lane));
-    }
-    compute->queued--;
+    update(compute, lane);
     job->next = NULL;
     job->state = SRV_JOB_IDLE;
 }

@@ -7,9 +7,11 @@
  * Does not: know what a job computes, or own jobs: they are part of larger structs.
  * Threads:  functions say; `run` is called on [compute], `done` on [loop].
  *
- * Jobs wait in lanes, one lane per session. Within a lane the order is first in, first
- * out; between lanes the thread goes round, one job at a time, so that a session with
- * many jobs delays another by at most one of them.
+ * Jobs wait in lanes, one lane per session, and lanes in groups, one group per user.
+ * Within a lane the order is first in, first out. Users get equal shares of the thread's
+ * time, and the sessions of a user equal shares of that user's, measured and not counted
+ * in jobs (fairqueue.h): many jobs, or large ones, delay who asks for little by at most
+ * the one that runs.
  *
  *     IDLE --push--> QUEUED --taken--> RUNNING --finished--> DONE --drain--> IDLE
  *                      \--remove--> IDLE
@@ -22,6 +24,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "fairqueue.h"
+
 struct srv_job;
 typedef void (*srv_job_fn)(struct srv_job *job);
 
@@ -32,10 +36,19 @@ enum srv_job_state {
     SRV_JOB_DONE = 3
 };
 
+/* All zero but for lane.group: nothing waits. They belong to the queue's lock. */
+struct srv_group {
+    struct srv_fair turn; /* first */
+    struct srv_fairqueue lanes;
+    bool serving; /* a job of one of its lanes runs */
+};
+
 struct srv_lane {
-    struct srv_lane *next; /* in the round of lanes with jobs */
+    struct srv_fair turn; /* first; among the lanes of its group */
+    struct srv_group *group;
     struct srv_job *first;
     struct srv_job *last;
+    bool serving;
 };
 
 /* Links, lane and state belong to the queue's lock; the rest to whom the state says. */
@@ -54,8 +67,7 @@ struct srv_compute {
     pthread_mutex_t mutex; /* everything below */
     pthread_cond_t wake;   /* a lane has a job, or stop */
     bool stop;
-    struct srv_lane *round_first;
-    struct srv_lane *round_last;
+    struct srv_fairqueue groups;
     uint32_t queued;   /* jobs in lanes */
     uint32_t capacity; /* of those pushed by srv_compute_push */
     struct srv_job *done_first;

@@ -1,6 +1,6 @@
 /* quota.h - what one user may take.
  *
- * Room:     server. May include: the protocol's headers.
+ * Room:     server. May include: compute.h, the protocol's headers.
  * Does:     count clients, shared memory, meshes and triangles per user id; every amount
  *           is charged before what it stands for is allocated, and released after it is
  *           freed.
@@ -14,6 +14,7 @@
 #include <sys/types.h>
 
 #include "codec.h"
+#include "compute.h"
 
 enum srv_quota_kind {
     SRV_QUOTA_CLIENTS = 0,
@@ -28,6 +29,7 @@ struct srv_quota_user {
     uid_t uid;
     uint32_t refs; /* sessions */
     uint64_t used[SRV_QUOTA_COUNT];
+    struct srv_group jobs; /* of the user's sessions; the compute queue's */
 };
 
 struct srv_quota {

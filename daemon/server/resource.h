@@ -52,8 +52,8 @@ int srv_shape_engine(struct srv_shape *shape, struct eng_mesh **engine);
 
 /* An object of a scene as the loop sees it. */
 struct srv_object {
-    uint64_t charge;       /* triangles */
-    struct srv_mesh *mesh; /* it is made of; NULL: mesh or scene was destroyed since */
+    uint64_t charge;         /* triangles */
+    struct srv_mesh *mesh;   /* it is made of; NULL: mesh or scene was destroyed since */
     struct srv_object *prev; /* of the same mesh */
     struct srv_object *next;
 };
@@ -69,7 +69,7 @@ struct srv_placed {
 
 struct srv_scene {
     struct srv_resource resource;
-    struct srv_handles objects; /* [loop] of struct srv_object */
+    struct srv_handles objects;         /* [loop] of struct srv_object */
     struct eng_scene_settings settings; /* does not change */
     /* [compute] */
     struct eng_scene *engine;  /* NULL until the first object or step */

@@ -42,6 +42,7 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
     }
     session->loop = loop;
     session->conn = conn;
+    session->lane.group = &session->user->jobs;
     session->id = ++loop->session_last;
     struct proto_error error = {0};
     session->counted =

@@ -4,9 +4,11 @@ SERVER_TEST_CPPFLAGS = $(server_cppflags) $(CMOCKA_CFLAGS)
 SERVER_TEST_LDADD = libserver.la libengine.la libproto.la $(UV_LIBS) $(CMOCKA_LIBS)
 
 check_PROGRAMS += tests/unit/test_srv_region tests/unit/test_srv_handles \
-    tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_log
+    tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
+    tests/unit/test_srv_log
 TESTS += tests/unit/test_srv_region tests/unit/test_srv_handles \
-    tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_log
+    tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
+    tests/unit/test_srv_log
 
 tests_unit_test_srv_log_SOURCES = tests/unit/test_srv_log.c
 tests_unit_test_srv_log_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
@@ -23,6 +25,10 @@ tests_unit_test_srv_handles_LDADD = $(SERVER_TEST_LDADD)
 tests_unit_test_srv_quota_SOURCES = tests/unit/test_srv_quota.c
 tests_unit_test_srv_quota_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
 tests_unit_test_srv_quota_LDADD = $(SERVER_TEST_LDADD)
+
+tests_unit_test_srv_fairqueue_SOURCES = tests/unit/test_srv_fairqueue.c
+tests_unit_test_srv_fairqueue_CPPFLAGS = $(SERVER_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
+tests_unit_test_srv_fairqueue_LDADD = $(SERVER_TEST_LDADD)
 
 tests_unit_test_srv_compute_SOURCES = tests/unit/test_srv_compute.c
 tests_unit_test_srv_compute_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)

@@ -1,8 +1,8 @@
 /* test_srv_compute.c - the compute thread and its queue.
  *
  * Room:     tests; sees daemon/server/compute.h.
- * Does:     order within a lane, turns between lanes, bounds, taking back, cancelling,
- *           batches of notifications.
+ * Does:     order within a lane, turns between lanes and groups, bounds, taking back,
+ *           cancelling, batches of notifications. Shares are test_srv_fairqueue.c.
  */
 #include <semaphore.h>
 #include <setjmp.h>
@@ -22,6 +22,7 @@
 
 struct fixture {
     struct srv_compute compute;
+    struct srv_group group; /* of all lanes but where a test says otherwise */
     sem_t notified;
     sem_t blocked; /* posted when the gate job runs */
     sem_t gate;    /* it waits for this */
@@ -69,6 +70,14 @@ static void done_named(struct srv_job *job)
     struct named_job *named = (struct named_job *)job;
     srv_assert_loop();
     named->fixture->done[named->fixture->done_count++] = named->name;
+}
+
+/* Takes 10 ms. */
+static void run_long(struct srv_job *job)
+{
+    const struct timespec pause = {0, 10000000};
+    nanosleep(&pause, NULL);
+    run_named(job);
 }
 
 /* Holds the thread until the gate opens. */
@@ -123,6 +132,13 @@ static int tear_down(void **state)
     return 0;
 }
 
+static void open_lanes(struct srv_group *group, struct srv_lane *lanes, int count)
+{
+    for (int i = 0; i < count; i++) {
+        lanes[i] = (struct srv_lane){.group = group};
+    }
+}
+
 /* Wait until `count` jobs are done; each wait ends within 10 s. */
 static void drain(struct fixture *fixture, int count)
 {
@@ -146,7 +162,7 @@ static void block(struct fixture *fixture, struct srv_lane *lane, struct named_j
 static void compute__jobs_of_a_lane_run_in_order(void **state)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {NULL, NULL, NULL};
+    struct srv_lane lane = {.group = &fixture->group};
     struct named_job jobs[50];
     for (int i = 0; i < 50; i++) {
         name_job(&jobs[i], fixture, i, run_named);
@@ -160,26 +176,66 @@ static void compute__jobs_of_a_lane_run_in_order(void **state)
     }
 }
 
-/* A session with many jobs must delay another by one of them, not by all. */
-static void compute__lanes_take_turns(void **state)
+/* Where in the order of running job `name` came. */
+static int place_of(const struct fixture *fixture, int name)
+{
+    int at = 0;
+    while (at < fixture->run_count && fixture->run[at] != name) {
+        at++;
+    }
+    return at;
+}
+
+/* A session with many jobs must delay another by about as many, not by all, and a user
+ * with many sessions another user likewise. */
+static void compute__users_and_their_sessions_take_turns(void **state)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lanes[4] = {{NULL, NULL, NULL}};
+    struct srv_group other = {.serving = false};
+    struct srv_group none = {.serving = false};
+    struct srv_lane lanes[4];
     struct named_job gate;
-    struct named_job jobs[9];
-    static const int lane_of[9] = {0, 0, 0, 0, 1, 1, 2, 2, 2};
-    static const int expected[9] = {0, 4, 6, 1, 5, 7, 2, 8, 3};
+    struct named_job jobs[16];
+    open_lanes(&fixture->group, lanes, 2); /* one user has two sessions with six each */
+    open_lanes(&other, lanes + 2, 1);      /* one has a session with four */
+    open_lanes(&none, lanes + 3, 1);
     block(fixture, &lanes[3], &gate);
-    for (int i = 0; i < 9; i++) {
-        name_job(&jobs[i], fixture, i, run_named);
-        assert_int_equal(
-            srv_compute_push(&fixture->compute, &lanes[lane_of[i]], &jobs[i].job), 0);
+    for (int i = 0; i < 16; i++) {
+        name_job(&jobs[i], fixture, i, run_long);
+        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 6], &jobs[i].job),
+                         0);
     }
-    assert_int_equal(srv_compute_queued(&fixture->compute), 9);
+    assert_int_equal(srv_compute_queued(&fixture->compute), 16);
     sem_post(&fixture->gate);
-    drain(fixture, 10);
+    drain(fixture, 17);
     srv_compute_stop(&fixture->compute);
-    for (int i = 0; i < 9; i++) {
+    /* Job by job it would be 7 or 8 for the last of the four, and 3 or 4 for the second
+     * of each session of the other user; nobody sleeps for as long as he wants to. */
+    assert_true(place_of(fixture, 15) <= 10);
+    assert_true(place_of(fixture, 12) <= 2);
+    assert_true(place_of(fixture, 1) <= 8 && place_of(fixture, 7) <= 8);
+}
+
+/* Without it a session whose jobs take long would keep the others waiting as often as it
+ * has jobs, however little they ask for. */
+static void compute__what_a_job_took_is_charged_to_its_lane(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lanes[3];
+    struct named_job gate;
+    struct named_job jobs[6];
+    static const int expected[6] = {0, 3, 4, 5, 1, 2};
+    open_lanes(&fixture->group, lanes, 3);
+    block(fixture, &lanes[2], &gate);
+    for (int i = 0; i < 6; i++) {
+        name_job(&jobs[i], fixture, i, i == 0 ? run_long : run_named);
+        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 3], &jobs[i].job),
+                         0);
+    }
+    sem_post(&fixture->gate);
+    drain(fixture, 7);
+    srv_compute_stop(&fixture->compute);
+    for (int i = 0; i < 6; i++) {
         assert_int_equal(fixture->run[i], expected[i]);
     }
 }
@@ -188,7 +244,7 @@ static void compute__lanes_take_turns(void **state)
 static void compute__queue_is_bounded_but_not_for_reaping(void **state)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {NULL, NULL, NULL};
+    struct srv_lane lane = {.group = &fixture->group};
     struct named_job gate;
     static struct named_job jobs[CAPACITY + 2];
     block(fixture, &lane, &gate);
@@ -216,10 +272,11 @@ static void compute__queue_is_bounded_but_not_for_reaping(void **state)
 static void compute__removed_jobs_do_not_run(void **state)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lanes[3] = {{NULL, NULL, NULL}};
+    struct srv_lane lanes[3];
     struct named_job gate;
     struct named_job jobs[6];
     static const int lane_of[6] = {0, 0, 0, 1, 2, 2};
+    open_lanes(&fixture->group, lanes, 3);
     block(fixture, &lanes[0], &gate);
     for (int i = 0; i < 6; i++) {
         name_job(&jobs[i], fixture, i, run_named);
@@ -237,18 +294,17 @@ static void compute__removed_jobs_do_not_run(void **state)
     drain(fixture, 5);
     assert_false(srv_compute_remove(&fixture->compute, &jobs[0].job)); /* it is done */
     srv_compute_stop(&fixture->compute);
-    static const int expected[4] = {0, 4, 3, 2};
     assert_int_equal(fixture->run_count, 4);
-    for (int i = 0; i < 4; i++) {
-        assert_int_equal(fixture->run[i], expected[i]);
-    }
+    assert_true(place_of(fixture, 0) < place_of(fixture, 2));
+    assert_true(place_of(fixture, 2) < 4 && place_of(fixture, 3) < 4 &&
+                place_of(fixture, 4) < 4);
 }
 
 /* A step that never sees its flag would hold up every other session. */
 static void compute__running_job_sees_its_cancel_flag(void **state)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {NULL, NULL, NULL};
+    struct srv_lane lane = {.group = &fixture->group};
     struct named_job job;
     name_job(&job, fixture, 1, run_until_cancelled);
     assert_int_equal(srv_compute_push(&fixture->compute, &lane, &job.job), 0);
@@ -264,7 +320,7 @@ static void compute__running_job_sees_its_cancel_flag(void **state)
 static void compute__completions_are_batched(void **state)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {NULL, NULL, NULL};
+    struct srv_lane lane = {.group = &fixture->group};
     struct named_job jobs[20];
     struct named_job gate;
     for (int i = 0; i < 20; i++) {
@@ -287,7 +343,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(compute__jobs_of_a_lane_run_in_order),
-        TEST(compute__lanes_take_turns),
+        TEST(compute__users_and_their_sessions_take_turns),
+        TEST(compute__what_a_job_took_is_charged_to_its_lane),
         TEST(compute__queue_is_bounded_but_not_for_reaping),
         TEST(compute__removed_jobs_do_not_run),
         TEST(compute__running_job_sees_its_cancel_flag),
