@@ -130,6 +130,9 @@ static void print_limits(void)
     LIMIT(PROTO_MESSAGES_PER_TURN, "messages read from a client before the others' turn");
     LIMIT(PROTO_REPLIES_QUEUED_MAX,
           "replies that wait for a client; then it is not read");
+    LIMIT(PROTO_REPLIES_KEPT,
+          "requests without an answer of a resumable client; answers kept for it");
+    LIMIT(PROTO_LINGER_S, "seconds that a session waits for its client (default)");
     LIMIT(PROTO_SLOTS_MAX, "slots of an upload ring");
     LIMIT(PROTO_INFLIGHT_MAX, "steps in flight of a client; `shm.attach` may say less");
     LIMIT(PROTO_SEGMENTS_MAX, "segments of a step");

@@ -27,6 +27,7 @@
 #include "dispatch.h"
 #include "invariant.h"
 #include "limits.h"
+#include "linger.h"
 #include "loop.h"
 #include "pccd_types.h"
 #include "seqpacket.h"
@@ -123,8 +124,10 @@ void srv_conn_close(struct srv_conn *conn)
     struct srv_session *session = conn->session;
     conn->session = NULL;
     close_handles(conn);
-    srv_log(SRV_LOG_DEBUG, session->id, "disconnected");
-    srv_session_detach(session);
+    if (session != NULL) {
+        srv_log(SRV_LOG_DEBUG, session->id, "disconnected");
+        srv_linger_lost(session);
+    }
     srv_loop_conn_closed(loop);
 }
 
@@ -137,6 +140,13 @@ static void fail(struct srv_conn *conn, const char *why)
         shutdown(conn->fd, SHUT_RDWR);
         watch(conn);
     }
+}
+
+void srv_conn_orphan(struct srv_conn *conn)
+{
+    srv_assert_loop();
+    fail(conn, "its session goes on over another connection");
+    conn->session = NULL;
 }
 
 static void on_timer(uv_timer_t *timer)
@@ -260,8 +270,15 @@ static bool read_one(struct srv_conn *conn)
     struct srv_loop *loop = conn->loop;
     size_t bytes = 0;
     int fd_count = 0;
+    errno = 0;
     int status = proto_receive(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, &bytes,
                                NULL, &fd_count);
+    if (status == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
+        /* A client that closed with answers unread is a reset first; what it had said
+         * before, as that it goes for good, can still be read after it. */
+        status = proto_receive(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, &bytes,
+                               NULL, &fd_count);
+    }
     if (status == PCCD_E_AGAIN) {
         return false;
     }
@@ -334,7 +351,7 @@ static void on_poll(uv_poll_t *poll, int status, int events)
 
 /* ---- creation ---------------------------------------------------------------------- */
 
-int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid)
+int srv_conn_new(struct srv_loop *loop, int fd, const struct srv_peer *peer)
 {
     srv_assert_loop();
     struct srv_conn *conn = calloc(1, sizeof *conn);
@@ -353,7 +370,7 @@ int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid)
     conn->open_count = 2;
     conn->poll.data = conn;
     conn->timer.data = conn;
-    conn->session = srv_session_new(loop, conn, uid);
+    conn->session = srv_session_new(loop, conn, peer);
     if (conn->session == NULL) {
         close_handles(conn);
         return PCCD_E_NOMEM;
@@ -366,6 +383,6 @@ int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid)
     loop->conn_count++;
     uv_timer_start(&conn->timer, on_timer, HELLO_MS, 0);
     watch(conn);
-    srv_log(SRV_LOG_DEBUG, conn->session->id, "connected, user %u", (unsigned)uid);
+    srv_log(SRV_LOG_DEBUG, conn->session->id, "connected, user %u", (unsigned)peer->uid);
     return 0;
 }

@@ -11,7 +11,6 @@
 
 #include <stddef.h>
 #include <stdint.h>
-#include <sys/types.h>
 #include <uv.h>
 
 #include "codec.h"
@@ -28,13 +27,14 @@ enum srv_conn_state {
     SRV_CONN_BROKEN = 3     /* shut down; closes on its next event */
 };
 
+struct srv_peer;
 struct srv_reply;
 
 struct srv_conn {
     struct srv_conn *prev;
     struct srv_conn *next;
     struct srv_loop *loop;
-    struct srv_session *session;
+    struct srv_session *session; /* NULL: it went on over another connection */
     int fd;
     enum srv_conn_state state;
     int events;          /* being watched for */
@@ -48,7 +48,7 @@ struct srv_conn {
 
 /* A connection on an accepted, non-blocking socket. Takes `fd` over, also on failure.
  * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
-int srv_conn_new(struct srv_loop *loop, int fd, uid_t uid);
+int srv_conn_new(struct srv_loop *loop, int fd, const struct srv_peer *peer);
 
 /* Send a message, now or when the client reads. Takes over fds[fd_count] in any case.
  * What cannot be sent any more is dropped; the connection then closes soon, never
@@ -65,7 +65,11 @@ void srv_conn_established(struct srv_conn *conn);
 /* Read what has arrived, as after an event. Must not be called from inside a handler. */
 void srv_conn_read(struct srv_conn *conn);
 
-/* Close now; its session is detached. Must not be called from inside a handler. */
+/* Its session goes on over another connection: close soon. [loop], also from inside the
+ * handler of another connection's message. */
+void srv_conn_orphan(struct srv_conn *conn);
+
+/* Close now; its session waits or ends. Must not be called from inside a handler. */
 void srv_conn_close(struct srv_conn *conn);
 
 #endif

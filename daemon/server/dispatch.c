@@ -15,6 +15,7 @@
 #include "invariant.h"
 #include "loop.h"
 #include "now.h"
+#include "replies.h"
 #include "session.h"
 
 /* ---- the table --------------------------------------------------------------------- */
@@ -36,7 +37,12 @@ static void send_answer(struct srv_session *session, uint32_t id, int method,
     int status = error != NULL ? proto_encode_error(encoder, id, error)
                                : proto_encode_result(encoder, id, method, result);
     PCCD_ASSERT(status == 0); /* no answer of ours comes near the limit */
-    srv_conn_send(session->conn, encoder, fds, fd_count);
+    if (session->replies != NULL && !(error != NULL && error->fatal)) {
+        srv_replies_keep(session->replies, id, method, encoder);
+    }
+    if (session->conn != NULL) {
+        srv_conn_send(session->conn, encoder, fds, fd_count);
+    }
     if (error == NULL) {
         return;
     }
@@ -45,7 +51,8 @@ static void send_answer(struct srv_session *session, uint32_t id, int method,
             method >= 0 && method < PROTO_MESSAGE_COUNT ? proto_messages[method].name
                                                         : "?",
             proto_status_name(error->code), error->text);
-    if (error->fatal) {
+    if (error->fatal && session->conn != NULL) {
+        session->is_ending = true;
         srv_conn_finish(session->conn);
     }
 }
@@ -74,7 +81,7 @@ void srv_dispatch_answer(struct srv_session *session, struct srv_request *reques
 {
     srv_assert_loop();
     int fd_count = request->status == 0 && request->fds[0] >= 0 ? 2 : 0;
-    if (session->conn == NULL) {
+    if (session->state == SRV_SESSION_CLOSED) {
         for (int i = 0; i < fd_count; i++) {
             close(request->fds[i]);
         }
@@ -115,16 +122,24 @@ void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text)
 
 static int refuse_beyond_quota(struct srv_call *call)
 {
-    if (call->session->state != SRV_SESSION_REFUSED) {
+    if (call->session->state != SRV_SESSION_REFUSED ||
+        call->method == PROTO_METHOD_HELLO) { /* may find a place (handlers_hello.c) */
         return 0;
     }
-    const struct srv_loop *loop = call->session->loop;
+    return srv_dispatch_refuse_quota(call);
+}
+
+int srv_dispatch_refuse_quota(struct srv_call *call)
+{
+    struct srv_loop *loop = call->session->loop;
+    loop->metrics.counters.sessions_refused++;
     proto_error_set(&call->error, PCCD_E_QUOTA,
                     "user %u has %llu clients already, the quota is %llu",
                     (unsigned)call->session->user->uid,
                     (unsigned long long)call->session->user->used[SRV_QUOTA_CLIENTS],
                     (unsigned long long)loop->quota.limit[SRV_QUOTA_CLIENTS]);
     call->error.fatal = true;
+    srv_log(SRV_LOG_WARN, call->session->id, "refused: %s", call->error.text);
     return PCCD_E_QUOTA;
 }
 
@@ -195,6 +210,25 @@ static int (*const refusals[])(struct srv_call *call) = {
 
 /* ---- the way through --------------------------------------------------------------- */
 
+/* A request that came before, over a connection that was lost: its answer is sent once
+ * more, or comes when it has been computed. False: it did not come, or may run again. */
+static bool repeat(struct srv_session *session, uint32_t id)
+{
+    struct srv_loop *loop = session->loop;
+    if (session->replies == NULL || srv_replies_is_new(session->replies, id)) {
+        return false;
+    }
+    if (srv_session_request(session, id) != NULL) {
+        return true;
+    }
+    if (!srv_replies_find(session->replies, id, loop->encoder)) {
+        return false;
+    }
+    loop->metrics.counters.replies_repeated++;
+    srv_conn_send(session->conn, loop->encoder, NULL, 0);
+    return true;
+}
+
 /* Decode the parameters and call the handler, unless the request is refused. */
 static int handle(struct srv_call *call, const struct proto_envelope *envelope)
 {
@@ -231,6 +265,9 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
         srv_dispatch_violation(session, PCCD_E_BADMSG, "a response to no request");
         return;
     }
+    if (repeat(session, envelope.id)) {
+        return;
+    }
     call.id = envelope.id;
     call.method = envelope.method;
     if (call.method < 0) {
@@ -240,6 +277,7 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
                    call.id);
     status = handle(&call, &envelope);
     srv_crash_note(NULL, 0, 0);
+    session = call.session; /* hello may have found an older one */
     const struct question question = {call.arrival_ns, call.id, call.method};
     if (status == 0) {
         answer(session, &question, &call.result, NULL, NULL, 0);

@@ -25,6 +25,9 @@ void srv_dispatch_answer(struct srv_session *session, struct srv_request *reques
 /* The client broke the rules of the stream: tell it why, with message id 0, and close. */
 void srv_dispatch_violation(struct srv_session *session, int code, const char *text);
 
+/* Refuse a client beyond its user's quota: sets call->error, fatal, and returns it. */
+int srv_dispatch_refuse_quota(struct srv_call *call);
+
 /* Tell every client that the daemon is about to go. */
 void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text);
 

@@ -1,4 +1,4 @@
-/* handlers_admin.c - hello, ping, stats, cancel and shm.attach.
+/* handlers_admin.c - ping, stats, cancel and shm.attach.
  *
  * Room:     server. See call.h.
  * Does:     what concerns the session and the daemon rather than geometry.
@@ -16,46 +16,6 @@
 #include "now.h"
 #include "request.h"
 #include "session.h"
-
-#define DAEMON_NAME "pccdd " PACKAGE_VERSION
-
-int srv_on_HELLO(struct srv_call *call)
-{
-    struct srv_session *session = call->session;
-    const struct srv_loop *loop = session->loop;
-    const struct proto_HELLO_request *request = &call->params.HELLO;
-    if (session->state == SRV_SESSION_OPEN) {
-        return proto_error_set(&call->error, PCCD_E_STATE, "hello was said already");
-    }
-    if (request->version_min > request->version_max) {
-        return proto_error_set(&call->error, PCCD_E_INVAL,
-                               "version_min %u is greater than version_max %u",
-                               request->version_min, request->version_max);
-    }
-    uint32_t version = request->version_max < PROTO_VERSION_MAX ? request->version_max
-                                                                : PROTO_VERSION_MAX;
-    if (version < request->version_min || version < PROTO_VERSION_MIN) {
-        proto_error_set(&call->error, PCCD_E_VERSION,
-                        "the client speaks versions %u to %u, the daemon %u to %u",
-                        request->version_min, request->version_max, PROTO_VERSION_MIN,
-                        PROTO_VERSION_MAX);
-        call->error.fatal = true;
-        return PCCD_E_VERSION;
-    }
-    call->result.HELLO = (struct proto_HELLO_result){
-        .version = version,
-        .epoch = loop->epoch,
-        .session = session->id,
-        .pid = (uint32_t)getpid(),
-        .threads_max = loop->options->threads_max,
-        .daemon = DAEMON_NAME,
-    };
-    strcpy(call->result.HELLO.cpu, eng_kernels()->name);
-    srv_session_open(session, version);
-    srv_log(SRV_LOG_INFO, session->id, "opened by \"%s\", user %u", request->client,
-            (unsigned)session->user->uid);
-    return 0;
-}
 
 int srv_on_PING(struct srv_call *call)
 {

@@ -70,9 +70,15 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
     if (scene == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
     }
-    status = srv_handles_add(&session->scenes, scene, &call->result.SCENE_CREATE.scene);
+    uint32_t want = call->params.SCENE_CREATE.want;
+    status = srv_session_handle(session, &session->scenes, scene, want,
+                                &call->result.SCENE_CREATE.scene);
     if (status != 0) {
         srv_resource_drop(&scene->resource);
+        if (want != 0) {
+            return proto_error_set(&call->error, status, "scene 0x%x cannot be had",
+                                   want);
+        }
         return proto_error_set(&call->error, status, "a session has at most %u scenes",
                                PROTO_SCENES_PER_CLIENT);
     }
@@ -164,7 +170,8 @@ int srv_on_SCENE_ADD(struct srv_call *call)
                             .shape = mesh->current,
                             .mesh_number = mesh->number,
                             .generation = mesh->generation,
-                            .scene = scene};
+                            .scene = scene,
+                            .object = call->params.SCENE_ADD.want};
     status = srv_scene_admit(scene, mesh, &plan.object, &call->error);
     if (status != 0) {
         return status;

@@ -33,14 +33,17 @@ void srv_handles_deinit(struct srv_handles *handles)
     *handles = (struct srv_handles){.free_first = NO_INDEX, .free_last = NO_INDEX};
 }
 
-/* Room for one more slot at the end. */
-static int grow(struct srv_handles *handles)
+/* Room for at least `count` slots, of which there are at most `max`. */
+static int grow(struct srv_handles *handles, uint32_t count)
 {
     uint32_t capacity = handles->capacity == 0 ? CAPACITY_FIRST : handles->capacity * 2;
+    while (capacity < count) { /* ends: an index has 20 bits */
+        capacity *= 2;
+    }
     if (capacity > handles->max) {
         capacity = handles->max;
     }
-    PCCD_ASSERT(capacity > handles->used);
+    PCCD_ASSERT(capacity >= count);
     struct srv_handle_slot *slots =
         realloc(handles->slots, (size_t)capacity * sizeof *slots);
     if (slots == NULL) {
@@ -64,7 +67,7 @@ int srv_handles_add(struct srv_handles *handles, void *item, uint32_t *handle)
             handles->free_last = NO_INDEX;
         }
     } else {
-        if (handles->used == handles->capacity && grow(handles) != 0) {
+        if (handles->used == handles->capacity && grow(handles, handles->used + 1) != 0) {
             return PCCD_E_NOMEM;
         }
         index = handles->used++;
@@ -87,21 +90,79 @@ void *srv_handles_get(const struct srv_handles *handles, uint32_t handle)
     return handles->slots[index].item; /* NULL while the slot is free */
 }
 
-/* Take the item out of a used slot and put the slot at the end of the free list. */
-static void *vacate(struct srv_handles *handles, uint32_t index)
+/* Put an empty slot at the end of the free list. */
+static void append_free(struct srv_handles *handles, uint32_t index)
 {
-    struct srv_handle_slot *slot = &handles->slots[index];
-    void *item = slot->item;
-    PCCD_ASSERT(item != NULL && handles->count > 0);
-    slot->item = NULL;
-    slot->generation = slot->generation % SRV_HANDLE_GENERATION_MAX + 1u;
-    slot->next_free = NO_INDEX;
+    handles->slots[index].item = NULL;
+    handles->slots[index].next_free = NO_INDEX;
     if (handles->free_last == NO_INDEX) {
         handles->free_first = index;
     } else {
         handles->slots[handles->free_last].next_free = index;
     }
     handles->free_last = index;
+}
+
+/* Take a slot that is in the free list out of it. */
+static void unlink_free(struct srv_handles *handles, uint32_t index)
+{
+    uint32_t before = NO_INDEX;
+    for (uint32_t at = handles->free_first; at != index;
+         at = handles->slots[at].next_free) {
+        PCCD_ASSERT(at != NO_INDEX);
+        before = at;
+    }
+    uint32_t next = handles->slots[index].next_free;
+    if (before == NO_INDEX) {
+        handles->free_first = next;
+    } else {
+        handles->slots[before].next_free = next;
+    }
+    if (handles->free_last == index) {
+        handles->free_last = before;
+    }
+}
+
+int srv_handles_add_at(struct srv_handles *handles, void *item, uint32_t handle,
+                       uint32_t skip_max, uint32_t *skipped)
+{
+    uint32_t index = srv_handle_index(handle);
+    uint32_t generation = handle >> SRV_HANDLE_INDEX_BITS;
+    PCCD_ASSERT(item != NULL);
+    *skipped = 0;
+    if (generation == 0 || index >= handles->max ||
+        (index < handles->used && handles->slots[index].item != NULL)) {
+        return PCCD_E_HANDLE;
+    }
+    if (index < handles->used) {
+        unlink_free(handles, index);
+    } else {
+        if (index - handles->used > skip_max) {
+            return PCCD_E_LIMIT;
+        }
+        if (index >= handles->capacity && grow(handles, index + 1) != 0) {
+            return PCCD_E_NOMEM;
+        }
+        for (; handles->used < index; handles->used++, (*skipped)++) {
+            handles->slots[handles->used].generation = handles->generation_first;
+            append_free(handles, handles->used);
+        }
+        handles->used++;
+    }
+    handles->slots[index] = (struct srv_handle_slot){
+        .item = item, .generation = generation, .next_free = NO_INDEX};
+    handles->count++;
+    return 0;
+}
+
+/* Take the item out of a used slot and put the slot at the end of the free list. */
+static void *vacate(struct srv_handles *handles, uint32_t index)
+{
+    struct srv_handle_slot *slot = &handles->slots[index];
+    void *item = slot->item;
+    PCCD_ASSERT(item != NULL && handles->count > 0);
+    slot->generation = slot->generation % SRV_HANDLE_GENERATION_MAX + 1u;
+    append_free(handles, index);
     handles->count--;
     return item;
 }

@@ -48,6 +48,13 @@ void srv_handles_deinit(struct srv_handles *handles);
  * PCCD_E_NOMEM. */
 int srv_handles_add(struct srv_handles *handles, void *item, uint32_t *handle);
 
+/* The same for a handle of the caller's choice. Places of the table that it leaves empty
+ * before it are counted in *skipped, at most skip_max. Returns 0, PCCD_E_HANDLE (the
+ * place is in use, or no handle is like that), PCCD_E_LIMIT (too many would be left
+ * empty) or PCCD_E_NOMEM. */
+int srv_handles_add_at(struct srv_handles *handles, void *item, uint32_t handle,
+                       uint32_t skip_max, uint32_t *skipped);
+
 /* The item, or NULL for an unknown or stale handle. */
 void *srv_handles_get(const struct srv_handles *handles, uint32_t handle);
 

@@ -23,8 +23,9 @@
 #include "invariant.h"
 #include "loop.h"
 #include "pccd_types.h"
+#include "session.h"
 
-#define BACKLOG          512
+#define BACKLOG          4096 /* clients that all come back after a crash */
 #define ACCEPTS_PER_TURN 16
 #define RETRY_MS         100u
 
@@ -202,7 +203,8 @@ static bool accept_one(struct srv_listener *listener)
         close(fd);
         return true;
     }
-    if (srv_conn_new(loop, fd, peer.uid) != 0) {
+    const struct srv_peer client = {.uid = peer.uid, .pid = peer.pid};
+    if (srv_conn_new(loop, fd, &client) != 0) {
         loop->metrics.counters.sessions_refused++;
         srv_log(SRV_LOG_WARN, 0, "a connection of user %u was turned away",
                 (unsigned)peer.uid);

@@ -12,11 +12,13 @@ libserver_la_SOURCES = \
     daemon/server/handles.c daemon/server/handles.h \
     daemon/server/handlers_admin.c \
     daemon/server/handlers_frame.c \
+    daemon/server/handlers_hello.c \
     daemon/server/handlers_mesh.c \
     daemon/server/handlers_scene.c \
     daemon/server/handlers_watch.c \
     daemon/server/invariant.c daemon/server/invariant.h \
     daemon/server/laststep.c daemon/server/laststep.h \
+    daemon/server/linger.c daemon/server/linger.h \
     daemon/server/listener.c daemon/server/listener.h \
     daemon/server/lockfile.c daemon/server/lockfile.h \
     daemon/server/log.c daemon/server/log.h \
@@ -27,6 +29,7 @@ libserver_la_SOURCES = \
     daemon/server/options.c daemon/server/options.h \
     daemon/server/quota.c daemon/server/quota.h \
     daemon/server/region.c daemon/server/region.h \
+    daemon/server/replies.c daemon/server/replies.h \
     daemon/server/request.c daemon/server/request.h \
     daemon/server/resource.c daemon/server/resource.h \
     daemon/server/ringio.c daemon/server/ringio.h \

@@ -50,6 +50,7 @@ static void close_handles(struct srv_loop *loop)
     close_if_open((uv_handle_t *)&loop->idle);
     close_if_open((uv_handle_t *)&loop->grace);
     close_if_open((uv_handle_t *)&loop->stopper);
+    close_if_open((uv_handle_t *)&loop->linger.timer);
 }
 
 /* Close every connection; what a client has sent meanwhile is answered first, so that it
@@ -120,6 +121,7 @@ void srv_loop_shutdown(struct srv_loop *loop, const char *why)
     loop->phase = SRV_PHASE_DRAINING;
     srv_listener_close(&loop->listener);
     uv_timer_stop(&loop->idle);
+    srv_linger_end_all(loop); /* nobody can come back any more */
     srv_dispatch_goaway(loop, PCCD_E_SHUTDOWN, "the daemon is shutting down");
     uv_timer_start(&loop->grace, on_grace, (uint64_t)loop->options->grace_s * 1000, 0);
     uv_prepare_start(&loop->stopper, on_stopper);
@@ -244,6 +246,7 @@ static int init_handles(struct srv_loop *loop)
     uv_timer_init(&loop->uv, &loop->idle);
     uv_timer_init(&loop->uv, &loop->grace);
     uv_prepare_init(&loop->uv, &loop->stopper);
+    srv_linger_init(loop);
     uv_signal_init(&loop->uv, &loop->sigterm);
     uv_signal_init(&loop->uv, &loop->sigint);
     loop->completions.data = loop;
@@ -267,7 +270,7 @@ static uint64_t make_epoch(void)
     if (getrandom(&epoch, sizeof epoch, GRND_NONBLOCK) != (ssize_t)sizeof epoch) {
         epoch = srv_now_ns() ^ (uint64_t)getpid() << 32;
     }
-    return epoch;
+    return epoch == 0 ? 1 : epoch; /* 0 means none */
 }
 
 /* With everything allocated: serve. */

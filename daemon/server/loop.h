@@ -16,6 +16,7 @@
 #include "codec.h"
 #include "compute.h"
 #include "laststep.h"
+#include "linger.h"
 #include "listener.h"
 #include "log.h"
 #include "metrics.h"
@@ -41,6 +42,7 @@ struct srv_loop {
     bool is_pinned;           /* threads of steps are bound to them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
+    struct srv_linger linger;
     struct srv_laststep *last_step; /* of any session; NULL: none yet */
     struct srv_tracing *tracing;    /* the one recording; NULL: none */
     struct eng_trace *step_trace;   /* [compute] what steps record to; NULL: nothing */

@@ -40,7 +40,8 @@ enum {
     OPT_PIN,
     OPT_SUPERVISE,
     OPT_CRASHES,
-    OPT_SANDBOX
+    OPT_SANDBOX,
+    OPT_LINGER
 };
 
 static const struct argp_option option_table[] = {
@@ -55,6 +56,10 @@ static const struct argp_option option_table[] = {
      "exit after that long without a client; 0 = stay (default)", 1},
     {"grace", OPT_GRACE, "SECONDS", 0,
      "on SIGTERM, finish requests in flight for at most that long (default 10)", 1},
+    {"linger", OPT_LINGER, "SECONDS", 0,
+     "let the session of a client whose connection is lost wait for it for that long "
+     "(default 5; 0 = not at all)",
+     1},
     {"supervise", OPT_SUPERVISE, NULL, 0,
      "stay as a small parent that starts the daemon again when it crashes", 1},
     {"crashes-max", OPT_CRASHES, "N", 0,
@@ -192,6 +197,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case OPT_GRACE:
         options->grace_s = (uint32_t)number(state, "grace", text, 0, 86400);
         return 0;
+    case OPT_LINGER:
+        options->linger_s = (uint32_t)number(state, "linger", text, 0, 3600);
+        return 0;
     case OPT_READY_FD:
         options->ready_fd = (int)number(state, "ready-fd", text, 0, 1u << 20);
         return 0;
@@ -249,6 +257,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
                   [SRV_QUOTA_TRIANGLES] = PROTO_TRIANGLES_PER_UID},
         .grace_s = 10,
         .crashes_max = SRV_CRASHES_MAX,
+        .linger_s = PROTO_LINGER_S,
         .ready_fd = -1,
         .listen_fd = -1,
         .log_level = SRV_LOG_INFO,

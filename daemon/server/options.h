@@ -40,6 +40,7 @@ struct srv_options {
     uint64_t contacts_max;    /* records kept for one answer */
     uint64_t quota[SRV_QUOTA_COUNT];
     uint32_t grace_s;     /* for requests in flight at shutdown */
+    uint32_t linger_s;    /* that a session waits for its client; 0: not at all */
     uint32_t idle_exit_s; /* 0: stay */
     bool private_daemon;  /* go with the last client */
     bool supervise;       /* be the parent of workers (supervise.h) */

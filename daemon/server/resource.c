@@ -237,10 +237,16 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *ob
         return status;
     }
     struct srv_object *item = malloc(sizeof *item);
-    status = item == NULL ? PCCD_E_NOMEM : srv_handles_add(&scene->objects, item, object);
+    uint32_t want = *object;
+    status = item == NULL
+                 ? PCCD_E_NOMEM
+                 : srv_session_handle(session, &scene->objects, item, want, object);
     if (status != 0) {
         free(item);
         srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge);
+        if (want != 0) {
+            return proto_error_set(error, status, "object 0x%x cannot be had", want);
+        }
         return status == PCCD_E_LIMIT
                    ? proto_error_set(error, status, "a scene has at most %u objects",
                                      PROTO_OBJECTS_PER_SCENE)

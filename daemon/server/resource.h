@@ -91,8 +91,9 @@ int srv_scene_reserve(struct srv_scene *scene, uint32_t handle);
 /* The object, or NULL: never placed, or removed. [compute] */
 struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
 
-/* A handle for a new object made of `mesh`, its quota charged. Returns 0, or
- * PCCD_E_QUOTA, PCCD_E_LIMIT or PCCD_E_NOMEM with *error set. [loop] */
+/* A handle for a new object made of `mesh`, its quota charged; *object says which is
+ * wanted, 0: any. Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT, PCCD_E_HANDLE or PCCD_E_NOMEM
+ * with *error set. [loop] */
 int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *object,
                     struct proto_error *error);
 /* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */

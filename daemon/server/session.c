@@ -3,16 +3,17 @@
  * Room:     server. See session.h.
  * Does:     the life of a session:
  *
- *     accept --> NEW ----- hello -----> OPEN
- *       |         |                      |
- *       |         | no hello in time     | end of file, violation, shutdown
- *       |         v                      v
- *       `--> REFUSED ----- answer -----> CLOSED --> freed
- *         (quota full)
+ *     accept --> NEW ----- hello -----> OPEN <-- hello with its secret -- WAITING
+ *       |         |                      |  `------ end of file ------------^ |
+ *       |         | no hello in time     | bye, violation, shutdown           | time
+ *       |         v                      v                                    | is up
+ *       `--> REFUSED ----- answer -----> CLOSED <-----------------------------'
+ *         (quota full)                   `--> freed
+ *           Only the session of a client that asked for it waits (linger.c).
  *           CLOSED waits until request_count = 0 (cancelled ones come back) and
  *           reap_count = 0 (scenes, meshes and ring were freed on the compute thread).
  *
- * Does not: keep a session for a client that comes back.
+ * Does not: decide whether a session waits.
  * Threads:  [loop]
  */
 #include "session.h"
@@ -25,17 +26,18 @@
 #include "limits.h"
 #include "loop.h"
 #include "meshes.h"
+#include "replies.h"
 #include "request.h"
 
 struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
-                                    uid_t uid)
+                                    const struct srv_peer *peer)
 {
     srv_assert_loop();
     struct srv_session *session = calloc(1, sizeof *session);
     if (session == NULL) {
         return NULL;
     }
-    session->user = srv_quota_acquire(&loop->quota, uid);
+    session->user = srv_quota_acquire(&loop->quota, peer->uid);
     if (session->user == NULL) {
         free(session);
         return NULL;
@@ -43,6 +45,7 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
     session->loop = loop;
     session->conn = conn;
     session->lane.group = &session->user->jobs;
+    session->pid = peer->pid;
     session->id = ++loop->session_last;
     struct proto_error error = {0};
     session->counted =
@@ -55,8 +58,6 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
     if (!session->counted) {
         loop->refused_count++;
         session->state = SRV_SESSION_REFUSED;
-        loop->metrics.counters.sessions_refused++;
-        srv_log(SRV_LOG_WARN, session->id, "refused: %s", error.text);
     }
     srv_handles_init(&session->scenes, PROTO_SCENES_PER_CLIENT, 0);
     srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, 0);
@@ -66,6 +67,20 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
     }
     loop->sessions = session;
     return session;
+}
+
+int srv_session_admit(struct srv_session *session, struct proto_error *error)
+{
+    struct srv_loop *loop = session->loop;
+    PCCD_ASSERT(session->state == SRV_SESSION_REFUSED);
+    int status =
+        srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1, error);
+    if (status == 0) {
+        session->counted = true;
+        session->state = SRV_SESSION_NEW;
+        loop->refused_count--;
+    }
+    return status;
 }
 
 void srv_session_open(struct srv_session *session, uint32_t version)
@@ -103,7 +118,9 @@ void srv_session_detach(struct srv_session *session)
     srv_assert_loop();
     PCCD_ASSERT(session->state != SRV_SESSION_CLOSED);
     struct srv_loop *loop = session->loop;
-    bool was_open = session->state == SRV_SESSION_OPEN;
+    bool was_waiting = session->state == SRV_SESSION_WAITING;
+    bool was_open = session->state == SRV_SESSION_OPEN || was_waiting;
+    loop->metrics.counters.sessions_waiting_now -= was_waiting;
     loop->refused_count -= session->state == SRV_SESSION_REFUSED;
     session->conn = NULL;
     session->state = SRV_SESSION_CLOSED;
@@ -154,6 +171,22 @@ void srv_session_unlist(struct srv_session *session, struct srv_request *request
     session->loop->request_count--;
 }
 
+int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
+                       void *item, uint32_t want, uint32_t *handle)
+{
+    if (want == 0) {
+        return srv_handles_add(handles, item, handle);
+    }
+    uint32_t skipped = 0;
+    int status = srv_handles_add_at(handles, item, want,
+                                    SRV_SKIPPED_MAX - session->skip_count, &skipped);
+    if (status == 0) {
+        session->skip_count += skipped;
+        *handle = want;
+    }
+    return status;
+}
+
 struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id)
 {
     struct srv_request *request = session->requests;
@@ -190,6 +223,7 @@ void srv_session_settle(struct srv_session *session)
     srv_handles_deinit(&session->scenes);
     srv_handles_deinit(&session->meshes);
     srv_laststep_set(&session->last_step, NULL);
+    srv_replies_free(session->replies);
     srv_quota_release(&loop->quota, session->user);
     free(session);
 }

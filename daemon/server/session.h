@@ -17,8 +17,9 @@
 #include "limits.h"
 #include "quota.h"
 
-#define SRV_REQUESTS_MAX 32u /* of one session in flight, steps among them */
-#define SRV_REFUSED_MAX  16u /* sessions, of all users, that wait to hear so */
+#define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */
+#define SRV_SKIPPED_MAX  2048u /* places of a session's tables that may be left empty */
+#define SRV_REFUSED_MAX  16u   /* sessions, of all users, that wait to hear so */
 
 /* Scenes of one session in memory: those it has, and as many that wait to be freed. No
  * quota counts them, and while a long step runs nothing is freed. */
@@ -28,24 +29,39 @@ enum srv_session_state {
     SRV_SESSION_NEW = 0,     /* connected, no hello yet */
     SRV_SESSION_REFUSED = 1, /* connected beyond the quota: hears so and goes */
     SRV_SESSION_OPEN = 2,    /* hello was answered */
-    SRV_SESSION_CLOSED = 3   /* the connection is gone; waits for the compute thread */
+    SRV_SESSION_WAITING = 3, /* the connection is gone; the client may come back */
+    SRV_SESSION_CLOSED = 4   /* over; waits for the compute thread */
 };
+
+/* Who is at the other end of a socket. */
+struct srv_peer {
+    uid_t uid;
+    pid_t pid;
+};
+
+struct srv_replies;
 
 struct srv_session {
     struct srv_session *prev;
     struct srv_session *next;
     struct srv_loop *loop;
-    struct srv_conn *conn; /* NULL: closed */
+    struct srv_conn *conn; /* NULL: closed, or waiting */
     struct srv_quota_user *user;
     uint64_t id;
+    pid_t pid; /* of the client's process; 0: not known */
     enum srv_session_state state;
-    bool counted;              /* charged as a client of its user */
-    bool attaching;            /* a ring is being created */
-    uint32_t version;          /* of the protocol, after hello */
-    uint32_t scene_salt;       /* scenes created: makes their object handles differ */
-    struct srv_handles scenes; /* of struct srv_scene */
-    struct srv_handles meshes; /* of struct srv_mesh */
-    struct srv_ring *ring;     /* NULL: none attached */
+    bool is_ending;              /* must not wait for its client (linger.h) */
+    uint64_t token[2];           /* secret of a resumable session */
+    struct srv_replies *replies; /* NULL: the session cannot be resumed */
+    uint64_t lost_ns;            /* WAITING: since when */
+    uint32_t skip_count;         /* places of tables that wanted handles left empty */
+    bool counted;                /* charged as a client of its user */
+    bool attaching;              /* a ring is being created */
+    uint32_t version;            /* of the protocol, after hello */
+    uint32_t scene_salt;         /* scenes created: makes their object handles differ */
+    struct srv_handles scenes;   /* of struct srv_scene */
+    struct srv_handles meshes;   /* of struct srv_mesh */
+    struct srv_ring *ring;       /* NULL: none attached */
     struct srv_laststep *last_step; /* NULL: none yet */
     struct srv_lane lane;
     struct srv_request *requests; /* in flight, newest first */
@@ -55,12 +71,15 @@ struct srv_session {
     uint32_t scene_count;  /* scenes in memory, those being freed too */
 };
 
-/* A session for a new connection of user `uid`. It is REFUSED when the user's quota of
+/* A session for a new connection of `peer`. It is REFUSED when the user's quota of
  * clients is full. NULL: no memory, or too many refused ones wait to hear so already. */
 struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
-                                    uid_t uid);
+                                    const struct srv_peer *peer);
+/* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA
+ * with *error set. */
+int srv_session_admit(struct srv_session *session, struct proto_error *error);
 
-/* The connection is gone: stop its requests, drop everything it has. The session frees
+/* The session is over: stop its requests, drop everything it has. The session frees
  * itself as soon as the compute thread has let go of it. */
 void srv_session_detach(struct srv_session *session);
 
@@ -69,6 +88,11 @@ void srv_session_open(struct srv_session *session, uint32_t version);
 
 void srv_session_enlist(struct srv_session *session, struct srv_request *request);
 void srv_session_unlist(struct srv_session *session, struct srv_request *request);
+/* A handle for `item` in a table of the session: `want`, or any when that is 0. Returns
+ * 0, PCCD_E_HANDLE (`want` is in use, or none of ours), PCCD_E_LIMIT or PCCD_E_NOMEM. */
+int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
+                       void *item, uint32_t want, uint32_t *handle);
+
 /* The request in flight with that message id, or NULL. */
 struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id);
 

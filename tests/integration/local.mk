@@ -7,6 +7,7 @@ integration_names = \
     tests/integration/test_int_hostile \
     tests/integration/test_int_peer \
     tests/integration/test_int_replace \
+    tests/integration/test_int_resume \
     tests/integration/test_int_sandbox \
     tests/integration/test_int_session \
     tests/integration/test_int_slot \
@@ -44,6 +45,10 @@ tests_integration_test_int_peer_LDADD = $(integration_libs)
 tests_integration_test_int_replace_SOURCES = tests/integration/test_int_replace.c
 tests_integration_test_int_replace_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_replace_LDADD = $(integration_libs)
+
+tests_integration_test_int_resume_SOURCES = tests/integration/test_int_resume.c
+tests_integration_test_int_resume_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_resume_LDADD = $(integration_libs)
 
 tests_integration_test_int_sandbox_SOURCES = tests/integration/test_int_sandbox.c
 tests_integration_test_int_sandbox_CPPFLAGS = $(integration_cppflags)

@@ -173,6 +173,42 @@ static void handles__next_and_pop_yield_every_item_once(void **state)
     srv_handles_deinit(&handles);
 }
 
+/* If it failed, what a daemon that died had could not be made again under its handles, or
+ * one such handle would cost any amount of memory. */
+static void handles__wanted_ones_can_be_had(void **state)
+{
+    (void)state;
+    struct srv_handles handles;
+    uint32_t skipped = 9;
+    uint32_t handle = 0;
+    const uint32_t fifth = 3u << SRV_HANDLE_INDEX_BITS | 5u;
+    srv_handles_init(&handles, 64, 0);
+    assert_int_equal(srv_handles_add_at(&handles, items, fifth, 4, &skipped),
+                     PCCD_E_LIMIT);
+    assert_int_equal(srv_handles_add_at(&handles, items, 5u, 64, &skipped),
+                     PCCD_E_HANDLE); /* of no generation */
+    assert_int_equal(srv_handles_add_at(&handles, items, fifth + 64, 64, &skipped),
+                     PCCD_E_HANDLE); /* beyond the table */
+    assert_int_equal(handles.count, 0);
+    assert_int_equal(srv_handles_add_at(&handles, items, fifth, 5, &skipped), 0);
+    assert_int_equal(skipped, 5);
+    assert_ptr_equal(srv_handles_get(&handles, fifth), items);
+    assert_int_equal(srv_handles_add_at(&handles, items, fifth, 64, &skipped),
+                     PCCD_E_HANDLE); /* taken */
+    /* A place among those left empty, then the others in turn, then a new one. */
+    assert_int_equal(srv_handles_add_at(&handles, items + 1,
+                                        7u << SRV_HANDLE_INDEX_BITS | 2u, 0, &skipped),
+                     0);
+    assert_int_equal(skipped, 0);
+    static const uint32_t order[] = {0, 1, 3, 4, 6};
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(srv_handles_add(&handles, items, &handle), 0);
+        assert_int_equal(srv_handle_index(handle), order[i]);
+    }
+    assert_int_equal(handles.count, 7);
+    srv_handles_deinit(&handles);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -182,6 +218,7 @@ int main(void)
         cmocka_unit_test(handles__free_indices_are_reused_in_turn),
         cmocka_unit_test(handles__exhaustion_is_a_limit_and_passes),
         cmocka_unit_test(handles__tables_with_other_salt_share_no_handles),
+        cmocka_unit_test(handles__wanted_ones_can_be_had),
         cmocka_unit_test(handles__next_and_pop_yield_every_item_once),
     };
     return cmocka_run_group_tests_name("srv_handles", tests, NULL, NULL);

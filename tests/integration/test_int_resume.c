@@ -1,0 +1,433 @@
+/* test_int_resume.c - sessions that outlive their connections, seen from the wire.
+ *
+ * Room:     tests/integration. May include: proto, tests/support.
+ * Does:     lose connections for real and come back with the right secret, a wrong one,
+ *           too late, or while the old connection still stands; say requests twice.
+ * Threads:  one; a child is forked to be killed.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "raw.h"
+
+/* A raw client with a scene: a floor, and a triangle that passes through it. */
+struct fixture {
+    struct test_daemon daemon;
+    struct test_raw raw;
+    struct proto_HELLO_result session;
+    uint32_t scene;
+    uint32_t mesh;
+    uint32_t object;
+};
+
+static struct fixture fixture;
+
+static int start(const char *const *options)
+{
+    return test_daemon_start(&fixture.daemon, options) ? 0 : -1;
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    return start((const char *const[]){"--threads", "1", "--linger", "2", NULL});
+}
+
+static int setup_alone(void **state)
+{
+    (void)state;
+    return start((const char *const[]){"--threads", "1", "--clients-max", "1", NULL});
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    return test_daemon_finish(&fixture.daemon) ? 0 : -1;
+}
+
+static int say_hello(struct test_raw *raw, const struct proto_HELLO_result *resume,
+                     struct proto_HELLO_result *result)
+{
+    struct proto_HELLO_request hello = {
+        .version_min = 1, .version_max = 1, .client = "raw", .resumable = true};
+    if (resume != NULL) {
+        hello.resume_epoch = resume->epoch;
+        hello.resume_session = resume->session;
+        hello.token_hi = resume->token_hi;
+        hello.token_lo = resume->token_lo;
+    }
+    return test_raw_call(raw, PROTO_METHOD_HELLO, &hello, result);
+}
+
+static int connect_socket(void)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s",
+                   fixture.daemon.socket);
+    assert_true(fd >= 0);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+/* Another connection, and hello with the secret over it. The mappings stay. Returns
+ * whether the session goes on. */
+static bool come_back(struct fixture *f)
+{
+    struct proto_HELLO_result result;
+    f->raw.socket = connect_socket();
+    assert_int_equal(say_hello(&f->raw, &f->session, &result), 0);
+    assert_int_equal(result.epoch, f->session.epoch);
+    return result.resumed && result.session == f->session.session;
+}
+
+static void lose(struct fixture *f)
+{
+    (void)close(f->raw.socket);
+    f->raw.socket = -1;
+}
+
+static void open_scene(struct fixture *f)
+{
+    struct proto_SCENE_CREATE_request create = {0};
+    struct proto_SCENE_CREATE_result scene;
+    struct proto_SCENE_ADD_request add;
+    struct proto_SCENE_ADD_result object;
+    uint32_t floor = 0;
+    assert_true(test_raw_open(&f->raw, f->daemon.socket));
+    assert_int_equal(say_hello(&f->raw, NULL, &f->session), 0);
+    assert_false(f->session.resumed);
+    assert_true((f->session.features & PROTO_FEATURE_RESUME) != 0);
+    assert_true((f->session.token_hi | f->session.token_lo) != 0);
+    assert_true(f->session.linger_ms > 0);
+    assert_int_equal(test_raw_attach(&f->raw, 2, 4096), 0);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &create, &scene),
+                     0);
+    f->scene = scene.scene;
+    assert_int_equal(test_raw_mesh(&f->raw, test_floor_x, 3, test_triangle, 1, &floor),
+                     0);
+    assert_int_equal(
+        test_raw_mesh(&f->raw, test_triangle_x, 3, test_triangle, 1, &f->mesh), 0);
+    add = (struct proto_SCENE_ADD_request){.scene = f->scene, .mesh = floor};
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+    add.mesh = f->mesh;
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+    f->object = object.object;
+}
+
+/* Write a turn of the triangle to height z into a slot. */
+static struct proto_FRAME_SUBMIT_request turn(struct fixture *f, uint32_t slot, float z)
+{
+    const struct proto_segment segment = {
+        .object = f->object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 64};
+    uint8_t *payload = test_raw_payload(&f->raw, slot);
+    float x[3][3];
+    test_crossing_positions(x, z);
+    memcpy(payload, &segment, sizeof segment);
+    memcpy(payload + 64, x, sizeof x);
+    return (struct proto_FRAME_SUBMIT_request){.scene = f->scene,
+                                               .slot = slot,
+                                               .seq = test_raw_publish(&f->raw, slot),
+                                               .segments = 1};
+}
+
+/* Send a request under an id that was used before. */
+static void say_again(struct fixture *f, uint32_t id, int method, const void *request)
+{
+    assert_int_equal(proto_encode_request(&f->raw.encoder, id, method, request), 0);
+    assert_true(test_raw_send(&f->raw, f->raw.encoder.data, f->raw.encoder.bytes, 0));
+}
+
+/* A counter of the daemon, over a connection of its own. */
+static uint64_t counter(const char *name)
+{
+    struct pccd_client *client = test_connect(fixture.daemon.url);
+    uint64_t value;
+    assert_non_null(client);
+    value = test_stat(client, name);
+    pccd_close(client);
+    return value;
+}
+
+static uint64_t await_counter(const char *name, uint64_t value)
+{
+    uint64_t until_ms = test_now_ms() + 10000;
+    uint64_t seen = counter(name);
+    while (seen != value && test_now_ms() < until_ms) {
+        test_sleep_ms(20);
+        seen = counter(name);
+    }
+    return seen;
+}
+
+/* If it failed, a connection that is cut would cost a client its meshes. */
+static void resume__goes_on_with_everything(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_FRAME_SUBMIT_result answer;
+    (void)state;
+    open_scene(f);
+    for (int i = 0; i < 4; i++) {
+        struct proto_FRAME_SUBMIT_request request = turn(f, 0, i % 2 == 0 ? -1.0f : 1.0f);
+        assert_int_equal(
+            test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer), 0);
+        assert_int_equal(answer.total, 3);
+        atomic_store(&test_raw_upload(&f->raw)->result_head.value, answer.release);
+        lose(f);
+        assert_true(come_back(f));
+    }
+    assert_int_equal(counter("sessions_resumed"), 4);
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, a step whose answer was lost would move the objects twice, or never be
+ * answered. */
+static void resume__runs_what_is_said_twice_once(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_FRAME_SUBMIT_request first;
+    struct proto_FRAME_SUBMIT_request second;
+    struct proto_FRAME_SUBMIT_result answers[2];
+    struct proto_FRAME_SUBMIT_result again;
+    uint64_t steps = counter("steps");
+    uint32_t ids[2];
+    (void)state;
+    open_scene(f);
+    first = turn(f, 0, -1.0f);
+    second = turn(f, 1, 1.0f);
+    ids[0] = test_raw_request(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &first);
+    assert_int_equal(
+        test_raw_answer(&f->raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &answers[0]), 0);
+    ids[1] = test_raw_request(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &second);
+    lose(f); /* while the second is in flight, most likely; its answer is not read */
+    assert_true(come_back(f));
+    for (int i = 0; i < 2; i++) { /* also what was answered: as if that had been lost */
+        say_again(f, ids[0], PROTO_METHOD_FRAME_SUBMIT, &first);
+        say_again(f, ids[1], PROTO_METHOD_FRAME_SUBMIT, &second);
+        assert_int_equal(
+            test_raw_answer(&f->raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &again), 0);
+        assert_memory_equal(&again, &answers[0], sizeof again);
+        assert_int_equal(
+            test_raw_answer(&f->raw, ids[1], PROTO_METHOD_FRAME_SUBMIT, &answers[1]), 0);
+        assert_int_equal(answers[1].total, 3);
+    }
+    assert_true(answers[1].release > answers[0].release);
+    assert_int_equal(counter("steps"), steps + 2);
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, requests that are answered at once would be done twice. */
+static void resume__creates_once(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_MESH_CREATE_request create = {.vertex_count = 3, .triangle_count = 1};
+    struct proto_MESH_CREATE_result made;
+    struct proto_MESH_CREATE_result again;
+    uint64_t meshes = counter("meshes_now");
+    uint32_t id;
+    (void)state;
+    open_scene(f);
+    id = test_raw_request(&f->raw, PROTO_METHOD_MESH_CREATE, &create);
+    assert_int_equal(test_raw_answer(&f->raw, id, PROTO_METHOD_MESH_CREATE, &made), 0);
+    lose(f);
+    assert_true(come_back(f));
+    say_again(f, id, PROTO_METHOD_MESH_CREATE, &create);
+    assert_int_equal(test_raw_answer(&f->raw, id, PROTO_METHOD_MESH_CREATE, &again), 0);
+    assert_int_equal(again.mesh, made.mesh);
+    assert_int_equal(counter("meshes_now"), meshes + 3);
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, any process of the user could take a session over by counting. */
+static void resume__needs_the_secret(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_HELLO_result wrong;
+    struct proto_HELLO_result other;
+    struct test_raw thief;
+    (void)state;
+    open_scene(f);
+    lose(f);
+    for (int bit = 0; bit < 4; bit++) {
+        wrong = f->session;
+        wrong.token_hi ^= bit == 0;
+        wrong.token_lo ^= bit == 1 ? 1ull << 63 : 0;
+        wrong.session += bit == 2;
+        wrong.epoch ^= bit == 3;
+        assert_true(test_raw_open(&thief, f->daemon.socket));
+        assert_int_equal(say_hello(&thief, &wrong, &other), 0);
+        assert_false(other.resumed);
+        assert_int_not_equal(other.session, f->session.session);
+        assert_true(other.token_hi != f->session.token_hi ||
+                    other.token_lo != f->session.token_lo);
+        test_raw_close(&thief);
+    }
+    assert_true(come_back(f)); /* and is not disturbed */
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, a client that finds its connection dead would have to wait until the
+ * daemon finds out, too. */
+static void resume__takes_the_session_from_a_connection_that_stands(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_FRAME_SUBMIT_request request;
+    struct proto_FRAME_SUBMIT_result answer;
+    struct test_raw old;
+    (void)state;
+    open_scene(f);
+    old = f->raw;
+    assert_true(come_back(f));
+    old.decoder = proto_decoder_new();
+    assert_int_equal(test_raw_receive(&old), PCCD_E_DISCONNECTED);
+    proto_decoder_free(old.decoder);
+    (void)close(old.socket);
+    request = turn(f, 0, -1.0f);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer),
+                     0);
+    assert_int_equal(answer.total, 3);
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, what clients left behind would be kept for ever. */
+static void resume__comes_too_late_after_the_linger(void **state)
+{
+    struct fixture *f = &fixture;
+    (void)state;
+    open_scene(f);
+    lose(f);
+    assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
+    assert_int_equal(await_counter("sessions_waiting_now", 0), 0);
+    assert_int_equal(counter("meshes_now"), 0);
+    assert_int_equal(counter("shm_bytes_now"), 0);
+    assert_false(come_back(f));
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, a client that closes would block its user's quotas for seconds. */
+static void resume__is_over_after_bye(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_BYE_request bye = {0};
+    (void)state;
+    open_scene(f);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_BYE, &bye, NULL), 0);
+    lose(f);
+    assert_false(come_back(f));
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, what a killed client had would be charged until the time is up, and ten
+ * thousand kills would exhaust the quotas. */
+static void resume__does_not_wait_for_the_dead(void **state)
+{
+    uint64_t begin_ms;
+    pid_t child;
+    (void)state;
+    assert_int_equal(await_counter("sessions_waiting_now", 0), 0);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        open_scene(&fixture);
+        (void)kill(getpid(), SIGKILL);
+    }
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    begin_ms = test_now_ms();
+    assert_int_equal(await_counter("meshes_now", 0), 0);
+    assert_true(test_now_ms() - begin_ms < 1500); /* of 2000 */
+}
+
+/* If it failed, a user with as many clients as may be would be locked out by one that is
+ * gone, or come back in vain. */
+static void resume__gives_way_to_a_new_client_at_the_quota(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_HELLO_result other;
+    struct test_raw raw;
+    (void)state;
+    open_scene(f);
+    lose(f);
+    assert_true(come_back(f)); /* beyond the quota until it has its own session back */
+    assert_true(test_raw_open(&raw, f->daemon.socket));
+    assert_int_equal(say_hello(&raw, NULL, &other), PCCD_E_QUOTA);
+    test_raw_close(&raw);
+    lose(f);
+    test_sleep_ms(50);
+    assert_true(test_raw_open(&raw, f->daemon.socket));
+    assert_int_equal(say_hello(&raw, NULL, &other), 0);
+    f->raw.socket = connect_socket();
+    assert_int_equal(say_hello(&f->raw, &f->session, &other), PCCD_E_QUOTA);
+    test_raw_close(&raw);
+    test_raw_close(&f->raw);
+}
+
+/* If it failed, a client could not make anew, under its old handles, what a daemon that
+ * died had; or could have tables of any size made for a single object. */
+static void resume__handles_can_be_wanted(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_SCENE_CREATE_request scene = {.want = 7u << 20 | 3};
+    struct proto_SCENE_CREATE_result made;
+    struct proto_MESH_CREATE_request mesh = {
+        .vertex_count = 3, .triangle_count = 1, .want = 9u << 20 | 1500};
+    struct proto_MESH_CREATE_result mesh_made;
+    struct proto_SCENE_ADD_request add;
+    struct proto_SCENE_ADD_result added;
+    (void)state;
+    open_scene(f);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made), 0);
+    assert_int_equal(made.scene, 7u << 20 | 3);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made),
+                     PCCD_E_HANDLE);
+    scene.want = 4; /* no handle has generation 0 */
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made),
+                     PCCD_E_HANDLE);
+    scene.want = 0; /* a place that was left empty */
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made), 0);
+    assert_int_equal(made.scene & 0xfffff, 1);
+    add = (struct proto_SCENE_ADD_request){
+        .scene = 7u << 20 | 3, .mesh = f->mesh, .want = 5u << 20 | 2};
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    assert_int_equal(added.object, add.want);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &added),
+                     PCCD_E_HANDLE);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made),
+                     0);
+    assert_int_equal(mesh_made.mesh, mesh.want);
+    mesh.want = 9u << 20 | 3000;
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made),
+                     PCCD_E_LIMIT);
+    test_raw_close(&f->raw);
+}
+
+#define WITH(test, setup) cmocka_unit_test_setup_teardown(test, setup, teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        WITH(resume__goes_on_with_everything, setup),
+        WITH(resume__runs_what_is_said_twice_once, setup),
+        WITH(resume__creates_once, setup),
+        WITH(resume__needs_the_secret, setup),
+        WITH(resume__takes_the_session_from_a_connection_that_stands, setup),
+        WITH(resume__comes_too_late_after_the_linger, setup),
+        WITH(resume__is_over_after_bye, setup),
+        WITH(resume__does_not_wait_for_the_dead, setup),
+        WITH(resume__gives_way_to_a_new_client_at_the_quota, setup_alone),
+        WITH(resume__handles_can_be_wanted, setup),
+    };
+    return cmocka_run_group_tests_name("resume", tests, NULL, NULL);
+}
