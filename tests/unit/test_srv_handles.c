@@ -195,7 +195,7 @@ static void handles__wanted_ones_can_be_had(void **state)
     assert_ptr_equal(srv_handles_get(&handles, fifth), items);
     assert_int_equal(srv_handles_add_at(&handles, items, fifth, 64, &skipped),
                      PCCD_E_HANDLE); /* taken */
-    /* A place among those left empty, then the others in turn, then a new one. */
+    /* A place left empty, then the others in turn, then a new one. */
     assert_int_equal(srv_handles_add_at(&handles, items + 1,
                                         7u << SRV_HANDLE_INDEX_BITS | 2u, 0, &skipped),
                      0);
