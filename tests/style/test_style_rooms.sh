@@ -34,7 +34,7 @@ tests/abi           proto client/lib+
 tests/oracle
 tests/support       proto client/lib+ tests/oracle
 tests/integration   proto client/lib+ tests/support tests/oracle
-tests/unit          proto daemon/engine daemon/server client/lib client/ctl tests/support tests/oracle
+tests/unit          proto daemon/engine daemon/server client/lib client/ctl client/load tests/support tests/oracle
 tests/fuzz          daemon/engine tests/support tests/oracle
 tests/determinism   daemon/engine tests/support tests/oracle tests/unit
 tests/property      proto daemon/engine client/lib+ tests/support tests/oracle tests/unit

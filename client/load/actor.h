@@ -1,0 +1,64 @@
+/* actor.h - one client of a run.
+ *
+ * Room:     client/load. May include: load.h, pccd.h.
+ * Does:     connect, register its shape, keep some steps in flight, and judge each
+ *           answer: is it to a request that waits for one, and what a lone client got?
+ * Does not: wait: who has many of them takes turns (crowd.h).
+ * Threads:  one process for one actor.
+ *
+ * What kind a client is follows from its number:
+ *   follow  x1 float, mode all: a step starts where the last one has ended, so that one
+ *           that is lost, doubled or out of turn makes the next answer wrong
+ *   jump    both ends, double; now and then cancelled, due at once, or not finite
+ *   rigid   transforms, mode first
+ *   pairs   x1 double, mode pairs
+ *   churn   like follow; now and then its mesh is replaced, its objects, its scene or
+ *           its connection are made anew
+ */
+#ifndef LOAD_ACTOR_H
+#define LOAD_ACTOR_H
+
+#include "load.h"
+#include "pccd.h"
+
+enum load_kind { LOAD_FOLLOW, LOAD_JUMP, LOAD_RIGID, LOAD_PAIRS, LOAD_CHURN, LOAD_KINDS };
+
+/* What is special about a request. */
+enum load_mischief { LOAD_PLAIN, LOAD_CANCELLED, LOAD_DUE, LOAD_NOT_FINITE };
+
+struct load_pending {
+    uint64_t step;
+    uint32_t from; /* position; the next one is where it goes */
+    enum load_mischief mischief;
+    uint64_t sent_ns;
+};
+
+struct load_actor {
+    const struct load *load;
+    struct load_tally *tally;
+    uint32_t number;
+    enum load_kind kind;
+    bool is_alone; /* its answers become the truth, and it makes no mischief */
+    struct pccd_client *client;
+    uint32_t scene, floor_mesh, sheet_mesh, floor, sheet;
+    uint64_t next;    /* number of the next request */
+    uint64_t changed; /* churn: when it last did */
+    uint64_t last_step;
+    struct load_pending pending[LOAD_DEPTH_MAX];
+    uint32_t pending_count;
+    uint64_t moved_ns; /* when something last came of a turn */
+};
+
+/* Connect and register. Returns 0 or a status, after saying why if `loud`; close it in
+ * either case. */
+int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
+                    struct load_tally *tally, bool loud);
+
+/* Submit what there is room for, if `more`, and take what has arrived. Returns whether
+ * anything was. */
+bool load_actor_turn(struct load_actor *actor, bool more);
+
+/* What waits for an answer is lost. */
+void load_actor_close(struct load_actor *actor);
+
+#endif

@@ -1,0 +1,23 @@
+/* crowd.h - processes with many clients each.
+ *
+ * Room:     client/load. May include: load.h.
+ * Does:     start one; there the clients with number = index modulo the number of
+ *           processes take turns until each has its requests and it is enough.
+ * Threads:  one in each process.
+ */
+#ifndef LOAD_CROWD_H
+#define LOAD_CROWD_H
+
+#include <sys/types.h>
+
+#include "load.h"
+
+/* Returns its process id, or -1. It exits with 0 unless it could not do its part. It dies
+ * with its parent. */
+pid_t load_crowd_start(struct load *load, uint32_t index);
+
+/* Every client, and those that will be killed, alone for one round, in this process: the
+ * truth, and its number of records. Returns 0 or a status. */
+int load_crowd_find_truth(struct load *load, uint64_t *records);
+
+#endif

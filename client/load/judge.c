@@ -1,0 +1,130 @@
+/* judge.c - is it the answer?
+ *
+ * Room:     client/load.
+ * Does:     see judge.h.
+ * Threads:  judge.h.
+ */
+#include "judge.h"
+
+#include <string.h>
+
+static uint64_t add_bytes(uint64_t sum, const void *record, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i += sizeof sum) {
+        uint64_t word = 0;
+        size_t left = bytes - i;
+        memcpy(&word, (const char *)record + i, left < sizeof word ? left : sizeof word);
+        sum = load_mix(sum, word);
+    }
+    return sum;
+}
+
+/* Over all records. Objects by whether they are the sheet: one that is made anew has
+ * another number. */
+static uint64_t sum_of(const struct load_actor *actor, const struct pccd_answer *answer)
+{
+    uint64_t sum = answer->count;
+    for (uint64_t i = 0; i < answer->count; i++) {
+        if (answer->mode == PCCD_MODE_PAIRS) {
+            sum = add_bytes(sum, &answer->pairs[i], sizeof answer->pairs[i]);
+            continue;
+        }
+        struct pccd_contact contact = answer->contacts[i];
+        contact.object_a = contact.object_a == actor->sheet;
+        contact.object_b = contact.object_b == actor->sheet;
+        sum = add_bytes(sum, &contact, sizeof contact);
+    }
+    return sum;
+}
+
+static bool is_same(const struct load_truth *a, const struct load_truth *b)
+{
+    return a->hash[0] == b->hash[0] && a->hash[1] == b->hash[1] && a->sum == b->sum;
+}
+
+/* Is it the answer to some other request of the run? */
+static bool is_known(const struct load *load, const struct load_truth *found)
+{
+    uint64_t count =
+        (uint64_t)(load->settings.clients + load->settings.victims) * LOAD_FRAMES;
+    for (uint64_t i = 0; i < count; i++) {
+        if (is_same(&load->shared->truth[i], found)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void compare(struct load_actor *actor, const struct load_pending *pending,
+                    const struct pccd_answer *answer)
+{
+    struct load_truth *truth = load_truth_of(actor->load, actor->number, pending->from);
+    struct load_truth found = {{answer->hash[0], answer->hash[1]}, sum_of(actor, answer)};
+    actor->tally->answered++;
+    actor->tally->records += answer->count;
+    if (actor->is_alone) {
+        *truth = found;
+        return;
+    }
+    load_tally_time(actor->tally, load_now_ns() - pending->sent_ns);
+    if (actor->kind == LOAD_CHURN) { /* the hash knows the objects' numbers */
+        memcpy(found.hash, truth->hash, sizeof found.hash);
+    }
+    if (is_same(truth, &found)) {
+        return;
+    }
+    if (is_known(actor->load, &found)) {
+        actor->tally->crossed++;
+    } else {
+        actor->tally->wrong++;
+    }
+    load_say("client %u: step %llu from position %u has %llu records of hash %016llx, "
+             "not %016llx",
+             actor->number, (unsigned long long)answer->step, pending->from,
+             (unsigned long long)answer->total, (unsigned long long)found.hash[1],
+             (unsigned long long)truth->hash[1]);
+}
+
+static void judge_of(struct load_actor *actor, const struct load_pending *pending,
+                     const struct pccd_answer *answer)
+{
+    bool may_end_early =
+        (pending->mischief == LOAD_CANCELLED &&
+         (answer->status == PCCD_E_CANCELLED ||
+          answer->incomplete == PCCD_INCOMPLETE_CANCELLED)) ||
+        (pending->mischief == LOAD_DUE && answer->incomplete == PCCD_INCOMPLETE_DEADLINE);
+    if (pending->mischief == LOAD_NOT_FINITE && answer->status == PCCD_E_NOTFINITE) {
+        actor->tally->refused++;
+    } else if (may_end_early) {
+        actor->tally->cancelled++;
+    } else if (answer->status != 0 || answer->incomplete != PCCD_COMPLETE ||
+               answer->count != answer->total) {
+        actor->tally->failed++;
+        load_say("client %u: step %llu: status %d, incomplete %d: %s", actor->number,
+                 (unsigned long long)answer->step, answer->status, answer->incomplete,
+                 pccd_error_text(actor->client));
+    } else {
+        compare(actor, pending, answer);
+    }
+}
+
+void load_judge(struct load_actor *actor, const struct pccd_answer *answer)
+{
+    for (uint32_t i = 0; i < actor->pending_count; i++) {
+        struct load_pending pending = actor->pending[i];
+        if (pending.step == answer->step) {
+            actor->pending_count--;
+            memmove(&actor->pending[i], &actor->pending[i + 1],
+                    (actor->pending_count - i) * sizeof pending);
+            judge_of(actor, &pending, answer);
+            return;
+        }
+    }
+    if (answer->step <= actor->last_step) {
+        actor->tally->doubled++;
+    } else {
+        actor->tally->crossed++;
+    }
+    load_say("client %u: an answer to step %llu, which does not wait for one",
+             actor->number, (unsigned long long)answer->step);
+}

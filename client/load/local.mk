@@ -1,0 +1,46 @@
+# client/load/local.mk - pccd-load, the load harness.
+
+noinst_PROGRAMS += pccd-load
+noinst_LTLIBRARIES += libload.la
+
+# Everything but main, so that tests can link what they test.
+libload_la_SOURCES = \
+    client/load/actor.c client/load/actor.h \
+    client/load/assault.c client/load/assault.h \
+    client/load/common.c \
+    client/load/crowd.c client/load/crowd.h \
+    client/load/judge.c client/load/judge.h \
+    client/load/load.h \
+    client/load/report.c client/load/report.h \
+    client/load/shape.c client/load/shape.h \
+    client/load/tally.c client/load/tally.h \
+    client/load/target.c client/load/target.h \
+    client/load/watch.c client/load/watch.h
+load_cppflags = -iquote $(top_srcdir)/client/load -iquote $(top_srcdir)/client/lib \
+    -iquote $(top_srcdir)/proto
+libload_la_CPPFLAGS = $(AM_CPPFLAGS) $(load_cppflags)
+
+pccd_load_SOURCES = client/load/main.c
+pccd_load_CPPFLAGS = $(libload_la_CPPFLAGS)
+# The static library of our own, so that build/pccd-load is the program itself.
+pccd_load_LDFLAGS = $(AM_LDFLAGS) -static
+pccd_load_LDADD = libload.la libpccd.la $(LIBM)
+
+# Long runs; each fails unless everything is as it must be. README.md has the figures reached.
+LOAD_CLIENTS = 1000
+LOAD_REQUESTS = 1000
+KILL_CLIENTS = 10000
+KILL_WORKERS = 1000
+SOAK_MINUTES = 30
+.PHONY: load kills soak
+load: pccd-load$(EXEEXT) pccdd$(EXEEXT)
+	./pccd-load --daemon ./pccdd --clients $(LOAD_CLIENTS) --requests $(LOAD_REQUESTS) \
+	    --processes 8
+kills: pccd-load$(EXEEXT) pccdd$(EXEEXT)
+	./pccd-load --daemon ./pccdd --clients 64 --requests 1000 --victims 16 \
+	    --kill-clients $(KILL_CLIENTS) --kill-worker $(KILL_WORKERS)
+# A client is killed four times a second, the daemon once in two minutes.
+soak: pccd-load$(EXEEXT) pccdd$(EXEEXT)
+	./pccd-load --daemon ./pccdd --clients 100 --minutes $(SOAK_MINUTES) --flat \
+	    --kill-clients $$(( 240 * $(SOAK_MINUTES) )) \
+	    --kill-worker $$(( $(SOAK_MINUTES) / 2 ))

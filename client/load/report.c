@@ -1,0 +1,124 @@
+/* report.c - what a run has shown.
+ *
+ * Room:     client/load.
+ * Does:     see report.h.
+ * Threads:  one.
+ */
+#include "report.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A slope that is not noise, and that would add up to so much over the run, is growth. */
+#define ERRORS_SURE   4.0
+#define GROWTH_KIB    1024.0
+#define GROWTH_PIECES 8.0
+
+bool load_holdings_equal(const struct load_holdings *a, const struct load_holdings *b)
+{
+    bool equal = a->count == b->count;
+    for (uint32_t i = 0; equal && i < a->count; i++) {
+        equal = strcmp(a->name[i], b->name[i]) == 0 && a->value[i] == b->value[i];
+    }
+    return equal;
+}
+
+static bool print_counts(const struct load_tally *crowd, const struct load_tally *victims)
+{
+    printf("%-18s %12s %12s\n", "", "clients", "victims");
+#define PRINT_COUNT(name, text)                                                          \
+    printf("%-18s %12" PRIu64 " %12" PRIu64 "  %s\n", #name, crowd->name, victims->name, \
+           text);
+    LOAD_COUNTS(PRINT_COUNT)
+#undef PRINT_COUNT
+    bool adds_up = crowd->submitted == crowd->answered + crowd->refused +
+                                           crowd->cancelled + crowd->failed + crowd->lost;
+    bool is_right = crowd->failed + crowd->lost + crowd->doubled + crowd->crossed +
+                            crowd->wrong + crowd->broken ==
+                        0 &&
+                    victims->doubled + victims->crossed + victims->wrong == 0;
+    printf("%-18s %12s\n", "adds up", adds_up ? "yes" : "NO");
+    return adds_up && is_right;
+}
+
+static void print_times(const struct load_tally *tally, double seconds)
+{
+    printf("%-18s %12.0f  answers a second\n", "rate",
+           seconds > 0 ? (double)tally->answered / seconds : 0);
+    printf("%-18s %12.1f  p50, us\n", "latency",
+           1e-3 * (double)load_tally_quantile(tally, 0.5));
+    printf("%-18s %12.1f  p99\n", "", 1e-3 * (double)load_tally_quantile(tally, 0.99));
+    printf("%-18s %12.1f  longest\n", "", 1e-3 * (double)tally->longest_ns);
+}
+
+/* Everybody's answers in one number: two runs with the same seed and the same clients
+ * have the same. */
+static void print_checksum(const struct load *load)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < load->settings.clients * LOAD_FRAMES; i++) {
+        const struct load_truth *truth = &load->shared->truth[i];
+        sum = load_mix(load_mix(sum ^ truth->hash[0], truth->hash[1]), truth->sum);
+    }
+    printf("%-18s %016" PRIx64 "\n", "checksum", sum);
+}
+
+static bool print_holdings(const struct load_holdings *before,
+                           const struct load_holdings *after)
+{
+    for (uint32_t i = 0; i < before->count; i++) {
+        uint64_t now = i < after->count ? after->value[i] : 0;
+        printf("%-18s %12" PRIu64 " %12" PRIu64 "  before and after%s\n", before->name[i],
+               before->value[i], now, now == before->value[i] ? "" : " DIFFER");
+    }
+    return load_holdings_equal(before, after);
+}
+
+static bool print_slopes(const struct load *load, const struct load_watch *watch,
+                         double seconds)
+{
+    static const char *const names[] = {"memory KiB", "descriptors", "mappings"};
+    bool is_flat = true;
+    for (enum load_gauge gauge = 0; gauge < LOAD_GAUGES; gauge++) {
+        struct load_slope slope = load_watch_slope(watch, gauge);
+        double growth = slope.per_min * seconds / 60;
+        bool grows = slope.per_min > ERRORS_SURE * slope.error &&
+                     growth > (gauge == LOAD_MEMORY ? GROWTH_KIB : GROWTH_PIECES);
+        printf("%-18s %12.0f  mean; %+.3f +- %.3f a minute (%zu samples)%s\n",
+               names[gauge], slope.mean, slope.per_min, slope.error, slope.count,
+               grows ? " GROWS" : "");
+        is_flat = is_flat && !grows;
+    }
+    return is_flat || !load->settings.flat;
+}
+
+bool load_report(const struct load *load, const struct load_outcome *outcome,
+                 const struct load_assault *assault, const struct load_watch *watch)
+{
+    struct load_tally crowd = {0};
+    struct load_tally victims = {0};
+    for (uint32_t i = 0; i < LOAD_PROCESS_MAX; i++) {
+        load_tally_add(&crowd, &load->shared->crowd[i]);
+    }
+    for (uint32_t i = 0; i < LOAD_VICTIM_MAX; i++) {
+        load_tally_add(&victims, &load->shared->victims[i]);
+    }
+    printf("%-18s %12u  in %u processes, %.1f s\n", "clients", load->settings.clients,
+           load->settings.processes, outcome->seconds);
+    printf("%-18s %12" PRIu64 "  clients, and %" PRIu64 " workers of the daemon\n",
+           "killed", assault->kills, assault->crashes);
+    bool is_right = print_counts(&crowd, &victims);
+    print_times(&crowd, outcome->seconds);
+    print_checksum(load);
+    bool is_back = print_holdings(&outcome->before, &outcome->after);
+    bool is_flat = print_slopes(load, watch, outcome->seconds);
+    /* A round without contacts would prove little. */
+    bool is_telling = outcome->truth_records > load->settings.clients;
+    bool is_good = is_right && is_back && is_flat && is_telling && outcome->ended &&
+                   outcome->bad_processes == 0 && assault->strays == 0 &&
+                   !atomic_load(&load->shared->failed);
+    printf("%-18s %12s\n", "all as it must be", is_good ? "yes" : "NO");
+    return is_good;
+}

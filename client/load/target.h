@@ -1,0 +1,49 @@
+/* target.h - the daemon under load.
+ *
+ * Room:     client/load. May include: load.h, pccd.h.
+ * Does:     start one that supervises itself, in a folder of its own, and stop it; ask
+ *           any for its process and for what it holds.
+ * Threads:  one.
+ */
+#ifndef LOAD_TARGET_H
+#define LOAD_TARGET_H
+
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "load.h"
+
+#define LOAD_HOLDINGS_MAX 16u
+
+struct load_target {
+    pid_t supervisor; /* 0: not ours */
+    char folder[64];
+    char socket[96];
+    char log[96]; /* its standard error */
+};
+
+/* What the daemon holds now: counters of pccd_stats whose names end in "_now", and its
+ * descriptors. */
+struct load_holdings {
+    uint32_t count;
+    char name[LOAD_HOLDINGS_MAX][32];
+    uint64_t value[LOAD_HOLDINGS_MAX];
+};
+
+/* Start settings.daemon, and set load->url. False: why is said. */
+bool load_target_start(struct load_target *target, struct load *load);
+
+/* SIGTERM and wait. False: it did not end in order. */
+bool load_target_stop(struct load_target *target);
+
+/* The process that serves, of a new connection; 0: nobody does, and why is said. */
+pid_t load_target_pid(const struct load *load);
+
+bool load_target_holdings(const struct load *load, struct load_holdings *holdings);
+
+/* Descriptors and mappings of a process, and anonymous memory in KiB; -1: not known. */
+int64_t load_target_descriptors(pid_t pid);
+int64_t load_target_mappings(pid_t pid);
+int64_t load_target_memory(pid_t pid);
+
+#endif

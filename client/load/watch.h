@@ -1,0 +1,51 @@
+/* watch.h - what a daemon holds over time, and whether that grows.
+ *
+ * Room:     client/load. May include: load.h.
+ * Does:     sample memory, descriptors and mappings once a second; fit a line through
+ *           each by least squares. Each worker has a level of its own, and all of them
+ *           one slope: a worker that was started anew begins elsewhere. What a worker
+ *           does in its first seconds is left out: it takes what it needs then.
+ * Threads:  one.
+ */
+#ifndef LOAD_WATCH_H
+#define LOAD_WATCH_H
+
+#include <stddef.h>
+#include <sys/types.h>
+
+#include "load.h"
+
+enum load_gauge { LOAD_MEMORY, LOAD_DESCRIPTORS, LOAD_MAPPINGS, LOAD_GAUGES };
+
+struct load_sample {
+    double at_s;
+    pid_t pid;
+    double value[LOAD_GAUGES]; /* memory: anonymous, KiB */
+};
+
+struct load_watch {
+    uint64_t begin_ns, next_ns;
+    struct load_sample *samples;
+    size_t count, capacity;
+};
+
+struct load_slope {
+    size_t count;   /* samples that were used */
+    double mean;    /* of the values */
+    double per_min; /* slope */
+    double error;   /* its standard error, as if samples were independent */
+};
+
+void load_watch_begin(struct load_watch *watch);
+void load_watch_deinit(struct load_watch *watch);
+
+/* A sample if one is due. */
+void load_watch_turn(struct load_watch *watch, const struct load *load);
+
+struct load_slope load_watch_slope(const struct load_watch *watch, enum load_gauge gauge);
+
+/* Of the samples as given. */
+struct load_slope load_slope_of(const struct load_sample *samples, size_t count,
+                                enum load_gauge gauge, double warm_s);
+
+#endif

@@ -1,0 +1,230 @@
+/* test_load_judge.c - whether the load harness would notice.
+ *
+ * Room:     client/load (judge.h, tally.h, watch.h, shape.h).
+ * Does:     give the judge answers that are right, wrong, another's, or too many; give
+ *           the fit series that grow and such that do not.
+ * Does not: talk to a daemon.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "judge.h"
+#include "watch.h"
+
+#define CLIENTS 5u
+#define RECORDS 3u
+
+struct fixture {
+    struct load load;
+    struct load_tally tally;
+    struct load_actor actor;
+    struct pccd_contact contacts[RECORDS];
+    struct pccd_answer answer;
+};
+
+/* An answer to a step of client `number` from a position, as it was for that client
+ * alone. */
+static void make_answer(struct fixture *f, uint32_t number, uint32_t from)
+{
+    memset(f->contacts, 0, sizeof f->contacts);
+    for (uint32_t i = 0; i < RECORDS; i++) {
+        f->contacts[i].feature_a = number;
+        f->contacts[i].feature_b = i;
+        f->contacts[i].toi = 0.125 * from;
+    }
+    f->answer = (struct pccd_answer){.step = from + 1,
+                                     .contacts = f->contacts,
+                                     .count = RECORDS,
+                                     .total = RECORDS,
+                                     .hash = {number, from}};
+}
+
+/* The actor `number` waits for the answer to a step from that position. */
+static void wait_for(struct fixture *f, uint32_t number, uint32_t from)
+{
+    f->actor = (struct load_actor){.load = &f->load,
+                                   .tally = &f->tally,
+                                   .number = number,
+                                   .last_step = from + 1,
+                                   .pending = {{.step = from + 1, .from = from}},
+                                   .pending_count = 1};
+}
+
+static int set_up(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    f->load.settings.clients = CLIENTS;
+    f->load.shared =
+        calloc(1, sizeof *f->load.shared +
+                      CLIENTS * LOAD_FRAMES * sizeof f->load.shared->truth[0]);
+    assert_non_null(f->load.shared);
+    for (uint32_t i = 0; i < CLIENTS * LOAD_FRAMES; i++) {
+        make_answer(f, i / LOAD_FRAMES, i % LOAD_FRAMES);
+        wait_for(f, i / LOAD_FRAMES, i % LOAD_FRAMES);
+        f->actor.is_alone = true;
+        load_judge(&f->actor, &f->answer);
+    }
+    memset(&f->tally, 0, sizeof f->tally);
+    *state = f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    free(f->load.shared);
+    free(f);
+    return 0;
+}
+
+/* If a right answer were called wrong, the harness would cry wolf. */
+static void judge__takes_what_a_lone_client_got(void **state)
+{
+    struct fixture *f = *state;
+    wait_for(f, 3, 2);
+    make_answer(f, 3, 2);
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.answered, 1);
+    assert_int_equal(f->tally.records, RECORDS);
+    assert_int_equal(f->tally.wrong + f->tally.crossed + f->tally.doubled, 0);
+    assert_int_equal(f->actor.pending_count, 0);
+}
+
+/* If this failed, a spoilt record behind a right hash would go unnoticed. */
+static void judge__finds_one_bit_that_is_wrong(void **state)
+{
+    struct fixture *f = *state;
+    wait_for(f, 3, 2);
+    make_answer(f, 3, 2);
+    f->contacts[RECORDS - 1].flags ^= 1;
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.wrong, 1);
+    wait_for(f, 3, 2);
+    make_answer(f, 3, 2);
+    f->answer.hash[1] ^= 1u << 31;
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.wrong, 2);
+}
+
+/* If this failed, answers could go to others, or come again, and all would seem well. */
+static void judge__finds_answers_of_others_and_second_ones(void **state)
+{
+    struct fixture *f = *state;
+    wait_for(f, 3, 2);
+    make_answer(f, 4, 2); /* another client's */
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.crossed, 1);
+    make_answer(f, 3, 2); /* once more */
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.doubled, 1);
+    f->answer.step = 99; /* to nothing that was asked */
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.crossed, 2);
+    assert_int_equal(f->tally.answered, 1);
+}
+
+/* If this failed, a step that was refused or ended early without a reason would pass for
+ * one that was meant to. */
+static void judge__tells_errors_that_were_asked_for(void **state)
+{
+    struct fixture *f = *state;
+    wait_for(f, 3, 2);
+    make_answer(f, 3, 2);
+    f->answer.status = PCCD_E_NOTFINITE;
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.failed, 1);
+    wait_for(f, 3, 2);
+    f->actor.pending[0].mischief = LOAD_NOT_FINITE;
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.refused, 1);
+    wait_for(f, 3, 2);
+    make_answer(f, 3, 2);
+    f->answer.incomplete = PCCD_INCOMPLETE_DEADLINE;
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.failed, 2);
+    wait_for(f, 3, 2);
+    f->actor.pending[0].mischief = LOAD_DUE;
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.cancelled, 1);
+}
+
+/* If quantiles were wrong, so would be what is told about latency. */
+static void tally__has_quantiles_to_an_eighth(void **state)
+{
+    struct fixture *f = *state;
+    for (uint64_t i = 1; i <= 1000; i++) {
+        load_tally_time(&f->tally, 1000 * i);
+    }
+    assert_in_range(load_tally_quantile(&f->tally, 0.5), 500000, 563000);
+    assert_in_range(load_tally_quantile(&f->tally, 0.99), 990000, 1000000);
+    assert_int_equal(f->tally.longest_ns, 1000000);
+    struct load_tally none = {0};
+    assert_int_equal(load_tally_quantile(&none, 0.5), 0);
+}
+
+/* 300 samples of three workers: each begins elsewhere, and takes what it needs in its
+ * first ten seconds. */
+static void make_series(struct load_sample *samples, double per_s)
+{
+    for (uint32_t i = 0; i < 300; i++) {
+        uint32_t age = i % 100;
+        samples[i] = (struct load_sample){.at_s = i, .pid = 10 + (int)(i / 100)};
+        samples[i].value[LOAD_MEMORY] = 5000 + 900 * (i / 100) + per_s * age +
+                                        (age < 10 ? -40.0 * (10 - age) : 0) +
+                                        (i % 7 == 3 ? 6 : 0);
+    }
+}
+
+/* If this failed, a leak would look like noise, or every restart like a leak. */
+static void watch__fits_a_slope_through_every_worker(void **state)
+{
+    static struct load_sample samples[300];
+    (void)state;
+    make_series(samples, 0);
+    struct load_slope slope = load_slope_of(samples, 300, LOAD_MEMORY, 10);
+    assert_int_equal(slope.count, 270);
+    assert_true(slope.per_min < 3 * slope.error && slope.per_min > -3 * slope.error);
+    make_series(samples, 0.5);
+    slope = load_slope_of(samples, 300, LOAD_MEMORY, 10);
+    assert_true(slope.per_min > 29 && slope.per_min < 31);
+    assert_true(slope.error < 1);
+}
+
+/* If two clients sent the same, an answer that went to the wrong one would be right. */
+static void shape__is_different_for_every_client_and_position(void **state)
+{
+    double x[2][LOAD_SHEET_VERTICES][3];
+    (void)state;
+    load_sheet_f64(1, 7, 0, x[0]);
+    load_sheet_f64(1, 7, 0, x[1]);
+    assert_memory_equal(x[0], x[1], sizeof x[0]);
+    load_sheet_f64(1, 8, 0, x[1]);
+    assert_memory_not_equal(x[0], x[1], sizeof x[0]);
+    load_sheet_f64(1, 7, 1, x[1]);
+    assert_memory_not_equal(x[0], x[1], sizeof x[0]);
+    load_sheet_f64(2, 7, 0, x[1]);
+    assert_memory_not_equal(x[0], x[1], sizeof x[0]);
+}
+
+int main(void)
+{
+#define JUDGE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        JUDGE_TEST(judge__takes_what_a_lone_client_got),
+        JUDGE_TEST(judge__finds_one_bit_that_is_wrong),
+        JUDGE_TEST(judge__finds_answers_of_others_and_second_ones),
+        JUDGE_TEST(judge__tells_errors_that_were_asked_for),
+        JUDGE_TEST(tally__has_quantiles_to_an_eighth),
+        JUDGE_TEST(watch__fits_a_slope_through_every_worker),
+        JUDGE_TEST(shape__is_different_for_every_client_and_position),
+    };
+    return cmocka_run_group_tests_name("load_judge", tests, NULL, NULL);
+}
