@@ -3,11 +3,12 @@
  * Room:     engine.
  * Does:     put a 128-byte header with the size before each block, so that bytes can be
  *           counted down when a block goes.
- * Threads:  [any]; the two counters are atomics.
+ * Threads:  [any]; counters and limit are atomics.
  */
 #include "memory.h"
 
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,22 @@
 
 static atomic_uint_fast64_t alloc_count;
 static atomic_uint_fast64_t alloc_bytes;
+static atomic_uint_fast64_t byte_limit = UINT64_MAX;
+static atomic_uint_fast64_t refused_count;
+
+/* Count a block before it is made: together the threads of a team keep the limit. */
+static bool charge(size_t total)
+{
+    /* Relaxed: the counters order nothing. */
+    uint64_t before =
+        atomic_fetch_add_explicit(&alloc_bytes, total, memory_order_relaxed);
+    if (before + total <= atomic_load_explicit(&byte_limit, memory_order_relaxed)) {
+        return true;
+    }
+    atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
+    atomic_fetch_add_explicit(&refused_count, 1, memory_order_relaxed);
+    return false;
+}
 
 void *eng_alloc(size_t count, size_t bytes)
 {
@@ -25,14 +42,16 @@ void *eng_alloc(size_t count, size_t bytes)
         return NULL;
     }
     total &= ~(size_t)(ALIGNMENT - 1);
+    if (!charge(total)) {
+        return NULL;
+    }
     unsigned char *base = aligned_alloc(ALIGNMENT, total);
     if (!base) {
+        atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
         return NULL;
     }
     memcpy(base, &total, sizeof total);
-    /* Relaxed: the counters order nothing, they are only read for statistics. */
     atomic_fetch_add_explicit(&alloc_count, 1, memory_order_relaxed);
-    atomic_fetch_add_explicit(&alloc_bytes, total, memory_order_relaxed);
     return base + HEADER_BYTES;
 }
 
@@ -73,4 +92,10 @@ uint64_t eng_alloc_count(void)
 uint64_t eng_alloc_bytes(void)
 {
     return atomic_load_explicit(&alloc_bytes, memory_order_relaxed);
+}
+
+uint64_t eng_alloc_limit(uint64_t bytes)
+{
+    atomic_store_explicit(&byte_limit, bytes, memory_order_relaxed);
+    return atomic_load_explicit(&refused_count, memory_order_relaxed);
 }

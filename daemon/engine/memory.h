@@ -24,4 +24,8 @@ void eng_free(void *block); /* NULL is allowed */
 uint64_t eng_alloc_count(void);
 uint64_t eng_alloc_bytes(void);
 
+/* From now on allocations that would bring the bytes held above `bytes` fail;
+ * UINT64_MAX: none. Returns how many have failed for that since the start. */
+uint64_t eng_alloc_limit(uint64_t bytes);
+
 #endif

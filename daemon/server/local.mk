@@ -8,6 +8,7 @@ libserver_la_SOURCES = \
     daemon/server/conn.c daemon/server/conn.h \
     daemon/server/crash.c daemon/server/crash.h \
     daemon/server/dispatch.c daemon/server/dispatch.h \
+    daemon/server/enginemem.c daemon/server/enginemem.h \
     daemon/server/fairqueue.c daemon/server/fairqueue.h \
     daemon/server/handles.c daemon/server/handles.h \
     daemon/server/handlers_admin.c \

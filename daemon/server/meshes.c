@@ -96,8 +96,11 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
 {
     srv_assert_loop();
     PCCD_ASSERT(mesh->next != NULL && !mesh->is_busy);
-    /* At most 2^26 objects and 2^31 triangles each. */
-    uint64_t charge = mesh->object_count * charge_of(mesh->next);
+    /* Every object of the mesh is charged as its current shape; what the new one adds is
+     * charged before it is built. At most 2^26 objects and 2^31 triangles each. */
+    uint64_t now = charge_of(mesh->current);
+    uint64_t then = charge_of(mesh->next);
+    uint64_t charge = then > now ? mesh->object_count * (then - now) : 0;
     int status = srv_quota_charge(&session->loop->quota, session->user,
                                   SRV_QUOTA_TRIANGLES, charge, error);
     if (status != 0) {
@@ -186,18 +189,21 @@ int srv_replacement_work(struct srv_replacement *replacement,
     return status;
 }
 
-/* Charge every object that is left for its new shape instead of its old one. */
+/* Every object that is left is charged for its new shape from now on. */
 static void charge_objects(struct srv_session *session, struct srv_mesh *mesh,
                            struct srv_replacement *replacement)
 {
     uint64_t charge = charge_of(mesh->next);
     for (struct srv_object *object = mesh->objects; object != NULL;
          object = object->next) {
-        srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_TRIANGLES,
-                         object->charge);
+        if (charge > object->charge) {
+            PCCD_ASSERT(replacement->charged >= charge - object->charge);
+            replacement->charged -= charge - object->charge;
+        } else {
+            srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_TRIANGLES,
+                             object->charge - charge);
+        }
         object->charge = charge;
-        PCCD_ASSERT(replacement->charged >= charge);
-        replacement->charged -= charge;
     }
 }
 

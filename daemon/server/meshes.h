@@ -49,9 +49,9 @@ void srv_object_unlink(struct srv_object *object); /* once or more often */
 /* What the commit of a replacement works on: every scene of the session. */
 struct srv_replacement {
     uint64_t mesh_number;
-    uint64_t charged;      /* triangles, for the objects that get the new shape */
-    uint64_t replaced;     /* [compute] objects that did */
-    uint32_t generation;   /* that the mesh gets */
+    uint64_t charged;    /* triangles, that the new shapes of objects have more */
+    uint64_t replaced;   /* [compute] objects that did */
+    uint32_t generation; /* that the mesh gets */
     uint32_t scene_count;
     struct srv_scene *scenes[]; /* [scene_count], with a reference each */
 };

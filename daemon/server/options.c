@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "limits.h"
 #include "seqpacket.h"
@@ -34,6 +35,7 @@ enum {
     OPT_SHM,
     OPT_MESHES,
     OPT_TRIANGLES,
+    OPT_MEMORY,
     OPT_CONTACTS,
     OPT_INFLIGHT,
     OPT_QUEUE,
@@ -89,6 +91,8 @@ static const struct argp_option option_table[] = {
     {"meshes-max", OPT_MESHES, "N", 0, "meshes (default 1024)", 3},
     {"triangles-max", OPT_TRIANGLES, "N", 0,
      "triangles of meshes and objects (default 64000000)", 3},
+    {"memory-max-mib", OPT_MEMORY, "MIB", 0,
+     "memory of meshes, hierarchies and answers (default: half of the machine's)", 3},
     {"connections-max", OPT_CONNECTIONS, "N", 0,
      "connections of all users; more wait to be accepted (default 1024)", 3},
     {NULL, 0, NULL, 0, NULL, 0},
@@ -140,6 +144,10 @@ static error_t parse_limit(int key, const char *text, const struct argp_state *s
     case OPT_TRIANGLES:
         options->quota[SRV_QUOTA_TRIANGLES] =
             number(state, "triangles-max", text, 1, 1ull << 40);
+        return 0;
+    case OPT_MEMORY:
+        options->engine_bytes_max = number(state, "memory-max-mib", text, 1, 1u << 24)
+                                    << 20;
         return 0;
     case OPT_CONTACTS:
         options->contacts_max = number(state, "contacts-max", text, 1, 1ull << 32);
@@ -236,6 +244,15 @@ static uint32_t cpu_count(void)
     return (uint32_t)CPU_COUNT(&cpus);
 }
 
+/* Half of what the machine has; 1 GiB where it does not say. */
+static uint64_t half_of_memory(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES);
+    long page_bytes = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page_bytes > 0 ? (uint64_t)pages * (uint64_t)page_bytes / 2
+                                       : 1ull << 30;
+}
+
 void srv_options_parse(struct srv_options *options, int argc, char **argv)
 {
     static const struct argp argp = {
@@ -255,6 +272,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
                   [SRV_QUOTA_SHM_BYTES] = PROTO_SHM_BYTES_PER_UID,
                   [SRV_QUOTA_MESHES] = PROTO_MESHES_PER_UID,
                   [SRV_QUOTA_TRIANGLES] = PROTO_TRIANGLES_PER_UID},
+        .engine_bytes_max = half_of_memory(),
         .grace_s = 10,
         .crashes_max = SRV_CRASHES_MAX,
         .linger_s = PROTO_LINGER_S,

@@ -39,12 +39,13 @@ struct srv_options {
     uint32_t queue_max;       /* requests that wait for the compute thread */
     uint64_t contacts_max;    /* records kept for one answer */
     uint64_t quota[SRV_QUOTA_COUNT];
-    uint32_t grace_s;     /* for requests in flight at shutdown */
-    uint32_t linger_s;    /* that a session waits for its client; 0: not at all */
-    uint32_t idle_exit_s; /* 0: stay */
-    bool private_daemon;  /* go with the last client */
-    bool supervise;       /* be the parent of workers (supervise.h) */
-    uint32_t crashes_max; /* that the parent bears within 10 s */
+    uint64_t engine_bytes_max; /* that the engine holds for one user (enginemem.h) */
+    uint32_t grace_s;          /* for requests in flight at shutdown */
+    uint32_t linger_s;         /* that a session waits for its client; 0: not at all */
+    uint32_t idle_exit_s;      /* 0: stay */
+    bool private_daemon;       /* go with the last client */
+    bool supervise;            /* be the parent of workers (supervise.h) */
+    uint32_t crashes_max;      /* that the parent bears within 10 s */
     enum srv_sandbox sandbox;
     int ready_fd;  /* -1: none */
     int listen_fd; /* given to us (activate.h); -1: open one */

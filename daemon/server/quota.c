@@ -54,6 +54,7 @@ void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user)
     for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
         PCCD_ASSERT(user->used[kind] == 0);
     }
+    PCCD_ASSERT(user->engine_bytes == 0);
     struct srv_quota_user **link = &quota->users;
     while (*link != user) {
         link = &(*link)->next;

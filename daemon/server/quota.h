@@ -4,7 +4,8 @@
  * Does:     count clients, shared memory, meshes and triangles per user id; every amount
  *           is charged before what it stands for is allocated, and released after it is
  *           freed.
- * Does not: allocate anything itself but its own entries, one per user with a charge.
+ * Does not: allocate anything itself but its own entries, one per user with a charge;
+ *           bound the engine's memory (enginemem.h).
  * Threads:  [loop].
  */
 #ifndef SRV_QUOTA_H
@@ -30,6 +31,7 @@ struct srv_quota_user {
     uint32_t refs; /* sessions */
     uint64_t used[SRV_QUOTA_COUNT];
     struct srv_group jobs; /* of the user's sessions; the compute queue's */
+    uint64_t engine_bytes; /* [compute] that the engine holds for the user's sessions */
 };
 
 struct srv_quota {

@@ -11,6 +11,7 @@
 
 #include "crash.h"
 #include "dispatch.h"
+#include "enginemem.h"
 #include "invariant.h"
 #include "loop.h"
 #include "session.h"
@@ -67,7 +68,11 @@ static void run(struct srv_job *job)
     srv_assert_compute();
     srv_crash_note(proto_messages[request->method].name, request->session->id,
                    request->id);
-    request->status = request->plan.work(request);
+    struct srv_enginemem memory;
+    srv_enginemem_begin(&memory, request->session->user,
+                        request->session->loop->options->engine_bytes_max);
+    request->status =
+        srv_enginemem_explain(&memory, request->plan.work(request), &request->error);
     srv_crash_note(NULL, 0, 0);
     PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
     conclude(request);

@@ -30,12 +30,12 @@ struct srv_plan {
     struct srv_shape *shape; /* likewise */
     struct srv_scene *scene; /* likewise */
     struct srv_ring
-        *attached;   /* a ring that is not the session's yet; no reference taken */
+        *attached; /* a ring that is not the session's yet; no reference taken */
     struct srv_tracing *tracing;         /* a reference is taken */
     struct srv_replacement *replacement; /* given back by `finish`; NULL: none */
     uint64_t mesh_number;                /* of the mesh that `shape` serves */
     uint32_t generation;                 /* likewise */
-    uint32_t object; /* handle in `scene` */
+    uint32_t object;                     /* handle in `scene` */
     bool takes_slot; /* a slot of the ring, to be returned exactly once */
 };
 
@@ -52,9 +52,9 @@ struct srv_request {
     union srv_result result;
     struct proto_error error;
     int status;
-    uint64_t upload_bytes; /* copied out of slots */
+    uint64_t upload_bytes;          /* copied out of slots */
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
-    int fds[2];            /* to send with the answer and close; -1: none */
+    int fds[2];                     /* to send with the answer and close; -1: none */
 };
 
 /* Admission: the session's ring, or PCCD_E_STATE with call->error set. [loop] */

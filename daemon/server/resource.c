@@ -11,9 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "enginemem.h"
 #include "invariant.h"
 #include "limits.h"
 #include "loop.h"
+#include "memory.h"
 #include "meshes.h"
 #include "session.h"
 #include "wire.h"
@@ -22,10 +24,22 @@
 
 /* ---- references -------------------------------------------------------------------- */
 
+/* [compute] */
+static void reap(struct srv_job *job)
+{
+    struct srv_resource *resource = (struct srv_resource *)job;
+    struct srv_session *session = resource->session;
+    struct srv_enginemem memory;
+    srv_enginemem_begin(&memory, session->user, session->loop->options->engine_bytes_max);
+    resource->free_engine(job);
+    srv_enginemem_end(&memory);
+}
+
 void srv_resource_init(struct srv_resource *resource, struct srv_session *session,
                        srv_job_fn free_engine, srv_job_fn free_rest)
 {
-    srv_job_init(&resource->reap, free_engine, free_rest);
+    srv_job_init(&resource->reap, reap, free_rest);
+    resource->free_engine = free_engine;
     resource->session = session;
     resource->refs = 1;
 }
@@ -135,7 +149,7 @@ static void scene_free_engine(struct srv_job *job)
     struct srv_scene *scene = (struct srv_scene *)job;
     eng_scene_free(scene->engine);
     scene->engine = NULL;
-    free(scene->placed);
+    eng_free(scene->placed);
     scene->placed = NULL;
 }
 
@@ -201,7 +215,7 @@ int srv_scene_reserve(struct srv_scene *scene, uint32_t handle)
     while (count <= index) { /* ends: an index has 20 bits */
         count *= 2;
     }
-    struct srv_placed *placed = realloc(scene->placed, (size_t)count * sizeof *placed);
+    struct srv_placed *placed = eng_realloc(scene->placed, count, sizeof *placed);
     if (placed == NULL) {
         return PCCD_E_NOMEM;
     }

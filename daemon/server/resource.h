@@ -24,6 +24,7 @@ struct srv_session;
 /* The common start of a shape, a scene and a ring. */
 struct srv_resource {
     struct srv_job reap; /* first: the job is the resource */
+    srv_job_fn free_engine;
     struct srv_session *session;
     uint32_t refs; /* [loop] the session's table, and each request in flight */
 };

@@ -6,6 +6,7 @@ integration_names = \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
     tests/integration/test_int_peer \
+    tests/integration/test_int_quota \
     tests/integration/test_int_replace \
     tests/integration/test_int_resume \
     tests/integration/test_int_sandbox \
@@ -41,6 +42,10 @@ tests_integration_test_int_hostile_LDADD = $(integration_libs)
 tests_integration_test_int_peer_SOURCES = tests/integration/test_int_peer.c
 tests_integration_test_int_peer_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_peer_LDADD = $(integration_libs)
+
+tests_integration_test_int_quota_SOURCES = tests/integration/test_int_quota.c
+tests_integration_test_int_quota_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_quota_LDADD = $(integration_libs)
 
 tests_integration_test_int_replace_SOURCES = tests/integration/test_int_replace.c
 tests_integration_test_int_replace_CPPFLAGS = $(integration_cppflags)

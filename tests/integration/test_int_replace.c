@@ -264,9 +264,11 @@ static void replace__bad_data_leaves_the_old_mesh(void **state)
  * large break what there is. */
 static void replace__without_quota_changes_nothing(void **state)
 {
-    /* The mesh, two objects and the floor: 3 x 450 + 2. The new shape is as large: it
-     * fits beside the old, but the two objects do not fit a second time. */
+    /* The mesh, two objects and the floor: 3 x 450 + 2. A shape of 900 fits beside them,
+     * but not what the two objects would have more. */
     const char *const options[] = {"--triangles-max", "2300", NULL};
+    static struct pieces pieces;
+    static uint32_t doubled[2 * TRIANGLES][3];
     struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_client *client;
@@ -281,14 +283,57 @@ static void replace__without_quota_changes_nothing(void **state)
     assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
     assert_int_equal(pccd_scene_add(client, scene, grid.mesh, &second), 0);
     assert_int_equal(test_stat(client, "triangles_now"), 3 * TRIANGLES + 2);
+    break_grid(&grid, 1, &pieces);
+    memcpy(doubled, pieces.triangles, sizeof(pieces.triangles));
+    memcpy(doubled + TRIANGLES, pieces.triangles, sizeof(pieces.triangles));
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(break_mesh(&grid, NULL), PCCD_E_QUOTA);
+        assert_int_equal(pccd_mesh_replace(client, grid.mesh, pieces.x, PCCD_FORMAT_F32,
+                                           CORNERS, (const uint32_t(*)[3])doubled,
+                                           2 * TRIANGLES, NULL),
+                         PCCD_E_QUOTA);
         assert_non_null(strstr(pccd_error_text(client), "quota"));
         turn(&grid);
         assert_int_equal(test_stat_await(client, "triangles_now", 3 * TRIANGLES + 2),
                          3 * TRIANGLES + 2);
         assert_int_equal(test_stat_await(client, "meshes_now", 2), 2);
     }
+    pccd_close(client);
+    test_grid_free(&grid);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, objects would be charged for both shapes, and a user who has half of his
+ * quota could not replace anything; or be charged wrongly ever after. */
+static void replace__charges_objects_once(void **state)
+{
+    const char *const options[] = {"--triangles-max", "1802", NULL}; /* 4 x 450 + 2 */
+    struct test_daemon daemon;
+    struct test_grid grid;
+    struct pccd_client *client;
+    struct pccd_answer answer;
+    uint32_t scene = 0;
+    uint32_t second = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    assert_int_equal(pccd_scene_add(client, scene, grid.mesh, &second), 0);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(break_mesh(&grid, NULL), 0);
+        move_pieces(&grid, grid.object, -1, &answer);
+        assert_int_equal(test_stat_await(client, "triangles_now", 3 * TRIANGLES + 2),
+                         3 * TRIANGLES + 2);
+    }
+    /* By something smaller: what it is less is given back. */
+    assert_int_equal(pccd_mesh_replace(client, grid.mesh, test_triangle_x,
+                                       PCCD_FORMAT_F32, 3, test_triangle, 1, NULL),
+                     0);
+    assert_int_equal(test_stat_await(client, "triangles_now", 5), 5);
+    assert_int_equal(pccd_scene_destroy(client, scene), 0);
+    assert_int_equal(test_stat_await(client, "triangles_now", 4), 4);
     pccd_close(client);
     test_grid_free(&grid);
     assert_true(test_daemon_finish(&daemon));
@@ -499,6 +544,7 @@ int main(void)
         cmocka_unit_test(replace__reaches_every_object_made_of_the_mesh),
         cmocka_unit_test(replace__bad_data_leaves_the_old_mesh),
         cmocka_unit_test(replace__without_quota_changes_nothing),
+        cmocka_unit_test(replace__charges_objects_once),
         cmocka_unit_test(replace__steps_run_on_the_topology_of_their_turn),
         cmocka_unit_test(replace__wrong_order_is_refused),
         cmocka_unit_test(replace__mesh_is_busy_while_it_is_committed),

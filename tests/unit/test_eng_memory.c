@@ -167,6 +167,26 @@ static void memory__threads_lose_no_counts(void **state)
     assert_int_equal(eng_alloc_bytes(), bytes);
 }
 
+/* If it failed, a user could take more of the engine's memory than the quota allows, or
+ * one refusal would refuse what fits afterwards. */
+static void memory__limit_refuses_what_goes_beyond_it(void **state)
+{
+    uint64_t before = eng_alloc_bytes();
+    uint64_t refused = eng_alloc_limit(before + 10000);
+    void *small = eng_alloc(1, 5000);
+    (void)state;
+    assert_non_null(small);
+    assert_null(eng_alloc(1, 5000)); /* the header counts */
+    assert_null(eng_realloc(small, 1, 6000));
+    assert_int_equal(eng_alloc_limit(before + 20000), refused + 2);
+    void *second = eng_alloc(1, 5000);
+    assert_non_null(second);
+    eng_free(small);
+    eng_free(second);
+    assert_int_equal(eng_alloc_bytes(), before);
+    assert_int_equal(eng_alloc_limit(UINT64_MAX), refused + 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -177,6 +197,7 @@ int main(void)
         cmocka_unit_test(memory__realloc_keeps_the_content),
         cmocka_unit_test(memory__refused_realloc_leaves_the_old_block),
         cmocka_unit_test(memory__threads_lose_no_counts),
+        cmocka_unit_test(memory__limit_refuses_what_goes_beyond_it),
     };
     return cmocka_run_group_tests_name("eng_memory", tests, NULL, NULL);
 }

@@ -1,0 +1,43 @@
+/* enginemem.c - the engine's memory, charged to the user it is for.
+ *
+ * Room:     server. See enginemem.h.
+ * Does:     differences of the engine's byte count.
+ * Threads:  [compute].
+ */
+#include "enginemem.h"
+
+#include "invariant.h"
+#include "memory.h"
+
+void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *user,
+                         uint64_t limit)
+{
+    srv_assert_compute();
+    uint64_t used = user->engine_bytes;
+    *memory =
+        (struct srv_enginemem){.user = user, .limit = limit, .before = eng_alloc_bytes()};
+    memory->refused = eng_alloc_limit(memory->before + (used < limit ? limit - used : 0));
+}
+
+bool srv_enginemem_end(struct srv_enginemem *memory)
+{
+    uint64_t now = eng_alloc_bytes();
+    PCCD_ASSERT(memory->user->engine_bytes + now >= memory->before);
+    memory->user->engine_bytes += now - memory->before; /* modulo 2^64: may be less */
+    return eng_alloc_limit(UINT64_MAX) != memory->refused;
+}
+
+int srv_enginemem_explain(struct srv_enginemem *memory, int status,
+                          struct proto_error *error)
+{
+    bool refused = srv_enginemem_end(memory);
+    if (status != PCCD_E_NOMEM || !refused) {
+        return status;
+    }
+    return proto_error_set(
+        error, PCCD_E_QUOTA,
+        "user %u holds %llu MiB of the engine's memory, more exceed the quota of %llu",
+        (unsigned)memory->user->uid,
+        (unsigned long long)(memory->user->engine_bytes >> 20),
+        (unsigned long long)(memory->limit >> 20));
+}
