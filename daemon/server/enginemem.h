@@ -1,11 +1,11 @@
 /* enginemem.h - the engine's memory, charged to the user it is for.
  *
  * Room:     server. May include: quota.h, the engine's headers.
- * Does:     around everything that allocates or frees in the engine for a session: meshes,
- *           hierarchies, scratch of steps, records of answers. Beyond the user's quota the
- *           engine gets no memory.
- * Threads:  [compute]: one user at a time is served, so what the engine's count changes by
- *           is that user's.
+ * Does:     around everything that allocates or frees in the engine for a session:
+ *           meshes, hierarchies, scratch of steps, records of answers. Beyond the user's
+ *           quota the engine gets no memory.
+ * Threads:  [compute]: one user at a time is served, so what the engine's count changes
+ *           by is that user's.
  */
 #ifndef SRV_ENGINEMEM_H
 #define SRV_ENGINEMEM_H

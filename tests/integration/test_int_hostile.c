@@ -395,8 +395,8 @@ static void flood__of_scenes_behind_a_step_is_bounded(void **state)
 {
     struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
     struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_DESTROY_request destroy;
-    struct proto_CANCEL_request cancel;
+    struct proto_SCENE_DESTROY_request destroy = {0};
+    struct proto_CANCEL_request cancel = {0};
     uint32_t count = 0;
     int rc;
 

@@ -357,7 +357,7 @@ static void open_bare(struct bare *bare)
 {
     struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
     struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add;
+    struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;
 
     test_witness_open_raw(&raw, 65536);
@@ -412,7 +412,7 @@ static uint32_t submit(const struct bare *bare, uint32_t slot, const float (*x)[
 /* If it failed, a step would run on another topology than the one it was sent for. */
 static void replace__steps_run_on_the_topology_of_their_turn(void **state)
 {
-    struct proto_MESH_COMMIT_request request;
+    struct proto_MESH_COMMIT_request request = {0};
     struct proto_MESH_COMMIT_result committed;
     struct proto_FRAME_SUBMIT_result answer;
     struct bare bare;
@@ -498,11 +498,11 @@ static void replace__wrong_order_is_refused(void **state)
 /* If it failed, a request could meet a mesh of which nobody knows yet what it is. */
 static void replace__mesh_is_busy_while_it_is_committed(void **state)
 {
-    struct proto_MESH_COMMIT_request request;
+    struct proto_MESH_COMMIT_request request = {0};
     struct proto_MESH_COMMIT_result committed;
-    struct proto_MESH_DESTROY_request destroy;
-    struct proto_SCENE_ADD_request add;
-    struct proto_CANCEL_request cancel;
+    struct proto_MESH_DESTROY_request destroy = {0};
+    struct proto_SCENE_ADD_request add = {0};
+    struct proto_CANCEL_request cancel = {0};
     struct bare bare;
     uint32_t generation = 0;
     uint32_t id;

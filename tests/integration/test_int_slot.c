@@ -37,9 +37,9 @@ static int open_raw(void **state)
 {
     struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
     struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add;
+    struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;
-    struct proto_SCENE_REMOVE_request remove;
+    struct proto_SCENE_REMOVE_request remove = {0};
 
     (void)state;
     test_witness_open_raw(&raw, SLOT_BYTES);
@@ -337,8 +337,8 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
     struct proto_MESH_CREATE_request create = {.vertex_count = 20000,
                                                .triangle_count = 2};
     struct proto_MESH_CREATE_result created;
-    struct proto_MESH_COMMIT_request commit;
-    struct proto_SCENE_ADD_request add;
+    struct proto_MESH_COMMIT_request commit = {0};
+    struct proto_SCENE_ADD_request add = {0};
     uint32_t *triangles = (uint32_t *)(void *)test_raw_payload(&raw, 0);
     uint32_t handle;
 

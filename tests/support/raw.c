@@ -241,7 +241,7 @@ int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_cou
     struct proto_MESH_CREATE_request create = {.vertex_count = vertex_count,
                                                .triangle_count = triangle_count};
     struct proto_MESH_CREATE_result created;
-    struct proto_MESH_COMMIT_request commit;
+    struct proto_MESH_COMMIT_request commit = {0};
     int rc = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
 
     if (rc != 0) {

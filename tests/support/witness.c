@@ -66,7 +66,7 @@ uint32_t test_witness_long_step(struct test_raw *raw)
     struct prng prng = {SOUP};
     struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
     struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add;
+    struct proto_SCENE_ADD_request add = {0};
     struct proto_FRAME_SUBMIT_request submit = {.segments = 0};
     uint32_t id;
 
