@@ -32,6 +32,7 @@
 #include "pccd_types.h"
 #include "seqpacket.h"
 #include "session.h"
+#include "watch.h"
 
 #define HELLO_MS  10000u /* for a client to say hello */
 #define LINGER_MS 1000u  /* for a client to read its last reply */
@@ -45,12 +46,23 @@ struct srv_reply {
 };
 
 static void on_poll(uv_poll_t *poll, int status, int events);
+static void on_timer(uv_timer_t *timer);
 
 static void close_fds(const int *fds, int fd_count)
 {
     for (int i = 0; i < fd_count; i++) {
         close(fds[i]);
     }
+}
+
+/* Nothing tells any more what the peer does: close, but not inside (see "Does not"). */
+static void close_soon(struct srv_conn *conn)
+{
+    srv_log(SRV_LOG_WARN, conn->session->id, "closing: the socket cannot be watched");
+    conn->state = SRV_CONN_BROKEN;
+    conn->events = 0;
+    shutdown(conn->fd, SHUT_RDWR);
+    uv_timer_start(&conn->timer, on_timer, 0, 0);
 }
 
 /* Watch for what the state needs. Disconnection is watched always, also while reading is
@@ -66,9 +78,10 @@ static void watch(struct srv_conn *conn)
         events |= UV_WRITABLE;
     }
     if (events != conn->events) {
-        int failed = uv_poll_start(&conn->poll, events, on_poll);
-        PCCD_ASSERT(failed == 0);
         conn->events = events;
+        if (srv_watch_start(&conn->poll, conn->fd, events, on_poll) != 0) {
+            close_soon(conn);
+        }
     }
 }
 

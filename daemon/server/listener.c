@@ -24,10 +24,12 @@
 #include "loop.h"
 #include "pccd_types.h"
 #include "session.h"
+#include "watch.h"
 
 #define BACKLOG          4096 /* clients that all come back after a crash */
 #define ACCEPTS_PER_TURN 16
 #define RETRY_MS         100u
+#define FDS_BESIDE       512u /* descriptors of the daemon that are no connections */
 
 /* ---- the path ---------------------------------------------------------------------- */
 
@@ -113,6 +115,7 @@ int srv_listener_bind(const char *path, int *fd)
 /* ---- accepting --------------------------------------------------------------------- */
 
 static void on_readable(uv_poll_t *poll, int status, int events);
+static void on_retry(uv_timer_t *timer);
 
 static void watch(struct srv_listener *listener, bool watching)
 {
@@ -120,11 +123,12 @@ static void watch(struct srv_listener *listener, bool watching)
         return;
     }
     listener->watching = watching;
-    if (watching) {
-        int failed = uv_poll_start(&listener->poll, UV_READABLE, on_readable);
-        PCCD_ASSERT(failed == 0);
-    } else {
+    if (!watching) {
         uv_poll_stop(&listener->poll);
+    } else if (srv_watch_start(&listener->poll, listener->fd, UV_READABLE, on_readable) !=
+               0) {
+        listener->watching = false;
+        uv_timer_start(&listener->retry, on_retry, RETRY_MS, 0);
     }
 }
 
@@ -137,21 +141,26 @@ void srv_listener_room(struct srv_listener *listener)
     }
 }
 
+/* Have a descriptor to give up, again where one could not be had at once. Any will do; the
+ * sandbox lets nothing be opened. */
+static void keep_reserve(struct srv_listener *listener)
+{
+    if (listener->reserve_fd < 0) {
+        listener->reserve_fd = fcntl(listener->fd, F_DUPFD_CLOEXEC, 0);
+    }
+}
+
 static void on_retry(uv_timer_t *timer)
 {
-    srv_listener_room(timer->data);
+    struct srv_listener *listener = timer->data;
+    keep_reserve(listener);
+    srv_listener_room(listener);
 }
 
 static void pause_for_retry(struct srv_listener *listener)
 {
     watch(listener, false);
     uv_timer_start(&listener->retry, on_retry, RETRY_MS, 0);
-}
-
-/* Any descriptor will do; the sandbox lets nothing be opened. */
-static int open_reserve(const struct srv_listener *listener)
-{
-    return fcntl(listener->fd, F_DUPFD_CLOEXEC, 0);
 }
 
 /* No descriptor is left: turn the next client away with the reserve, so that it does not
@@ -162,12 +171,13 @@ static void turn_away(struct srv_listener *listener)
     listener->loop->metrics.counters.sessions_refused++;
     if (listener->reserve_fd >= 0) {
         close(listener->reserve_fd);
+        listener->reserve_fd = -1;
         int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC);
         if (fd >= 0) {
             close(fd);
         }
     }
-    listener->reserve_fd = open_reserve(listener);
+    keep_reserve(listener);
     pause_for_retry(listener);
 }
 
@@ -179,6 +189,7 @@ static bool accept_one(struct srv_listener *listener)
         watch(listener, false); /* srv_listener_room goes on */
         return false;
     }
+    keep_reserve(listener);
     int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) {
         switch (errno) {
@@ -199,6 +210,11 @@ static bool accept_one(struct srv_listener *listener)
     }
     struct ucred peer;
     socklen_t bytes = sizeof peer;
+    if ((uint32_t)fd >= listener->fd_count) {
+        close(fd); /* libuv has no room for it */
+        turn_away(listener);
+        return false;
+    }
     if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
         close(fd);
         return true;
@@ -256,7 +272,9 @@ int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
         return status;
     }
-    if (uv_poll_init(&loop->uv, &listener->poll, fd) != 0) {
+    listener->fd_count = 2 * loop->options->connections_max + FDS_BESIDE;
+    if (srv_watch_reserve(&loop->uv, &listener->spare, fd, &listener->fd_count) != 0 ||
+        uv_poll_init(&loop->uv, &listener->poll, fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: the socket cannot be watched", path);
         remove_path(loop->options);
         close(fd);
@@ -266,7 +284,7 @@ int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
     listener->poll.data = listener;
     listener->retry.data = listener;
     listener->fd = fd;
-    listener->reserve_fd = open_reserve(listener);
+    keep_reserve(listener);
     watch(listener, true);
     return 0;
 }

@@ -19,7 +19,9 @@ struct srv_listener {
     int fd;         /* -1: closed */
     int reserve_fd; /* given up to accept and turn away a client when there is no other */
     bool watching;
+    uint32_t fd_count; /* descriptors below it can be watched */
     uv_poll_t poll;
+    uv_poll_t spare; /* closed at once: see watch.h */
     uv_timer_t retry; /* after the system refused an accept */
 };
 

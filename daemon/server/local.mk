@@ -38,6 +38,7 @@ libserver_la_SOURCES = \
     daemon/server/supervise.c daemon/server/supervise.h \
     daemon/server/tracing.c daemon/server/tracing.h \
     daemon/server/session.c daemon/server/session.h \
+    daemon/server/watch.c daemon/server/watch.h \
     daemon/server/wire.c daemon/server/wire.h
 # -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.
 server_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/server \

@@ -1,0 +1,23 @@
+/* watch.h - libuv's polls, without its ways to end the process.
+ *
+ * Room:     server. May include: libuv.
+ * Does:     ask the system beforehand for what libuv aborts without.
+ * Threads:  [loop]
+ * Source:   libuv 1.44: uv__io_poll aborts when a descriptor cannot be added to epoll,
+ *           maybe_resize when its table of descriptors cannot grow.
+ */
+#ifndef SRV_WATCH_H
+#define SRV_WATCH_H
+
+#include <stdint.h>
+#include <uv.h>
+
+/* Let libuv's table have room for descriptors below *count, or for as many as this
+ * process may have: then *count is that number. `poll` is closed again before the loop
+ * waits; `fd` is any descriptor that can be polled. Returns 0 or PCCD_E_SYSTEM. */
+int srv_watch_reserve(uv_loop_t *loop, uv_poll_t *poll, int fd, uint32_t *count);
+
+/* uv_poll_start. PCCD_E_SYSTEM: epoll has no room for it; nothing is watched then. */
+int srv_watch_start(uv_poll_t *poll, int fd, int events, uv_poll_cb on_poll);
+
+#endif
