@@ -7,6 +7,7 @@ include $(top_srcdir)/tests/unit/local.mk
 include $(top_srcdir)/tests/determinism/local.mk
 include $(top_srcdir)/tests/property/local.mk
 include $(top_srcdir)/tests/truth/local.mk
+include $(top_srcdir)/tests/fault/local.mk
 include $(top_srcdir)/tests/fuzz/local.mk
 include $(top_srcdir)/tests/proto/local.mk
 include $(top_srcdir)/tests/abi/local.mk

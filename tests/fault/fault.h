@@ -1,0 +1,88 @@
+/* fault.h - a world that fails on order.
+ *
+ * Room:     tests/fault. May include: the C library.
+ * Does:     let one call among those that a program makes of the C library fail: which
+ *           kind, the how-maniest, for how long, with which errno. What is ordered stands
+ *           in a page that another process may share (PCCD_FAULT_PAGE names its file).
+ * Does not: see calls that the C library makes of itself, nor those of shared libraries.
+ * Threads:  any; one orders at a time.
+ * Source:   the linker's --wrap; wrap_memory.c and wrap_calls.c stand in for the calls.
+ */
+#ifndef TEST_FAULT_H
+#define TEST_FAULT_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Every kind of call that can fail. */
+#define FAULT_CALLS(X)                                                                   \
+    X(memory)                                                                            \
+    X(accept4)                                                                           \
+    X(bind)                                                                              \
+    X(close)                                                                             \
+    X(epoll_create1)                                                                     \
+    X(epoll_ctl)                                                                         \
+    X(epoll_wait)                                                                        \
+    X(eventfd)                                                                           \
+    X(fcntl)                                                                             \
+    X(flock)                                                                             \
+    X(getrandom)                                                                         \
+    X(getsockopt)                                                                        \
+    X(listen)                                                                            \
+    X(lstat)                                                                             \
+    X(memfd_create)                                                                      \
+    X(mkdir)                                                                             \
+    X(mmap)                                                                              \
+    X(open)                                                                              \
+    X(pipe2)                                                                             \
+    X(posix_fallocate)                                                                   \
+    X(pthread_create)                                                                    \
+    X(realloc)                                                                           \
+    X(read)                                                                              \
+    X(recvmsg)                                                                           \
+    X(sendmsg)                                                                           \
+    X(shutdown)                                                                          \
+    X(sigaction)                                                                         \
+    X(socket)                                                                            \
+    X(unlink)                                                                            \
+    X(write)
+
+enum fault_call {
+    FAULT_NONE = 0,
+#define FAULT_ENUM(name) FAULT_##name,
+    FAULT_CALLS(FAULT_ENUM)
+#undef FAULT_ENUM
+        FAULT_CALL_COUNT
+};
+
+/* Zeroed: nothing fails. */
+struct fault_page {
+    atomic_uint call;            /* enum fault_call; FAULT_NONE: nothing is ordered */
+    atomic_int error;            /* errno of those that fail */
+    atomic_uint_fast64_t first;  /* of the calls of that kind from now on, from 1 */
+    atomic_uint_fast64_t length; /* that many in a row */
+    atomic_uint_fast64_t seen;   /* of that kind since the order */
+    atomic_uint_fast64_t hits;   /* that failed since the order */
+    atomic_size_t bytes_max; /* larger allocations fail, ordered or not; 0: no bound */
+    atomic_uint_fast64_t refused; /* that did */
+    atomic_int_fast64_t held;     /* blocks allocated and not yet freed */
+    atomic_uint_fast64_t counts[FAULT_CALL_COUNT]; /* calls made since the start */
+};
+
+/* The page that counts: this process's own, or the shared one. */
+extern struct fault_page *fault_page;
+
+const char *fault_name(enum fault_call call);
+
+/* Of the calls of that kind from now on, `length` fail, the first-th and what follows. */
+void fault_order(struct fault_page *page, enum fault_call call, uint64_t first,
+                 uint64_t length, int error);
+/* Nothing fails any more; returns how many did. */
+uint64_t fault_recall(struct fault_page *page);
+
+/* Count a call; true: it shall fail, and errno is set. Of the wrappers. */
+bool fault_strikes(enum fault_call call);
+
+#endif

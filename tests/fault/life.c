@@ -1,0 +1,306 @@
+/* life.c - everything a client may ask for, once, from hello to the end.
+ *
+ * Room:     tests/fault. May include: life.h.
+ * Does:     a wavy sheet that falls through a triangle, by raw messages.
+ * Threads:  one.
+ */
+#include "life.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define SIDE       9u
+#define VERTICES   (SIDE * SIDE)
+#define TRIANGLES  (2u * (SIDE - 1) * (SIDE - 1))
+#define SLOT_BYTES 65536u
+
+static const float floor_x[3][3] = {{-99, -99, 0}, {99, -99, 0}, {0, 99, 0}};
+static const uint32_t floor_triangle[1][3] = {{0, 1, 2}};
+
+static void blame(struct life *life, const char *what, int method, int status)
+{
+    if (life->wrong[0] == '\0') {
+        (void)snprintf(life->wrong, sizeof(life->wrong), "%s: %s (%s: %.60s)",
+                       proto_messages[method].name, what, proto_status_name(status),
+                       life->raw.error.text);
+    }
+}
+
+/* Whether a refusal by the world's fault is an answer to that. */
+static bool may_refuse(int status)
+{
+    return status == PCCD_E_NOMEM || status == PCCD_E_SYSTEM || status == PCCD_E_LIMIT;
+}
+
+/* Note what was answered. True: as wanted. */
+static bool note(struct life *life, int method, int status)
+{
+    if (status == 0) {
+        life->answers++;
+        return true;
+    }
+    if (status == PCCD_E_DISCONNECTED) {
+        life->is_lost = true;
+    } else if (may_refuse(status)) {
+        life->refusals++;
+        life->refusal = status;
+    } else {
+        blame(life, "must not fail so", method, status);
+    }
+    return false;
+}
+
+/* Whether to go on after `tries` refusals; blames the second one. */
+static bool again(struct life *life, int method, int tries)
+{
+    if (life->is_lost || life->wrong[0] != '\0') {
+        return false;
+    }
+    if (tries == 2 && !life->is_patient) {
+        blame(life, "was refused again", method, life->refusal);
+    }
+    return tries < 2;
+}
+
+static bool ask(struct life *life, int method, const void *request, void *result)
+{
+    for (int tries = 0; again(life, method, tries); tries++) {
+        if (note(life, method, test_raw_call(&life->raw, method, request, result))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool attach(struct life *life, uint32_t slots)
+{
+    for (int tries = 0; again(life, PROTO_METHOD_SHM_ATTACH, tries); tries++) {
+        if (note(life, PROTO_METHOD_SHM_ATTACH,
+                 test_raw_attach(&life->raw, slots, SLOT_BYTES))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool fill(struct life *life, uint32_t mesh, const float (*x)[3], uint32_t vertices,
+                 const uint32_t (*triangles)[3], uint32_t count)
+{
+    const struct proto_MESH_COMMIT_request commit = {mesh};
+    for (int tries = 0; again(life, PROTO_METHOD_MESH_DATA, tries); tries++) {
+        if (note(life, PROTO_METHOD_MESH_DATA,
+                 test_raw_fill(&life->raw, mesh, x, vertices, triangles, count))) {
+            return ask(life, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
+        }
+    }
+    return false;
+}
+
+static bool make_mesh(struct life *life, const float (*x)[3], uint32_t vertices,
+                      const uint32_t (*triangles)[3], uint32_t count, uint32_t *mesh)
+{
+    const struct proto_MESH_CREATE_request create = {vertices, count};
+    struct proto_MESH_CREATE_result created;
+    if (!ask(life, PROTO_METHOD_MESH_CREATE, &create, &created)) {
+        return false;
+    }
+    *mesh = created.mesh;
+    return fill(life, created.mesh, x, vertices, triangles, count);
+}
+
+static void sheet_positions(float x[VERTICES][3], float z)
+{
+    for (uint32_t i = 0; i < VERTICES; i++) {
+        x[i][0] = (float)(i % SIDE) - 4;
+        x[i][1] = (float)(i / SIDE) - 4;
+        x[i][2] = z + 0.25f * (float)(i * 7 % 5);
+    }
+}
+
+static void sheet_triangles(uint32_t triangles[TRIANGLES][3])
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i + 1 < SIDE; i++) {
+        for (uint32_t j = 0; j + 1 < SIDE; j++) {
+            uint32_t a = i * SIDE + j;
+            const uint32_t both[2][3] = {{a, a + 1, a + SIDE},
+                                         {a + 1, a + SIDE + 1, a + SIDE}};
+            memcpy(triangles[count], both, sizeof(both));
+            count += 2;
+        }
+    }
+}
+
+/* What a client has in the middle of its life. */
+struct belongings {
+    uint32_t scene;
+    uint32_t floor_mesh;
+    uint32_t sheet_mesh;
+    uint32_t floor;
+    uint32_t sheet;
+};
+
+/* Ask for the step from height z0 to z1: by its end alone the first time, since there the
+ * sheet stands; by both ends when it may have moved already. */
+static int submit(struct life *life, const struct belongings *has, const float z[2],
+                  bool is_repeated, struct proto_FRAME_SUBMIT_request *request)
+{
+    const uint64_t bytes = sizeof(float[VERTICES][3]) + 4; /* a multiple of 8 */
+    const struct proto_segment segment = {.object = has->sheet,
+                                          .kind = is_repeated ? PROTO_SEGMENT_X0X1
+                                                              : PROTO_SEGMENT_X1,
+                                          .count = VERTICES,
+                                          .offset0 = is_repeated ? sizeof(segment) : 0,
+                                          .offset1 = sizeof(segment) + bytes};
+    uint8_t *payload = test_raw_payload(&life->raw, 1);
+    memcpy(payload, &segment, sizeof(segment));
+    for (size_t end = 0; end < 2; end++) {
+        float x[VERTICES][3];
+        sheet_positions(x, z[end]);
+        memcpy(payload + sizeof(segment) + end * bytes, x, sizeof(x));
+    }
+    request->slot = 1;
+    request->seq = test_raw_publish(&life->raw, 1);
+    struct proto_FRAME_SUBMIT_result *answer = &life->steps[life->step_count];
+    int status = test_raw_call(&life->raw, PROTO_METHOD_FRAME_SUBMIT, request, answer);
+    if (status != 0) {
+        return status;
+    }
+    atomic_store(&test_raw_upload(&life->raw)->result_head.value, answer->release);
+    /* What there is no memory for is left out, and the answer says so. */
+    return answer->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT ? PCCD_E_NOMEM : 0;
+}
+
+/* Move the sheet from height z0 to z1; every vertex meets the floor on the way. */
+static bool step(struct life *life, const struct belongings *has, float z0, float z1,
+                 enum pccd_method method)
+{
+    struct proto_FRAME_SUBMIT_request request = {.scene = has->scene,
+                                                 .segments = 1,
+                                                 .method = (uint32_t)method,
+                                                 .step = life->step_count + 1};
+    const float z[2] = {z0, z1};
+    for (int tries = 0; again(life, PROTO_METHOD_FRAME_SUBMIT, tries); tries++) {
+        if (note(life, PROTO_METHOD_FRAME_SUBMIT,
+                 submit(life, has, z, tries > 0, &request))) {
+            const struct proto_FRAME_SUBMIT_result *answer =
+                &life->steps[life->step_count];
+            if (answer->vf != VERTICES || answer->total != VERTICES) {
+                blame(life, "has other contacts", PROTO_METHOD_FRAME_SUBMIT, 0);
+            }
+            life->step_count++;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool settle_in(struct life *life, struct belongings *has)
+{
+    const struct proto_HELLO_request hello = {PROTO_VERSION_MIN, PROTO_VERSION_MAX,
+                                              "life"};
+    const struct proto_SCENE_CREATE_request create = {0};
+    struct proto_HELLO_result welcome;
+    struct proto_SCENE_CREATE_result scene;
+    struct proto_SCENE_ADD_result object;
+    float x[VERTICES][3];
+    uint32_t triangles[TRIANGLES][3];
+    sheet_positions(x, 1);
+    sheet_triangles(triangles);
+    if (!ask(life, PROTO_METHOD_HELLO, &hello, &welcome) || !attach(life, 2) ||
+        !ask(life, PROTO_METHOD_SCENE_CREATE, &create, &scene) ||
+        !make_mesh(life, floor_x, 3, floor_triangle, 1, &has->floor_mesh) ||
+        !make_mesh(life, (const float(*)[3])x, VERTICES, (const uint32_t(*)[3])triangles,
+                   TRIANGLES, &has->sheet_mesh)) {
+        return false;
+    }
+    has->scene = scene.scene;
+    struct proto_SCENE_ADD_request add = {has->scene, has->floor_mesh};
+    if (!ask(life, PROTO_METHOD_SCENE_ADD, &add, &object)) {
+        return false;
+    }
+    has->floor = object.object;
+    add.mesh = has->sheet_mesh;
+    if (!ask(life, PROTO_METHOD_SCENE_ADD, &add, &object)) {
+        return false;
+    }
+    has->sheet = object.object;
+    return true;
+}
+
+static bool look_back(struct life *life, const struct belongings *has)
+{
+    const struct proto_FRAME_FETCH_request fetch = {.scene = has->scene,
+                                                    .step = life->step_count};
+    const struct proto_MESH_EDGES_request edges = {.mesh = has->sheet_mesh, .count = 99};
+    const struct proto_PING_request ping = {.token = 7};
+    const struct proto_STATS_request stats = {0};
+    const struct proto_STATS_THREAD_request thread = {0};
+    const struct proto_CANCEL_request cancel = {.id = 0};
+    struct proto_FRAME_FETCH_result page;
+    struct proto_STATS_result counters;
+    bool all = ask(life, PROTO_METHOD_FRAME_FETCH, &fetch, &page) &&
+               ask(life, PROTO_METHOD_MESH_EDGES, &edges, NULL) &&
+               ask(life, PROTO_METHOD_PING, &ping, NULL) &&
+               ask(life, PROTO_METHOD_STATS, &stats, &counters) &&
+               ask(life, PROTO_METHOD_STATS_THREAD, &thread, NULL) &&
+               ask(life, PROTO_METHOD_CANCEL, &cancel, NULL);
+    if (all && page.hash_lo != life->steps[life->step_count - 1].hash_lo) {
+        blame(life, "is another answer", PROTO_METHOD_FRAME_FETCH, 0);
+    }
+    return all;
+}
+
+/* The sheet's mesh again, under the same handle: it stands where it was registered. */
+static bool replace(struct life *life, const struct belongings *has)
+{
+    const struct proto_MESH_REPLACE_request request = {has->sheet_mesh, VERTICES,
+                                                       TRIANGLES};
+    float x[VERTICES][3];
+    uint32_t triangles[TRIANGLES][3];
+    sheet_positions(x, 1);
+    sheet_triangles(triangles);
+    return ask(life, PROTO_METHOD_MESH_REPLACE, &request, NULL) &&
+           fill(life, has->sheet_mesh, (const float(*)[3])x, VERTICES,
+                (const uint32_t(*)[3])triangles, TRIANGLES);
+}
+
+static bool record(struct life *life, const struct belongings *has)
+{
+    const struct proto_TRACE_START_request start = {.events = 64};
+    const struct proto_TRACE_STOP_request stop = {0};
+    const struct proto_TRACE_DUMP_request dump = {.count = 64};
+    return ask(life, PROTO_METHOD_TRACE_START, &start, NULL) &&
+           step(life, has, -2, 1, PCCD_METHOD_DEFAULT) &&
+           ask(life, PROTO_METHOD_TRACE_STOP, &stop, NULL) &&
+           ask(life, PROTO_METHOD_TRACE_DUMP, &dump, NULL);
+}
+
+static bool leave(struct life *life, const struct belongings *has)
+{
+    const struct proto_SCENE_REMOVE_request remove = {has->scene, has->floor};
+    const struct proto_MESH_DESTROY_request mesh = {has->sheet_mesh};
+    const struct proto_SCENE_DESTROY_request scene = {has->scene};
+    return ask(life, PROTO_METHOD_SCENE_REMOVE, &remove, NULL) &&
+           ask(life, PROTO_METHOD_MESH_DESTROY, &mesh, NULL) &&
+           ask(life, PROTO_METHOD_SCENE_DESTROY, &scene, NULL) && attach(life, 3);
+}
+
+void life_run(struct life *life, const char *socket_path, bool is_patient)
+{
+    struct belongings has = {0};
+    memset(life, 0, sizeof(*life));
+    life->is_patient = is_patient;
+    if (!test_raw_open(&life->raw, socket_path)) {
+        life->is_lost = true; /* the daemon does not listen: its keeper will notice */
+        return;
+    }
+    bool all = settle_in(life, &has) && step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) &&
+               look_back(life, &has) && step(life, &has, -2, 1, PCCD_METHOD_PAPER) &&
+               replace(life, &has) && step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) &&
+               record(life, &has) && leave(life, &has);
+    if (!all && !life->is_lost && life->refusals == 0) {
+        blame(life, "nothing explains this", PROTO_METHOD_PING, 0);
+    }
+    test_raw_close(&life->raw);
+}

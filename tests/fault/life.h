@@ -1,0 +1,31 @@
+/* life.h - everything a client may ask for, once, from hello to the end.
+ *
+ * Room:     tests/fault. May include: raw.h.
+ * Does:     ask for each method, with steps whose contacts are known; ask again for what
+ *           was refused, which must succeed then unless refusals go on.
+ * Threads:  one.
+ */
+#ifndef TEST_LIFE_H
+#define TEST_LIFE_H
+
+#include "raw.h"
+
+#define LIFE_STEPS 4u
+
+struct life {
+    bool is_patient; /* what is refused twice is no fault: refusals go on */
+    bool is_lost;    /* the daemon closed the connection */
+    uint32_t refusals;
+    int refusal;      /* the last one's status */
+    uint32_t answers; /* that were as wanted */
+    char wrong[160];  /* "": nothing was */
+    struct test_raw raw;
+    struct proto_FRAME_SUBMIT_result steps[LIFE_STEPS];
+    uint32_t step_count;
+};
+
+/* Live one at the daemon's socket. life->wrong says whether anything happened that must
+ * not: no answer, a refusal of what cannot fail, a wrong contact. */
+void life_run(struct life *life, const char *socket_path, bool is_patient);
+
+#endif

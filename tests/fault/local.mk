@@ -1,0 +1,73 @@
+# tests/fault/local.mk - the daemon in a world that fails on order.
+#
+# make fault-sweep               every allocation and every call, one after the other
+# make fault-sweep FAULT_EVERY=5 every fifth
+
+# Calls of the objects that are linked in go to wrap_*.c; libuv and msgpack-c among them,
+# where the system has them as archives.
+FAULT_WRAP_MEMORY = \
+    -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+FAULT_WRAP_CALLS = \
+    -Wl,--wrap=accept4,--wrap=bind,--wrap=close,--wrap=epoll_create1,--wrap=epoll_ctl \
+    -Wl,--wrap=epoll_wait,--wrap=eventfd,--wrap=fcntl,--wrap=flock,--wrap=getrandom \
+    -Wl,--wrap=getsockopt,--wrap=listen,--wrap=lstat,--wrap=memfd_create,--wrap=mkdir \
+    -Wl,--wrap=mmap,--wrap=open,--wrap=pipe2,--wrap=posix_fallocate \
+    -Wl,--wrap=pthread_create,--wrap=read,--wrap=recvmsg,--wrap=sendmsg,--wrap=shutdown \
+    -Wl,--wrap=sigaction,--wrap=socket,--wrap=unlink,--wrap=write
+fault_sources = \
+    tests/fault/fault.c \
+    tests/fault/fault.h \
+    tests/fault/wrap_calls.c \
+    tests/fault/wrap_memory.c \
+    tests/fault/wrap_page.c
+
+check_PROGRAMS += tests/fault/pccdd-faulty
+tests_fault_pccdd_faulty_SOURCES = daemon/server/main.c $(fault_sources)
+tests_fault_pccdd_faulty_CPPFLAGS = $(server_cppflags) -iquote $(top_srcdir)/tests/fault
+tests_fault_pccdd_faulty_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
+tests_fault_pccdd_faulty_LDFLAGS = $(AM_LDFLAGS) $(FAULT_WRAP_MEMORY) $(FAULT_WRAP_CALLS)
+tests_fault_pccdd_faulty_LDADD = $(MSGPACK_ARCHIVE) libserver.la libengine.la libproto.la \
+    $(UV_ARCHIVE)
+
+check_LTLIBRARIES += libfaultkeeper.la
+libfaultkeeper_la_SOURCES = \
+    tests/fault/fault.c tests/fault/fault.h \
+    tests/fault/keeper.c tests/fault/keeper.h \
+    tests/fault/life.c tests/fault/life.h
+fault_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fault \
+    -iquote $(top_srcdir)/tests/support -iquote $(top_srcdir)/proto \
+    -iquote $(top_srcdir)/client/lib $(CMOCKA_CFLAGS)
+libfaultkeeper_la_CPPFLAGS = $(fault_cppflags)
+fault_libs = libfaultkeeper.la libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
+
+FAULT_TESTS = \
+    tests/fault/test_fault_calls \
+    tests/fault/test_fault_limits \
+    tests/fault/test_fault_memory \
+    tests/fault/test_fault_start
+check_PROGRAMS += $(FAULT_TESTS)
+TESTS += $(FAULT_TESTS)
+
+tests_fault_test_fault_calls_SOURCES = tests/fault/test_fault_calls.c
+tests_fault_test_fault_calls_CPPFLAGS = $(fault_cppflags)
+tests_fault_test_fault_calls_LDADD = $(fault_libs)
+
+tests_fault_test_fault_memory_SOURCES = tests/fault/test_fault_memory.c
+tests_fault_test_fault_memory_CPPFLAGS = $(fault_cppflags)
+tests_fault_test_fault_memory_LDADD = $(fault_libs)
+
+tests_fault_test_fault_limits_SOURCES = tests/fault/test_fault_limits.c
+tests_fault_test_fault_limits_CPPFLAGS = $(fault_cppflags)
+tests_fault_test_fault_limits_LDADD = $(fault_libs)
+
+tests_fault_test_fault_start_SOURCES = tests/fault/test_fault_start.c
+tests_fault_test_fault_start_CPPFLAGS = $(fault_cppflags)
+tests_fault_test_fault_start_LDADD = $(fault_libs)
+
+# Every fault; make check tries a sample of the slower ones.
+FAULT_EVERY = 1
+.PHONY: fault-sweep
+fault-sweep: $(FAULT_TESTS) tests/fault/pccdd-faulty pccdd
+	@$(AM_TESTS_ENVIRONMENT) unset CMOCKA_MESSAGE_OUTPUT; \
+	FAULT_EVERY=$(FAULT_EVERY); export FAULT_EVERY; \
+	for test in $(FAULT_TESTS); do ./$$test || exit 1; done

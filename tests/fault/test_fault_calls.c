@@ -1,0 +1,71 @@
+/* test_fault_calls.c - no system call that serves a client may be the daemon's last.
+ *
+ * Room:     tests/fault. May include: keeper.h, cmocka.
+ * Does:     let the n-th call of each kind fail with each errno that it may have by the
+ *           world's fault, for every n (a sample of them in make check).
+ * Does not: let munmap fail: it takes memory only to cut a mapping in two, and the daemon
+ *           gives whole ones back.
+ * Threads:  one.
+ */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "keeper.h"
+
+#define CALLS_MAX  10000u
+#define ERRORS_MAX 8
+
+struct plausible {
+    enum fault_call call;
+    int errors[ERRORS_MAX]; /* ends with 0 */
+};
+
+static const struct plausible all[] = {
+    {FAULT_accept4, {EINTR, EAGAIN, ECONNABORTED, EMFILE, ENFILE, ENOBUFS, ENOMEM}},
+    {FAULT_close, {EINTR, EIO}},
+    {FAULT_epoll_ctl, {ENOMEM, ENOSPC}},
+    {FAULT_epoll_wait, {EINTR}},
+    {FAULT_fcntl, {ENOMEM, EBUSY}},
+    {FAULT_getsockopt, {ENOMEM}},
+    {FAULT_memfd_create, {EMFILE, ENFILE, ENOMEM}},
+    {FAULT_mmap, {ENOMEM, EAGAIN, ENFILE}},
+    {FAULT_posix_fallocate, {EINTR, ENOMEM, ENOSPC}},
+    {FAULT_read, {EINTR, EAGAIN}},
+    {FAULT_recvmsg, {EINTR, EAGAIN, ENOMEM, ENOBUFS, ECONNRESET}},
+    {FAULT_sendmsg, {EINTR, EAGAIN, ENOMEM, ENOBUFS, EPIPE, ECONNRESET, ETOOMANYREFS}},
+    {FAULT_shutdown, {ENOTCONN}},
+    {FAULT_write, {EINTR}}, /* the wake-up of the loop is full only when it is awake */
+};
+
+/* If this failed, a refusal of the system that concerns one client would end the daemon,
+ * or another client's session, or leave something behind. */
+static void calls__fail_once(void **state)
+{
+    uint64_t stride = keeper_stride(7);
+    uint64_t tried = 0;
+    (void)state;
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) {
+        for (size_t e = 0; e < ERRORS_MAX && all[i].errors[e] != 0; e++) {
+            for (uint64_t first = 1; first < CALLS_MAX; first += stride) {
+                if (keeper_try(all[i].call, first, 1, all[i].errors[e]) == 0) {
+                    break;
+                }
+                tried++;
+            }
+        }
+    }
+    print_message("# %llu calls failed, one a life\n", (unsigned long long)tried);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(calls__fail_once),
+    };
+    return cmocka_run_group_tests(tests, keeper_start, keeper_stop);
+}
