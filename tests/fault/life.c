@@ -99,7 +99,8 @@ static bool fill(struct life *life, uint32_t mesh, const float (*x)[3], uint32_t
 static bool make_mesh(struct life *life, const float (*x)[3], uint32_t vertices,
                       const uint32_t (*triangles)[3], uint32_t count, uint32_t *mesh)
 {
-    const struct proto_MESH_CREATE_request create = {vertices, count};
+    const struct proto_MESH_CREATE_request create = {.vertex_count = vertices,
+                                                     .triangle_count = count};
     struct proto_MESH_CREATE_result created;
     if (!ask(life, PROTO_METHOD_MESH_CREATE, &create, &created)) {
         return false;
@@ -197,8 +198,9 @@ static bool step(struct life *life, const struct belongings *has, float z0, floa
 
 static bool settle_in(struct life *life, struct belongings *has)
 {
-    const struct proto_HELLO_request hello = {PROTO_VERSION_MIN, PROTO_VERSION_MAX,
-                                              "life"};
+    const struct proto_HELLO_request hello = {.version_min = PROTO_VERSION_MIN,
+                                              .version_max = PROTO_VERSION_MAX,
+                                              .client = "life"};
     const struct proto_SCENE_CREATE_request create = {0};
     struct proto_HELLO_result welcome;
     struct proto_SCENE_CREATE_result scene;
@@ -215,7 +217,7 @@ static bool settle_in(struct life *life, struct belongings *has)
         return false;
     }
     has->scene = scene.scene;
-    struct proto_SCENE_ADD_request add = {has->scene, has->floor_mesh};
+    struct proto_SCENE_ADD_request add = {.scene = has->scene, .mesh = has->floor_mesh};
     if (!ask(life, PROTO_METHOD_SCENE_ADD, &add, &object)) {
         return false;
     }
