@@ -1,8 +1,8 @@
 /* test_fault_memory.c - no allocation of a client's life may be the daemon's last.
  *
  * Room:     tests/fault. May include: keeper.h, cmocka.
- * Does:     let the n-th allocation fail, for every n (a sample of them in make check), or
- *           all from the n-th on.
+ * Does:     let the n-th allocation fail, for every n, or all from the n-th on (a sample
+ *           of these in make check).
  * Threads:  one.
  */
 #include <errno.h>
@@ -43,8 +43,8 @@ static void memory__runs_out_for_one_allocation(void **state)
     print_message("# %llu allocations failed, one a life\n", (unsigned long long)tried);
 }
 
-/* If this failed, a daemon would not survive a time without memory: what is freed or taken
- * back on the way must not need any. */
+/* If this failed, a daemon would not survive a time without memory: what is freed or
+ * taken back on the way must not need any. */
 static void memory__runs_out_for_a_while(void **state)
 {
     (void)state;
