@@ -141,8 +141,8 @@ void srv_listener_room(struct srv_listener *listener)
     }
 }
 
-/* Have a descriptor to give up, again where one could not be had at once. Any will do; the
- * sandbox lets nothing be opened. */
+/* Have a descriptor to give up, again where one could not be had at once. Any will do;
+ * the sandbox lets nothing be opened. */
 static void keep_reserve(struct srv_listener *listener)
 {
     if (listener->reserve_fd < 0) {

@@ -1,8 +1,8 @@
 /* watch.c - libuv's polls, without its ways to end the process.
  *
  * Room:     server. See watch.h.
- * Does:     add a descriptor to epoll itself, so that libuv finds it there and changes the
- *           events only, which takes no memory.
+ * Does:     add a descriptor to epoll itself, so that libuv finds it there and changes
+ *           the events only, which takes no memory.
  * Threads:  [loop]
  */
 #include "watch.h"
