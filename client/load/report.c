@@ -27,9 +27,9 @@ bool load_holdings_equal(const struct load_holdings *a, const struct load_holdin
 
 static bool print_counts(const struct load_tally *crowd, const struct load_tally *victims)
 {
-    printf("%-18s %12s %12s\n", "", "clients", "victims");
+    printf("%-20s %12s %12s\n", "", "clients", "victims");
 #define PRINT_COUNT(name, text)                                                          \
-    printf("%-18s %12" PRIu64 " %12" PRIu64 "  %s\n", #name, crowd->name, victims->name, \
+    printf("%-20s %12" PRIu64 " %12" PRIu64 "  %s\n", #name, crowd->name, victims->name, \
            text);
     LOAD_COUNTS(PRINT_COUNT)
 #undef PRINT_COUNT
@@ -39,18 +39,18 @@ static bool print_counts(const struct load_tally *crowd, const struct load_tally
                             crowd->wrong + crowd->broken ==
                         0 &&
                     victims->doubled + victims->crossed + victims->wrong == 0;
-    printf("%-18s %12s\n", "adds up", adds_up ? "yes" : "NO");
+    printf("%-20s %12s\n", "adds up", adds_up ? "yes" : "NO");
     return adds_up && is_right;
 }
 
 static void print_times(const struct load_tally *tally, double seconds)
 {
-    printf("%-18s %12.0f  answers a second\n", "rate",
+    printf("%-20s %12.0f  answers a second\n", "rate",
            seconds > 0 ? (double)tally->answered / seconds : 0);
-    printf("%-18s %12.1f  p50, us\n", "latency",
+    printf("%-20s %12.1f  p50, us\n", "latency",
            1e-3 * (double)load_tally_quantile(tally, 0.5));
-    printf("%-18s %12.1f  p99\n", "", 1e-3 * (double)load_tally_quantile(tally, 0.99));
-    printf("%-18s %12.1f  longest\n", "", 1e-3 * (double)tally->longest_ns);
+    printf("%-20s %12.1f  p99\n", "", 1e-3 * (double)load_tally_quantile(tally, 0.99));
+    printf("%-20s %12.1f  longest\n", "", 1e-3 * (double)tally->longest_ns);
 }
 
 /* Everybody's answers in one number: two runs with the same seed and the same clients
@@ -62,7 +62,7 @@ static void print_checksum(const struct load *load)
         const struct load_truth *truth = &load->shared->truth[i];
         sum = load_mix(load_mix(sum ^ truth->hash[0], truth->hash[1]), truth->sum);
     }
-    printf("%-18s %016" PRIx64 "\n", "checksum", sum);
+    printf("%-20s %016" PRIx64 "\n", "checksum", sum);
 }
 
 static bool print_holdings(const struct load_holdings *before,
@@ -70,7 +70,7 @@ static bool print_holdings(const struct load_holdings *before,
 {
     for (uint32_t i = 0; i < before->count; i++) {
         uint64_t now = i < after->count ? after->value[i] : 0;
-        printf("%-18s %12" PRIu64 " %12" PRIu64 "  before and after%s\n", before->name[i],
+        printf("%-20s %12" PRIu64 " %12" PRIu64 "  before and after%s\n", before->name[i],
                before->value[i], now, now == before->value[i] ? "" : " DIFFER");
     }
     return load_holdings_equal(before, after);
@@ -86,7 +86,7 @@ static bool print_slopes(const struct load *load, const struct load_watch *watch
         double growth = slope.per_min * seconds / 60;
         bool grows = slope.per_min > ERRORS_SURE * slope.error &&
                      growth > (gauge == LOAD_MEMORY ? GROWTH_KIB : GROWTH_PIECES);
-        printf("%-18s %12.0f  mean; %+.3f +- %.3f a minute (%zu samples)%s\n",
+        printf("%-20s %12.0f  mean; %+.3f +- %.3f a minute (%zu samples)%s\n",
                names[gauge], slope.mean, slope.per_min, slope.error, slope.count,
                grows ? " GROWS" : "");
         is_flat = is_flat && !grows;
@@ -105,9 +105,9 @@ bool load_report(const struct load *load, const struct load_outcome *outcome,
     for (uint32_t i = 0; i < LOAD_VICTIM_MAX; i++) {
         load_tally_add(&victims, &load->shared->victims[i]);
     }
-    printf("%-18s %12u  in %u processes, %.1f s\n", "clients", load->settings.clients,
+    printf("%-20s %12u  in %u processes, %.1f s\n", "clients", load->settings.clients,
            load->settings.processes, outcome->seconds);
-    printf("%-18s %12" PRIu64 "  clients, and %" PRIu64 " workers of the daemon\n",
+    printf("%-20s %12" PRIu64 "  clients, and %" PRIu64 " workers of the daemon\n",
            "killed", assault->kills, assault->crashes);
     bool is_right = print_counts(&crowd, &victims);
     print_times(&crowd, outcome->seconds);
@@ -119,6 +119,6 @@ bool load_report(const struct load *load, const struct load_outcome *outcome,
     bool is_good = is_right && is_back && is_flat && is_telling && outcome->ended &&
                    outcome->bad_processes == 0 && assault->strays == 0 &&
                    !atomic_load(&load->shared->failed);
-    printf("%-18s %12s\n", "all as it must be", is_good ? "yes" : "NO");
+    printf("%-20s %12s\n", "all as it must be", is_good ? "yes" : "NO");
     return is_good;
 }
