@@ -316,7 +316,7 @@ static void join_all(struct bench *bench, bool is_testing)
     join->look = on_look;
     bench->is_testing = is_testing;
     bench->chunks = 0;
-    eng_wide_join_begin(join, wide);
+    eng_wide_join_begin(join, wide, ENG_JOIN_MOVING);
     bench->sieves[ENG_VF] = eng_wide_sieve(wide, ENG_VF);
     bench->sieves[ENG_EE] = eng_wide_sieve(wide, ENG_EE);
     uint64_t begin_ns = bench_now_ns();

@@ -158,14 +158,21 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
 {
     static uint32_t out[2][ENG_JOIN_MAX + ENG_JOIN_SPARE];
     uint64_t all = DIGEST_BEGIN;
-    for (uint32_t i = 0; i < 4 * BLOCKS * BLOCKS; i++) {
+    for (uint32_t i = 0; i < 6 * BLOCKS * BLOCKS; i++) {
+        uint32_t way = i / BLOCKS / BLOCKS;
         struct eng_join job = {.a = ground->blocks,
                                .b = ground->blocks,
                                .b_boxes = ground->around,
-                               .in_time = i / 2 % 2,
-                               .t_end = i % 2 ? 1 : 0.375f};
-        uint32_t n = i / 4 / BLOCKS;
-        uint32_t m = i / 4 % BLOCKS;
+                               .boxes = way < 4    ? ENG_JOIN_MOVING
+                                        : way == 4 ? ENG_JOIN_NEAR
+                                                   : ENG_JOIN_SWEPT,
+                               .in_time = way / 2 == 1,
+                               .t_end = way == 4  ? 0.046f
+                                        : way % 2 ? 1
+                                                  : 0.375f,
+                               .near_block = ENG_JOIN_NO_BLOCK};
+        uint32_t n = i / BLOCKS % BLOCKS;
+        uint32_t m = i % BLOCKS;
         bool is_self_join = a_corners == b_corners;
         for (uint32_t k = 0; k < 3; k++) {
             job.a_corner[k] = k < a_corners ? ground->corner[k] : NULL;

@@ -4,11 +4,11 @@
  * Does:     see kernel.h.
  * Threads:  [any].
  */
+#include "four.h"
 #include "table.h"
 
 typedef float half __attribute__((vector_size(ENG_D_LANES * 4), may_alias));
 typedef int32_t half_bits __attribute__((vector_size(ENG_D_LANES * 4), may_alias));
-typedef float four __attribute__((vector_size(16), may_alias));
 
 /* The coordinates of a point, without its words: as doubles these would be denormal, and
  * arithmetic on one takes a hundred times as long. */
@@ -30,14 +30,14 @@ ENG_INLINE void round_out(eng_d x, half *low, half *high)
 }
 
 /* The same box at both ends: around both. */
-static void unite_ends(struct eng_extents *box)
+ENG_INLINE void unite_ends(struct eng_extents *box)
 {
-    for (int end = 0; end < ENG_SIDES; end += 2) {
-        for (int k = 0; k < 3; k++) {
-            float x0 = box->side[end][k];
-            float x1 = box->side[end + 1][k];
-            box->side[end][k] = box->side[end + 1][k] = x0 > x1 ? x0 : x1;
-        }
+#pragma GCC unroll 2
+    for (int side = 0; side < ENG_SIDES; side += 2) {
+        eng_four end[2];
+        memcpy(end, box->side[side], sizeof end);
+        end[0] = end[1] = eng_four_max(end[0], end[1]);
+        memcpy(box->side[side], end, sizeof end);
     }
 }
 
@@ -174,17 +174,17 @@ ENG_INLINE struct eng_extents larger(struct eng_extents a, struct eng_extents b)
 ENG_INLINE void turn(const struct eng_extents *boxes, int side, uint32_t lane,
                      struct eng_wide_block *block)
 {
-    four x[4];
+    eng_four x[4];
     for (uint32_t i = 0; i < 4; i++) {
         memcpy(&x[i], boxes[lane + i].side[side], sizeof x[i]);
     }
-    four xy01 = __builtin_shufflevector(x[0], x[1], 0, 4, 1, 5);
-    four xy23 = __builtin_shufflevector(x[2], x[3], 0, 4, 1, 5);
-    four zw01 = __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7);
-    four zw23 = __builtin_shufflevector(x[2], x[3], 2, 6, 3, 7);
-    four out[3] = {__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5),
-                   __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7),
-                   __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5)};
+    eng_four xy01 = __builtin_shufflevector(x[0], x[1], 0, 4, 1, 5);
+    eng_four xy23 = __builtin_shufflevector(x[2], x[3], 0, 4, 1, 5);
+    eng_four zw01 = __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7);
+    eng_four zw23 = __builtin_shufflevector(x[2], x[3], 2, 6, 3, 7);
+    eng_four out[3] = {__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5),
+                       __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7),
+                       __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5)};
     for (int k = 0; k < 3; k++) {
         memcpy(&block->row[side][k][lane], &out[k], sizeof out[k]);
     }

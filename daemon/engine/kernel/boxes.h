@@ -36,6 +36,16 @@ struct eng_wide_block {
     _Alignas(64) float row[ENG_SIDES][3][ENG_WIDE];
 };
 
+/* How two boxes are compared. */
+enum eng_join_boxes {
+    ENG_JOIN_MOVING, /* can each axis bring them together before or at t_end? */
+    ENG_JOIN_NEAR,   /* does what they cover up to t_end, which is near, overlap? Weaker,
+                      * and half the work. */
+    ENG_JOIN_SWEPT   /* do they overlap? Both ends are the same. */
+};
+
+#define ENG_JOIN_NO_BLOCK UINT32_MAX
+
 /* Two lists of blocks whose boxes are tested against each other. Pairs of boxes are named
  * by ENG_WIDE times the block plus the lane. */
 struct eng_join {
@@ -46,9 +56,14 @@ struct eng_join {
      * stand for themselves: NULL. Pairs that share one are left out. */
     const uint32_t *a_corner[3];
     const uint32_t *b_corner[3];
-    float t_end;    /* < 1: pairs that certainly do not meet up to then are left out */
-    bool in_time;   /* pairs that no time brings together on all axes are left out, too */
-    uint64_t tests; /* counts: one box against a block */
+    enum eng_join_boxes boxes;
+    float t_end;         /* 0 .. 1; swept boxes: not looked at */
+    bool in_time;        /* of moving boxes, those that no time brings together on all
+                             * axes are left out, too */
+    uint32_t near_block; /* of a, which `near` holds; ENG_JOIN_NO_BLOCK after t_end was
+                             * set */
+    struct eng_wide_block near;
+    uint64_t tests;         /* counts: one box against a block */
     uint64_t apart_in_time; /* counts: pairs left out for in_time */
 };
 

@@ -7,7 +7,8 @@
  * One box against sixteen takes, a register of sixteen lanes wide: per axis four sums and
  * two ands of sign bits, 18 operations in all, 9 cycles where two are done at a time (12
  * with compares, of which one is). No box has a zero with a sign (boxes.c), so the sum of
- * two bounds that touch is 0 without one.
+ * two bounds that touch is 0 without one. Boxes that stand still take half of that: plain
+ * swept ones, and those up to a time that is near (near.h).
  *
  * Up to a time. The gap along an axis, g(t) = (1 - t) g0 + t g1, is linear: where g0 > 0,
  * it stays positive up to t_end if g(t_end) > 0. What is computed here is h = -g: h0 and
@@ -35,6 +36,7 @@
  * below the normal range.
  */
 #include "lanes_pack.h"
+#include "near.h"
 #include "table.h"
 
 #define PARTS (ENG_WIDE / ENG_F_LANES)
@@ -54,8 +56,9 @@ struct rows {
 #endif
 };
 
-/* What pairs are tested for. */
-enum rule { RULE_STEP, RULE_UNTIL };
+/* What pairs are tested for: moving boxes over the step, or up to a time; boxes that
+ * stand still, as they are, or around the way up to a time. */
+enum rule { RULE_STEP, RULE_UNTIL, RULE_SWEPT, RULE_NEAR };
 
 /* s / t of the comment above. */
 ENG_INLINE eng_f until_of(float t_end)
@@ -63,14 +66,21 @@ ENG_INLINE eng_f until_of(float t_end)
     return eng_f_all((1.0f - t_end - 0x1p-20f) / (t_end + 0x1p-20f));
 }
 
-ENG_INLINE void rows_load(struct rows *rows, const struct eng_wide_block *block)
+ENG_INLINE void rows_load(struct rows *rows, const struct eng_wide_block *block,
+                          enum rule rule)
 {
     rows->block = block;
 #if ENG_F_LANES == 16
+    bool stands_still = rule == RULE_SWEPT || rule == RULE_NEAR;
 #pragma GCC unroll 12
     for (size_t i = 0; i < 3 * ENG_SIDES; i++) {
-        rows->row[i / 3][i % 3] = eng_f_load(block->row[i / 3][i % 3]);
+        size_t side = i / 3;
+        if (!stands_still || side == ENG_LOW0 || side == ENG_HIGH0) {
+            rows->row[side][i % 3] = eng_f_load(block->row[side][i % 3]);
+        }
     }
+#else
+    (void)rule;
 #endif
 }
 
@@ -127,8 +137,12 @@ ENG_INLINE struct left overlap(struct single box, const struct rows *rows, enum 
 #pragma GCC unroll 3
         for (size_t axis = 0; axis < 3; axis++) {
             eng_f up0 = bound(box, ENG_LOW0, axis) + row_of(rows, ENG_HIGH0, axis, at);
-            eng_f up1 = bound(box, ENG_LOW1, axis) + row_of(rows, ENG_HIGH1, axis, at);
             eng_f down0 = bound(box, ENG_HIGH0, axis) + row_of(rows, ENG_LOW0, axis, at);
+            if (rule == RULE_SWEPT || rule == RULE_NEAR) {
+                signs = eng_fi_or_or(signs, (eng_fi)up0, (eng_fi)down0);
+                continue;
+            }
+            eng_f up1 = bound(box, ENG_LOW1, axis) + row_of(rows, ENG_HIGH1, axis, at);
             eng_f down1 = bound(box, ENG_HIGH1, axis) + row_of(rows, ENG_LOW1, axis, at);
             signs = apart_one_way(signs, up0, up1, rule, until);
             signs = apart_one_way(signs, down0, down1, rule, until);
@@ -276,10 +290,23 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
                          bool in_time, enum rule rule, uint32_t *out_a, uint32_t *out_b)
 {
     const struct eng_wide_block *a = &job->a[n];
+    const struct eng_wide_block *b = &job->b[m];
+    const struct eng_extents *b_box = &job->b_boxes[m];
     eng_f until = until_of(job->t_end);
-    struct single around = {&job->b_boxes[m].side[0][0], 4, 1};
+    struct eng_wide_block near_b;
+    struct eng_extents near_around;
+    if (rule == RULE_NEAR) {
+        if (job->near_block != n) {
+            near_rows(a, job->t_end, true, &job->near);
+            job->near_block = n;
+        }
+        near_box(b_box, job->t_end, &near_around);
+        a = &job->near;
+        b_box = &near_around;
+    }
+    struct single around = {&b_box->side[0][0], 4, 1};
     struct rows rows;
-    rows_load(&rows, a);
+    rows_load(&rows, a, rule);
     struct left left = overlap(around, &rows, rule, until);
     uint32_t lanes = bits_of(&left);
     if (lanes == 0) {
@@ -292,7 +319,11 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
     struct corners corners;
     struct found found = {.count = 0};
     corners_load(&corners, job->b_corner, b_vertices, m * ENG_WIDE);
-    rows_load(&rows, &job->b[m]);
+    if (rule == RULE_NEAR) {
+        near_rows(b, job->t_end, false, &near_b);
+        b = &near_b;
+    }
+    rows_load(&rows, b, rule);
     job->tests += 1 + (uint32_t)__builtin_popcount(lanes);
     for (; lanes != 0; lanes &= lanes - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(lanes);
@@ -329,25 +360,29 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
 #define JOIN(a_vertices, b_vertices, twins, self, in_time)                               \
     (job->t_end < 1 ? JOIN_BY(a_vertices, b_vertices, twins, self, in_time, RULE_UNTIL)  \
                     : JOIN_BY(a_vertices, b_vertices, twins, self, in_time, RULE_STEP))
-#define JOIN_TIMED(a_vertices, b_vertices, twins, self)                                  \
-    (job->in_time ? JOIN(a_vertices, b_vertices, twins, self, true)                      \
-                  : JOIN(a_vertices, b_vertices, twins, self, false))
+#define JOIN_OF(a_vertices, b_vertices, twins, self)                                     \
+    (job->boxes == ENG_JOIN_SWEPT                                                        \
+         ? JOIN_BY(a_vertices, b_vertices, twins, self, false, RULE_SWEPT)               \
+     : job->boxes == ENG_JOIN_NEAR                                                       \
+         ? JOIN_BY(a_vertices, b_vertices, twins, self, false, RULE_NEAR)                \
+     : job->in_time ? JOIN(a_vertices, b_vertices, twins, self, true)                    \
+                    : JOIN(a_vertices, b_vertices, twins, self, false))
 
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    return self ? JOIN_TIMED(0, 0, true, true) : JOIN_TIMED(0, 0, true, false);
+    return self ? JOIN_OF(0, 0, true, true) : JOIN_OF(0, 0, true, false);
 }
 
 uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    return self ? JOIN_TIMED(2, 2, false, true) : JOIN_TIMED(2, 2, false, false);
+    return self ? JOIN_OF(2, 2, false, true) : JOIN_OF(2, 2, false, false);
 }
 
 uint32_t ENG_KERNEL(join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
     (void)self; /* two trees */
-    return JOIN_TIMED(1, 3, false, false);
+    return JOIN_OF(1, 3, false, false);
 }

@@ -39,6 +39,16 @@ ENG_INLINE eng_fi eng_fi_or_and(eng_fi a, eng_fi b, eng_fi c)
 #endif
 }
 
+/* a | b | c. */
+ENG_INLINE eng_fi eng_fi_or_or(eng_fi a, eng_fi b, eng_fi c)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_ternarylogic_epi32((__m512i)a, (__m512i)b, (__m512i)c, 0xfe);
+#else
+    return a | b | c;
+#endif
+}
+
 /* The lanes that are left over: bits with AVX-512; elsewhere those without a sign, so
  * that they become bits once. */
 #if ENG_VECTOR_BYTES == 64

@@ -11,6 +11,7 @@ kernel_sources = \
     daemon/engine/kernel/cubic.h \
     daemon/engine/kernel/filter.c \
     daemon/engine/kernel/join.c \
+    daemon/engine/kernel/four.h \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lanes.h \
     daemon/engine/kernel/lanes_avx512.h \
@@ -19,6 +20,7 @@ kernel_sources = \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
+    daemon/engine/kernel/near.h \
     daemon/engine/kernel/points.h \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \

@@ -13,11 +13,13 @@
 /* Joins of two blocks between two looks: some 200 us. */
 #define JOINS_PER_LOOK 1024u
 
-/* Bounds on time below which times are not looked at: hardly anything comes or goes until
- * then, and what is apart at first is left out for that. */
+/* Bounds on time that are near. Boxes around the way until then are hardly larger than
+ * boxes that move, and take half as long to compare. Nor are times looked at: hardly
+ * anything comes or goes until then, and what is apart at first is left out for that. */
 #define NEAR_MOST 0x1p-4f
 
-void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide)
+void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
+                         enum eng_join_boxes boxes)
 {
     static const enum eng_wide_kind tree_of[ENG_KINDS][2] = {
         [ENG_VF] = {ENG_WIDE_VERTICES, ENG_WIDE_FACES},
@@ -37,7 +39,9 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
             *job = (struct eng_join){.a = eng_wide_blocks(a, level),
                                      .b = eng_wide_blocks(b, level),
                                      .b_boxes = eng_wide_boxes(b, level),
-                                     .t_end = 1};
+                                     .boxes = boxes,
+                                     .t_end = 1,
+                                     .near_block = ENG_JOIN_NO_BLOCK};
             for (int k = 0; k < 3; k++) {
                 job->a_corner[k] = a->corner[k];
                 job->b_corner[k] = b->corner[k];
@@ -55,7 +59,11 @@ void eng_wide_join_until(struct eng_wide_join *join, float t_end)
         for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
             job->t_end = t_end;
-            job->in_time = job->in_time && t_end > NEAR_MOST;
+            job->near_block = ENG_JOIN_NO_BLOCK;
+            if (t_end <= NEAR_MOST) {
+                job->boxes = ENG_JOIN_NEAR;
+                job->in_time = false;
+            }
         }
     }
 }

@@ -44,11 +44,14 @@ struct eng_wide_join {
     struct eng_wide_chunk chunks[ENG_KINDS];
 };
 
-/* Get ready for the trees as they are; owner, flush and look are set by the caller. */
-void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide);
+/* Get ready for the trees as they are; owner, flush and look are set by the caller. Boxes
+ * are ENG_JOIN_SWEPT if the refit made them so, else ENG_JOIN_MOVING. */
+void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
+                         enum eng_join_boxes boxes);
 
-/* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1. For a
- * bound that is near the join also stops looking at the times of pairs (in_time). */
+/* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1, which
+ * is never more than the last time. Once it is near, boxes around the way until then are
+ * compared (ENG_JOIN_NEAR), and times of pairs are no longer looked at (in_time). */
 void eng_wide_join_until(struct eng_wide_join *join, float t_end);
 
 /* All pairs that nodes n and m of a level lead to: of the vertex and the face tree, or of

@@ -82,7 +82,7 @@ static void sweeper_init(struct sweeper *sweeper, const struct eng_wide *wide,
     sweeper->join.owner = sweeper;
     sweeper->join.flush = on_chunk;
     sweeper->join.look = on_look;
-    eng_wide_join_begin(&sweeper->join, wide);
+    eng_wide_join_begin(&sweeper->join, wide, ENG_JOIN_SWEPT);
 }
 
 static int add(struct tasks *tasks, struct task task)

@@ -213,7 +213,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->join.look = look;
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
-    eng_wide_join_begin(&work->join, &worker->scene->wide);
+    eng_wide_join_begin(&work->join, &worker->scene->wide, ENG_JOIN_MOVING);
     for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
         bool in_time = worker->settings->mode != ENG_MODE_PAIRS;
         work->join.jobs[kind][0].in_time = in_time;
