@@ -38,3 +38,113 @@ FUZZ_JOBS = 2
 fuzz-elementary: tests/fuzz/elementary
 	nice -n 19 tests/fuzz/elementary --queries $(FUZZ_QUERIES) --seed $(FUZZ_SEED) \
 	    --jobs $(FUZZ_JOBS)
+
+# ---- targets for libFuzzer ----------------------------------------------------------
+#
+# make fuzz FUZZ_SECONDS=600                    each target so long, built by clang beside
+# FUZZ_TARGETS="mesh slot" make fuzz            some of them
+# tests/fuzz/replay TARGET FILE...              without a fuzzer, in any build
+
+target_sources = \
+    $(fault_sources) \
+    $(fuzz_sources) \
+    tests/fuzz/host.c tests/fuzz/host.h \
+    tests/fuzz/peer.c tests/fuzz/peer.h \
+    tests/fuzz/fuzz_target.c tests/fuzz/fuzz_target.h \
+    tests/fuzz/target_decoder.c \
+    tests/fuzz/target_dispatch.c \
+    tests/fuzz/target_mesh.c \
+    tests/fuzz/target_query.c \
+    tests/fuzz/target_slot.c \
+    tests/fuzz/visitor.c tests/fuzz/visitor.h \
+    tests/fault/life.c tests/fault/life.h
+check_LTLIBRARIES += libfuzztargets.la
+libfuzztargets_la_SOURCES = $(target_sources)
+libfuzztargets_la_CPPFLAGS = $(server_cppflags) $(MSGPACK_CFLAGS) \
+    -iquote $(top_srcdir)/tests/fault -iquote $(top_srcdir)/tests/fuzz \
+    -iquote $(top_srcdir)/tests/support -iquote $(top_srcdir)/tests/oracle
+libfuzztargets_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
+# By itself: two rooms have a step.h.
+check_LTLIBRARIES += libfuzzreader.la
+libfuzzreader_la_SOURCES = tests/fuzz/target_reader.c
+libfuzzreader_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) \
+    -iquote $(top_srcdir)/tests/fault -iquote $(top_srcdir)/tests/fuzz
+# Allocations of all that is linked in can fail; the fuzzer's own are not counted.
+target_ldflags = $(AM_LDFLAGS) $(FAULT_WRAP_MEMORY) $(FAULT_WRAP_CALLS)
+target_ldadd = $(MSGPACK_ARCHIVE) libfuzzreader.la libfuzztargets.la libserver.la \
+    libengine.la libctl.la \
+    liboracle.la libtestraw.la libproto.la $(UV_ARCHIVE) $(GMP_LIBS) $(JANSSON_LIBS) \
+    $(PNG_LIBS) $(LIBM)
+
+check_PROGRAMS += tests/fuzz/replay
+tests_fuzz_replay_SOURCES = tests/fuzz/replay.c
+tests_fuzz_replay_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz
+tests_fuzz_replay_CFLAGS = $(AM_CFLAGS) -pthread
+tests_fuzz_replay_LDFLAGS = $(target_ldflags)
+tests_fuzz_replay_LDADD = $(target_ldadd)
+
+dist_check_SCRIPTS += tests/fuzz/test_fuzz_corpus.sh
+TESTS += tests/fuzz/test_fuzz_corpus.sh
+EXTRA_DIST += tests/fuzz/corpus tests/fuzz/entry.c tests/fuzz/run_fuzz.sh
+
+FUZZ_SECONDS = 60
+.PHONY: fuzz fuzz-here
+if FUZZ
+fuzz_programs =
+fuzz_programs += tests/fuzz/fuzz_decoder
+EXTRA_PROGRAMS += tests/fuzz/fuzz_decoder
+tests_fuzz_fuzz_decoder_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_decoder_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_decoder
+tests_fuzz_fuzz_decoder_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_decoder_LDADD = $(target_ldadd)
+fuzz_programs += tests/fuzz/fuzz_dispatch
+EXTRA_PROGRAMS += tests/fuzz/fuzz_dispatch
+tests_fuzz_fuzz_dispatch_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_dispatch_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_dispatch
+tests_fuzz_fuzz_dispatch_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_dispatch_LDADD = $(target_ldadd)
+fuzz_programs += tests/fuzz/fuzz_slot
+EXTRA_PROGRAMS += tests/fuzz/fuzz_slot
+tests_fuzz_fuzz_slot_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_slot_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_slot
+tests_fuzz_fuzz_slot_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_slot_LDADD = $(target_ldadd)
+fuzz_programs += tests/fuzz/fuzz_mesh
+EXTRA_PROGRAMS += tests/fuzz/fuzz_mesh
+tests_fuzz_fuzz_mesh_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_mesh_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_mesh
+tests_fuzz_fuzz_mesh_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_mesh_LDADD = $(target_ldadd)
+fuzz_programs += tests/fuzz/fuzz_reader
+EXTRA_PROGRAMS += tests/fuzz/fuzz_reader
+tests_fuzz_fuzz_reader_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_reader_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_reader
+tests_fuzz_fuzz_reader_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_reader_LDADD = $(target_ldadd)
+fuzz_programs += tests/fuzz/fuzz_query
+EXTRA_PROGRAMS += tests/fuzz/fuzz_query
+tests_fuzz_fuzz_query_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_query_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_query
+tests_fuzz_fuzz_query_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_query_LDADD = $(target_ldadd)
+fuzz: fuzz-here
+else
+# In a build of its own, by clang and with its sanitisers.
+fuzz:
+	$(MKDIR_P) fuzz-build
+	cd fuzz-build && { test -f Makefile || $(abs_top_srcdir)/configure -q CC=clang-14 \
+	    --enable-fuzz --enable-sanitize=address,undefined CFLAGS='-O1 -g'; }
+	$(MAKE) -C fuzz-build fuzz-here FUZZ_SECONDS=$(FUZZ_SECONDS)
+endif
+fuzz-here: $(fuzz_programs)
+	$(BASH) $(top_srcdir)/tests/fuzz/run_fuzz.sh $(FUZZ_SECONDS) $(abs_top_builddir) \
+	    $(abs_top_srcdir)/tests/fuzz/corpus
+
+# The first inputs; `make fuzz-seeds` writes them anew after the manifest has changed.
+EXTRA_PROGRAMS += tests/fuzz/seeds
+tests_fuzz_seeds_SOURCES = tests/fuzz/seeds.c
+tests_fuzz_seeds_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto
+tests_fuzz_seeds_LDADD = libproto.la
+.PHONY: fuzz-seeds
+fuzz-seeds: tests/fuzz/seeds
+	tests/fuzz/seeds $(srcdir)/tests/fuzz/corpus

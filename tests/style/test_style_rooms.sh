@@ -55,7 +55,7 @@ bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/conf
 bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
 bench/peers         CGAL/Box_intersection_d/Box_d.h CGAL/box_intersection_d.h CGAL/version.h
 bench/peers         atomic cstdio cstdlib memory string vector
-tests               cmocka.h gmp.h jansson.h omp.h png.h xxhash.h
+tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 '
 
 c_library='argp.h assert.h ctype.h dirent.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h

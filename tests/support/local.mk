@@ -19,6 +19,12 @@ libtestdaemon_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 libtestdaemon_la_LIBADD = libpccd.la libproto.la -lm
 
+# The raw peer alone, where libpccd has no place.
+check_LTLIBRARIES += libtestraw.la
+libtestraw_la_SOURCES = tests/support/raw.c tests/support/raw.h
+libtestraw_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
+    -iquote $(top_srcdir)/tests/support
+
 EXTRA_DIST += tests/support/cmocka.sh
 
 # Sourced by the test scripts.

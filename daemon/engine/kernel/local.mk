@@ -31,7 +31,7 @@ kernel_sources = \
     daemon/engine/kernel/within.c
 kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 # The loops are short and everything in them is inlined: what -O3 adds is unrolling.
-kernel_cflags = $(AM_CFLAGS) -fno-trapping-math -fno-math-errno
+kernel_cflags = $(AM_CFLAGS) -fno-trapping-math -fno-math-errno $(PCCD_KERNEL_CFLAGS)
 
 noinst_LTLIBRARIES += libkernel_scalar.la
 kernel_libraries = libkernel_scalar.la

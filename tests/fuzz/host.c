@@ -1,0 +1,136 @@
+/* host.c - the daemon's server as a thread of the fuzzer's process.
+ *
+ * Room:     tests/fuzz. May include: host.h, fuzz_target.h, the server's headers.
+ * Does:     hand srv_loop_run a socket, as a service manager does; watch the engine's
+ *           bytes and the process's descriptors.
+ * Threads:  as host.h says.
+ */
+#include "host.h"
+
+#include <dirent.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "fuzz_target.h"
+#include "limits.h"
+#include "log.h"
+#include "loop.h"
+#include "memory.h"
+#include "visitor.h"
+
+#define BACKLOG     64
+#define SHM_BYTES   (2u << 20)
+#define TRIANGLES   20000u
+#define WAIT_ROUNDS 20000 /* of a millisecond */
+
+static struct srv_options options;
+static char folder[] = "/tmp/pccd-fuzz-XXXXXX";
+static int fds_before;
+static uint64_t bytes_before;
+static pthread_t server;
+
+static void *serve(void *context)
+{
+    (void)context;
+    FUZZ_CHECK(srv_loop_run(&options) == 0);
+    return NULL;
+}
+
+static void remove_socket(void)
+{
+    (void)unlink(options.socket_path);
+    (void)rmdir(folder);
+}
+
+static int count_fds(void)
+{
+    int count = 0;
+    DIR *entries = opendir("/proc/self/fd");
+    while (entries != NULL && readdir(entries) != NULL) {
+        count++;
+    }
+    closedir(entries);
+    return count;
+}
+
+static struct sockaddr_un address(void)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    strcpy(at.sun_path, options.socket_path);
+    return at;
+}
+
+static void listen_there(void)
+{
+    FUZZ_CHECK(mkdtemp(folder) != NULL);
+    snprintf(options.socket_path, sizeof options.socket_path, "%s/s", folder);
+    struct sockaddr_un at = address();
+    options.listen_fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    FUZZ_CHECK(options.listen_fd >= 0 &&
+               bind(options.listen_fd, (struct sockaddr *)&at, sizeof at) == 0 &&
+               listen(options.listen_fd, BACKLOG) == 0);
+    atexit(remove_socket);
+}
+
+void fuzz_host_start(void)
+{
+    static bool is_started;
+    if (is_started) {
+        return;
+    }
+    is_started = true;
+    fuzz_scarcity_pause();
+    char *arguments[] = {(char *)(uintptr_t) "pccdd", NULL};
+    srv_options_parse(&options, 1, arguments);
+    options.threads_max = 1;
+    options.pin = SRV_PIN_OFF;
+    options.sandbox = SRV_SANDBOX_OFF;
+    options.connections_max = 64;
+    options.queue_max = 256;
+    options.contacts_max = 4096;
+    options.linger_s = 1;
+    options.quota[SRV_QUOTA_CLIENTS] = 32;
+    options.quota[SRV_QUOTA_SHM_BYTES] = SHM_BYTES;
+    options.quota[SRV_QUOTA_MESHES] = 16;
+    options.quota[SRV_QUOTA_TRIANGLES] = TRIANGLES;
+    srv_log_set_level(SRV_LOG_ERROR);
+    listen_there();
+    FUZZ_CHECK(pthread_create(&server, NULL, serve, NULL) == 0);
+    for (int i = 0; i < 3; i++) { /* what is made once */
+        fuzz_visit(options.socket_path);
+    }
+    usleep(100000);
+    fds_before = count_fds();
+    bytes_before = eng_alloc_bytes();
+    fuzz_scarcity_resume();
+}
+
+const char *fuzz_host_socket(void)
+{
+    return options.socket_path;
+}
+
+int fuzz_host_connect(void)
+{
+    struct sockaddr_un at = address();
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    FUZZ_CHECK(fd >= 0 && connect(fd, (struct sockaddr *)&at, sizeof at) == 0);
+    return fd;
+}
+
+void fuzz_host_check(void)
+{
+    fuzz_scarcity_pause();
+    fuzz_visit(options.socket_path);
+    for (int i = 0; count_fds() != fds_before || eng_alloc_bytes() != bytes_before; i++) {
+        FUZZ_CHECK(i < WAIT_ROUNDS);
+        usleep(1000);
+    }
+    fuzz_scarcity_resume();
+}

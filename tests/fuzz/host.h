@@ -1,0 +1,24 @@
+/* host.h - the daemon's server as a thread of the fuzzer's process.
+ *
+ * Room:     tests/fuzz. May include: the C library.
+ * Does:     run the whole event loop on a listening socket of its own, with quotas that
+ *           keep every input quick.
+ * Threads:  one calls; the server has its own.
+ */
+#ifndef FUZZ_HOST_H
+#define FUZZ_HOST_H
+
+/* Start it, once; further calls do nothing. */
+void fuzz_host_start(void);
+
+/* The path of its socket. */
+const char *fuzz_host_socket(void);
+
+/* A connected, blocking socket. */
+int fuzz_host_connect(void);
+
+/* An honest client lives its life, and when it has gone, as all others have, the server
+ * holds nothing more than at the start. No allocation fails meanwhile. */
+void fuzz_host_check(void);
+
+#endif

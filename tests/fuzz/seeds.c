@@ -1,0 +1,362 @@
+/* seeds.c - inputs for fuzzers to begin with.
+ *
+ * Room:     tests/fuzz. May include: proto.
+ * Does:     write files into a folder for each target: every message of the manifest, as
+ *           small as it can be and with every field; scripts that lead deep into a
+ *           session; slots, meshes, files and queries of each kind.
+ * Threads:  one.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "codec.h"
+#include "messages.h"
+
+static const char *root;
+static uint8_t seed[65536];
+static size_t length;
+
+static void begin(void)
+{
+    length = 0;
+    seed[length++] = 0; /* no allocation fails */
+}
+
+static void put(const void *bytes, size_t count)
+{
+    if (count <= sizeof(seed) - length) {
+        memcpy(seed + length, bytes, count);
+        length += count;
+    }
+}
+
+static void put_u8(unsigned value)
+{
+    put(&(uint8_t){(uint8_t)value}, 1);
+}
+
+static void put_u16(unsigned value)
+{
+    put(&(uint16_t){(uint16_t)value}, 2);
+}
+
+static void save(const char *target, const char *name)
+{
+    char path[4096];
+    snprintf(path, sizeof(path), "%s/%s", root, target);
+    mkdir(path, 0777);
+    snprintf(path, sizeof(path), "%s/%s/%s", root, target, name);
+    FILE *file = fopen(path, "wb");
+    if (file == NULL || fwrite(seed, 1, length, file) != length || fclose(file) != 0) {
+        perror(path);
+        exit(1);
+    }
+}
+
+/* ---- decoder ----------------------------------------------------------------------- */
+
+/* Every field as large as it can be. */
+static void fill(const struct proto_fields *fields, char *body)
+{
+    memset(body, 0, fields->struct_bytes);
+    for (uint32_t i = 0; i < fields->count; i++) {
+        char *member = body + fields->items[i].offset;
+        switch (fields->items[i].type) {
+        case PROTO_TYPE_u32:
+            memset(member, 0xff, sizeof(uint32_t));
+            break;
+        case PROTO_TYPE_u64:
+            memset(member, 0xff, sizeof(uint64_t));
+            break;
+        case PROTO_TYPE_f64:
+            memcpy(member, &(double){-0.1}, sizeof(double));
+            break;
+        case PROTO_TYPE_bool:
+            memcpy(member, &(bool){true}, sizeof(bool));
+            break;
+        case PROTO_TYPE_str:
+            strcpy(member, "\xc3\xa9");
+            break;
+        }
+    }
+}
+
+static void save_message(const struct proto_encoder *encoder, int method,
+                         const char *name)
+{
+    begin();
+    put_u8((unsigned)method);
+    put(encoder->data, encoder->bytes);
+    save("decoder", name);
+}
+
+static void make_decoder_seeds(void)
+{
+    static struct proto_encoder encoder;
+    static _Alignas(8) char body[8192];
+    char name[128];
+    for (int method = 0; method < PROTO_MESSAGE_COUNT; method++) {
+        const struct proto_message_info *info = &proto_messages[method];
+        fill(&info->request, body);
+        if (method < PROTO_METHOD_COUNT) {
+            proto_encode_request(&encoder, 1, method, body);
+        } else {
+            proto_encode_notification(&encoder, method, body);
+        }
+        snprintf(name, sizeof(name), "%s.request", info->name);
+        save_message(&encoder, method, name);
+        if (method < PROTO_METHOD_COUNT) {
+            fill(&info->result, body);
+            proto_encode_result(&encoder, 1, method, body);
+            snprintf(name, sizeof(name), "%s.result", info->name);
+            save_message(&encoder, method, name);
+        }
+    }
+    const struct proto_error error = {PCCD_E_QUOTA, true, "no"};
+    proto_encode_error(&encoder, UINT32_MAX, &error);
+    save_message(&encoder, 0, "error");
+}
+
+/* ---- dispatch ---------------------------------------------------------------------- */
+
+/* Choices of peer.c for a field: a small number, or one of these. */
+enum { HANDLE = 5, HANDLE_2 = 6, PUBLISH_0 = 8, PUBLISH_1 = 9, BYTE = 10, WORD = 14 };
+
+static void ask(int method, const uint8_t *choices, size_t count)
+{
+    put_u8(1);
+    put_u8((unsigned)method);
+    put(choices, count);
+    /* Fields that are not chosen: 0. */
+    for (size_t i = count; i < proto_messages[method].request.count; i++) {
+        put_u8(0);
+    }
+}
+
+#define ASK(method, ...)                                                                 \
+    ask(PROTO_METHOD_##method, (const uint8_t[]){__VA_ARGS__},                           \
+        sizeof((const uint8_t[]){__VA_ARGS__}))
+
+static void settle(void)
+{
+    put_u8(7);
+}
+
+static void write_ring(unsigned at, const void *bytes, size_t count)
+{
+    put_u8(4);
+    put_u16(at);
+    put_u8((unsigned)count);
+    put(bytes, count);
+}
+
+/* hello, a ring of two slots, a scene, a mesh of a triangle with a fourth vertex. */
+static void enter(void)
+{
+    static const float x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    static const uint32_t triangles[2][3] = {{0, 1, 2}, {1, 2, 3}};
+    ASK(HELLO, 1, 1, 3);
+    ASK(SHM_ATTACH, 2, WORD, WORD);
+    settle();
+    ASK(SCENE_CREATE, 0);
+    ASK(MESH_CREATE, 4, 2);
+    write_ring(0x1000, x, sizeof(x));
+    ASK(MESH_DATA, HANDLE, 0, PUBLISH_0, 0, 0, 0, 4);
+    settle();
+    write_ring(0x1000, triangles, sizeof(triangles));
+    ASK(MESH_DATA, HANDLE, 0, PUBLISH_0, 1, 0, 0, 2);
+    settle();
+    ASK(MESH_COMMIT, HANDLE);
+    ASK(SCENE_ADD, HANDLE, HANDLE);
+    settle();
+}
+
+static void make_dispatch_seeds(void)
+{
+    static const uint8_t nonsense[] = {0x94, 0x00, 0x01, 0xa4, 'n', 'o', 'n', 'e', 0x80};
+    begin();
+    enter();
+    ASK(FRAME_SUBMIT, HANDLE, 0, 0, 0);
+    settle();
+    ASK(FRAME_FETCH, HANDLE, 0, 0);
+    ASK(MESH_EDGES, HANDLE, 0, BYTE, 9);
+    settle();
+    save("dispatch", "step");
+    begin();
+    enter();
+    ASK(MESH_REPLACE, HANDLE, 4, 2);
+    ASK(MESH_COMMIT, HANDLE);
+    ASK(MESH_REPLACE, HANDLE, 0, 0);
+    ASK(SCENE_REMOVE, HANDLE, HANDLE);
+    ASK(SCENE_DESTROY, HANDLE);
+    ASK(MESH_DESTROY, HANDLE);
+    save("dispatch", "replace");
+    begin();
+    ASK(HELLO, 1, 1, 0, 1);
+    ASK(SHM_ATTACH, 1, WORD, WORD);
+    settle();
+    ASK(TRACE_START, BYTE, 64, 0);
+    ASK(STATS, 0);
+    settle();
+    ASK(TRACE_STOP, 0);
+    ASK(TRACE_DUMP, 0, 4);
+    ASK(STATS_THREAD, 0, 1);
+    ASK(CANCEL, 1);
+    save("dispatch", "watch");
+    begin();
+    put_u8(0);
+    put_u16(sizeof(nonsense));
+    put(nonsense, sizeof(nonsense));
+    ASK(PING, 1);
+    put_u8(246);
+    put_u16(1);
+    put_u8(0xc0);
+    save("dispatch", "nonsense");
+    for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
+        begin();
+        ASK(HELLO, 1, 1, 3);
+        ask(method, NULL, 0);
+        settle();
+        save("dispatch", proto_messages[method].name);
+    }
+}
+
+/* ---- slot, mesh, query ------------------------------------------------------------- */
+
+/* Pseudo-random bytes: positions of any kind. */
+static void put_noise(unsigned start, size_t count)
+{
+    uint32_t state = start * 2654435761u + 1;
+    while (count-- > 0) {
+        state = state * 1664525u + 1013904223u;
+        put_u8(state >> 24);
+    }
+}
+
+static void make_slot_seeds(void)
+{
+    char name[32];
+    for (unsigned kind = 0; kind < 6; kind++) { /* x1, x0x1, rigid; float, double */
+        begin();
+        put_u8(0);
+        put_u8(1);                            /* segments */
+        put_u8(kind % 3 * 4 + kind / 3 * 16); /* object 0 */
+        put_u8(0);                            /* whole */
+        put_u8(kind % 3 == 0 ? 0 : 1);        /* start: right behind the table */
+        put_u8(1 + 4 * 27);                   /* end */
+        put_noise(0, 0);
+        save("slot", (snprintf(name, sizeof(name), "segment%u", kind), name));
+    }
+    for (unsigned part = 0; part < 4; part++) {
+        begin();
+        put_u8(3 + part * 64);
+        put_u8(0);
+        put_u8(9);
+        put_u8(0);
+        put_noise(part, part % 2 == 1 ? 0 : 40);
+        save("slot", (snprintf(name, sizeof(name), "chunk%u", part), name));
+    }
+    for (unsigned choice = 0; choice < 3; choice++) {
+        begin();
+        put_u8(1 + choice * 28);
+        put_u16(0x200);
+        put_noise(choice, 60);
+        save("slot", (snprintf(name, sizeof(name), "header%u", choice), name));
+    }
+}
+
+static void make_mesh_seeds(void)
+{
+    char name[32];
+    for (unsigned width = 0; width < 8; width++) {
+        for (unsigned vertices = 3; vertices <= 12; vertices += 9) {
+            begin();
+            put_u8(width);
+            put_u8(width);
+            put_u8(vertices);
+            put_u8(vertices);
+            put_noise(width, 3 * (vertices + 1) + 9 * (vertices + 1) * 8);
+            save("mesh",
+                 (snprintf(name, sizeof(name), "noise%u.%u", width, vertices), name));
+        }
+    }
+}
+
+static void make_query_seeds(void)
+{
+    char name[32];
+    for (unsigned choices = 0; choices < 16; choices++) {
+        begin();
+        put_u8(choices % 8);
+        put_u8(choices / 8 * 40);
+        put_noise(choices, choices % 3 == 0 ? 24 * 4 : 24 * 8);
+        save("query", (snprintf(name, sizeof(name), "noise%u", choices), name));
+    }
+}
+
+/* ---- reader ------------------------------------------------------------------------ */
+
+static void save_text(unsigned is_obj, const char *text, size_t bytes, const char *name)
+{
+    begin();
+    put_u8(is_obj);
+    put(text, bytes);
+    save("reader", name);
+}
+
+#define SAVE_TEXT(is_obj, text, name) save_text(is_obj, text, sizeof(text) - 1, name)
+
+static void make_reader_seeds(void)
+{
+    SAVE_TEXT(1, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "plain.obj");
+    SAVE_TEXT(1,
+              "# c\nv 0 0 0 1\nv 1e9 -.5 0\r\nv 0 1 0\nvt 0 0\nvn 0 0 1\ng a\n"
+              "f 1/1/1 2//1 -1\nf 1 2 3 -1\n",
+              "rich.obj");
+    SAVE_TEXT(0,
+              "ply\nformat ascii 1.0\ncomment c\nelement vertex 3\nproperty float x\n"
+              "property float y\nproperty float z\nelement face 1\n"
+              "property list uchar int vertex_indices\nend_header\n"
+              "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+              "ascii.ply");
+    SAVE_TEXT(0,
+              "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\n"
+              "property double y\nproperty double z\nproperty list uchar float w\n"
+              "element other 1\nproperty int a\nelement face 1\n"
+              "property uchar q\nproperty list uint8 uint32 vertex_index\nend_header\n"
+              "0 0 0 0\n1 0 0 1 5\n0 1 0 0\n1 1 1e3 0\n7\n1 4 0 1 2 3\n",
+              "rich.ply");
+    SAVE_TEXT(0,
+              "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
+              "property char x\nproperty char y\nproperty char z\nelement face 1\n"
+              "property list uchar uchar vertex_indices\nend_header\n"
+              "\0\0\0\1\0\0\0\1\0\3\0\1\2",
+              "little.ply");
+    SAVE_TEXT(0,
+              "ply\nformat binary_big_endian 1.0\nelement vertex 3\n"
+              "property short x\nproperty ushort y\nproperty char z\nelement face 1\n"
+              "property list ushort uint vertex_indices\nend_header\n"
+              "\0\0\0\0\0\0\1\0\0\0\0\0\0\1\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2",
+              "big.ply");
+    SAVE_TEXT(0, "ply\nformat ascii 1.0\nelement vertex 4294967295\nend_header\n",
+              "many.ply");
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 2) {
+        fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
+        return 2;
+    }
+    root = argv[1];
+    mkdir(root, 0777);
+    make_decoder_seeds();
+    make_dispatch_seeds();
+    make_slot_seeds();
+    make_mesh_seeds();
+    make_query_seeds();
+    make_reader_seeds();
+    return 0;
+}

@@ -1,0 +1,71 @@
+/* target_dispatch.c - any messages to a real server.
+ *
+ * Room:     tests/fuzz. May include: fuzz_target.h, host.h, peer.h.
+ * Does:     play a script on a fresh connection: raw messages, well-formed requests with
+ *           any values, descriptors, words and bytes of the ring. Each message is
+ *           answered or ends the connection, and other clients never notice.
+ * Threads:  one, and the server's.
+ */
+#include <string.h>
+
+#include "fuzz_target.h"
+#include "host.h"
+#include "peer.h"
+
+#define ACTS_MAX     64  /* of one script */
+#define CHECKS_EVERY 128 /* scripts */
+
+static void send_raw(struct fuzz_peer *peer, struct fuzz_input *input, int fd_count)
+{
+    static uint8_t message[4096];
+    size_t bytes =
+        fuzz_take_bytes(input, message, fuzz_take_u16(input) % sizeof(message));
+    fuzz_peer_send(peer, message, bytes, fd_count);
+}
+
+static void act(struct fuzz_peer *peer, struct fuzz_input *input)
+{
+    uint8_t choice = fuzz_take_u8(input);
+    switch (choice % 8) {
+    case 0:
+        send_raw(peer, input, 0);
+        break;
+    case 1:
+    case 2:
+    case 3:
+        fuzz_peer_ask(peer, fuzz_take_u8(input) % PROTO_METHOD_COUNT, input);
+        break;
+    case 4:
+        fuzz_peer_write(peer, input);
+        break;
+    case 5:
+        fuzz_peer_release(peer, choice < 128 ? peer->release : fuzz_take_u64(input));
+        break;
+    case 6:
+        if (choice >= 240) {
+            send_raw(peer, input, 1 + choice % 2);
+        }
+        break;
+    default:
+        fuzz_peer_settle(peer);
+        break;
+    }
+}
+
+void fuzz_dispatch(const uint8_t *data, size_t bytes)
+{
+    struct fuzz_input input = {data, bytes};
+    static unsigned inputs;
+    struct fuzz_peer peer;
+    fuzz_host_start();
+    fuzz_peer_open(&peer);
+    for (int i = 0; i < ACTS_MAX && input.left > 0 && !peer.is_over; i++) {
+        act(&peer, &input);
+    }
+    fuzz_peer_settle(&peer);
+    fuzz_scarcity_pause();
+    fuzz_peer_close(&peer);
+    if (++inputs % CHECKS_EVERY == 0) {
+        fuzz_host_check();
+    }
+}

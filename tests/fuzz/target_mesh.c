@@ -1,0 +1,192 @@
+/* target_mesh.c - any mesh, and a step of it.
+ *
+ * Room:     tests/fuzz. May include: fuzz_target.h, engine headers.
+ * Does:     register, place twice, move by both ways to find candidates and by two
+ *           instruction sets: the same bytes, or a refusal that is explained. Everything
+ *           is given back.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fuzz_target.h"
+#include "kernel.h"
+#include "memory.h"
+#include "step.h"
+
+#define VERTICES_MAX  32u
+#define TRIANGLES_MAX 48u
+
+struct shape {
+    enum eng_format format;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint8_t width;
+    uint32_t triangles[TRIANGLES_MAX][3];
+    double x[3][VERTICES_MAX][3]; /* as registered; both ends of the step */
+};
+
+static double take_coordinate(struct fuzz_input *input, uint8_t width)
+{
+    double value;
+    float narrow;
+    uint64_t bits;
+    uint32_t half;
+    switch (width % 4) {
+    case 0:
+        bits = fuzz_take_u64(input);
+        memcpy(&value, &bits, sizeof(value));
+        return value;
+    case 1:
+        half = fuzz_take_u32(input);
+        memcpy(&narrow, &half, sizeof(narrow));
+        return (double)narrow;
+    case 2:
+        return (int16_t)fuzz_take_u16(input);
+    default:
+        return (int8_t)fuzz_take_u8(input) / 16.0;
+    }
+}
+
+static void take_shape(struct fuzz_input *input, struct shape *shape)
+{
+    uint8_t choices = fuzz_take_u8(input);
+    shape->width = choices;
+    shape->format = choices / 4 % 2 == 0 ? ENG_F64 : ENG_F32;
+    shape->vertex_count = fuzz_take_u8(input) % VERTICES_MAX + 1;
+    shape->triangle_count = fuzz_take_u8(input) % TRIANGLES_MAX + 1;
+    for (uint32_t i = 0; i < shape->triangle_count * 3; i++) {
+        uint32_t corner = fuzz_take_u8(input);
+        /* One bit of a choice lets indices be out of range. */
+        shape->triangles[i / 3][i % 3] =
+            choices / 8 % 8 == 7 ? corner : corner % shape->vertex_count;
+    }
+    for (uint32_t i = 0; i < 3 * shape->vertex_count * 3; i++) {
+        uint32_t vertex = i / 3 % shape->vertex_count;
+        shape->x[i / (3 * shape->vertex_count)][vertex][i % 3] =
+            take_coordinate(input, choices);
+    }
+}
+
+/* Positions in the shape's format, to any of three buffers. */
+static const void *positions(const struct shape *shape, int which)
+{
+    static float narrow[3][VERTICES_MAX][3];
+    if (shape->format == ENG_F64) {
+        return shape->x[which];
+    }
+    for (uint32_t i = 0; i < shape->vertex_count * 3; i++) {
+        double value = shape->x[which][i / 3][i % 3];
+        /* Beyond the range of float: one that is refused. */
+        narrow[which][i / 3][i % 3] = fabs(value) < 1e38 ? (float)value : (float)INFINITY;
+    }
+    return narrow[which];
+}
+
+static bool is_refusal(int status)
+{
+    FUZZ_CHECK(status != ENG_E_NOMEM || fuzz_scarcity_hits() > 0);
+    return status != ENG_OK;
+}
+
+/* Register. Returns whether there is a mesh now. */
+static bool make_mesh(const struct shape *shape, struct eng_mesh **mesh)
+{
+    uint32_t bad = 0;
+    if (is_refusal(eng_mesh_new(shape->vertex_count, shape->triangle_count, mesh))) {
+        *mesh = NULL;
+        return false;
+    }
+    int status = eng_mesh_write_vertices(*mesh, shape->format, 0, shape->vertex_count,
+                                         positions(shape, 0));
+    if (status == ENG_OK) {
+        status = eng_mesh_write_triangles(*mesh, 0, shape->triangle_count,
+                                          shape->triangles, &bad);
+    }
+    if (status == ENG_E_INDEX) {
+        FUZZ_CHECK(bad < shape->triangle_count);
+    }
+    if (!is_refusal(status)) {
+        status = eng_mesh_commit(*mesh);
+    }
+    return !is_refusal(status);
+}
+
+/* Move both objects: one as the input says, the other as a rigid body or not at all. */
+static int stage(struct eng_scene *scene, const struct shape *shape,
+                 const uint32_t idx[2])
+{
+    static const double still[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.5, 0, 0, 1, 0};
+    static const double turned[12] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0.125};
+    eng_stage_begin(scene);
+    int status = eng_stage_x0x1(scene, idx[0], shape->format, 0, shape->vertex_count,
+                                positions(shape, 1), positions(shape, 2));
+    if (status == ENG_OK) {
+        status = eng_stage_rigid(scene, idx[1], 0, shape->vertex_count, still, turned);
+    }
+    if (status != ENG_OK) {
+        eng_stage_abort(scene);
+    }
+    return status;
+}
+
+/* One step. Returns whether there is a whole answer. */
+static bool run(struct eng_scene *scene, const struct shape *shape, const uint32_t idx[2],
+                const struct eng_step_settings *settings, struct eng_step_result *result)
+{
+    if (is_refusal(stage(scene, shape, idx)) ||
+        is_refusal(eng_step(scene, settings, result))) {
+        return false;
+    }
+    FUZZ_CHECK(result->incomplete == ENG_COMPLETE || fuzz_scarcity_hits() > 0);
+    return result->incomplete == ENG_COMPLETE;
+}
+
+static void compare(struct eng_scene *scene, const struct shape *shape,
+                    const uint32_t idx[2], uint8_t choices)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result all;
+    struct eng_step_result other;
+    settings.kernels = eng_kernels_of((enum eng_isa)(choices % ENG_ISA_COUNT));
+    if (!run(scene, shape, idx, &settings, &all)) {
+        return;
+    }
+    settings.kernels = NULL;
+    settings.method = ENG_METHOD_PAPER;
+    if (run(scene, shape, idx, &settings, &other)) {
+        FUZZ_CHECK(other.hash_lo == all.hash_lo && other.hash_hi == all.hash_hi);
+    }
+    settings.method = choices / 8 % 2 == 0 ? ENG_METHOD_WIDE : ENG_METHOD_PAPER;
+    settings.mode = ENG_MODE_FIRST;
+    if (run(scene, shape, idx, &settings, &other)) {
+        FUZZ_CHECK((other.count > 0) == (all.count > 0) && other.count <= all.count);
+        FUZZ_CHECK(other.toi_first == all.toi_first);
+    }
+    settings.mode = ENG_MODE_ANY;
+    if (run(scene, shape, idx, &settings, &other)) {
+        FUZZ_CHECK(other.verdict == (all.count > 0 ? ENG_VERDICT_YES : ENG_VERDICT_NO));
+    }
+}
+
+void fuzz_mesh(const uint8_t *data, size_t bytes)
+{
+    static struct shape shape;
+    struct fuzz_input input = {data, bytes};
+    struct eng_mesh *mesh = NULL;
+    struct eng_scene *scene = NULL;
+    uint32_t idx[2];
+    uint64_t bytes_before = eng_alloc_bytes();
+    uint8_t choices = fuzz_take_u8(&input);
+    memset(&shape, 0, sizeof(shape));
+    take_shape(&input, &shape);
+    if (make_mesh(&shape, &mesh) && !is_refusal(eng_scene_new(NULL, &scene)) &&
+        !is_refusal(eng_scene_add(scene, mesh, 7, &idx[0])) &&
+        !is_refusal(eng_scene_add(scene, mesh, 9, &idx[1]))) {
+        compare(scene, &shape, idx, choices);
+    }
+    eng_scene_free(scene);
+    eng_mesh_release(mesh);
+    FUZZ_CHECK(eng_alloc_bytes() == bytes_before);
+}

@@ -1,0 +1,66 @@
+/* target_query.c - elementary tests of any numbers, against exact arithmetic.
+ *
+ * Room:     tests/fuzz. May include: fuzz_target.h, fuzz_run.h.
+ * Does:     put a query to every instruction set and judge each answer.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fuzz_run.h"
+#include "fuzz_target.h"
+
+#define COORDINATES 24u
+#define EXTREME     1e18
+
+/* Coordinates as 64, 32, 16 or 8 bits: few bits make queries that are degenerate. */
+static double take_coordinate(struct fuzz_input *input, unsigned width)
+{
+    double value;
+    uint64_t bits;
+    switch (width) {
+    case 0:
+        bits = fuzz_take_u64(input);
+        memcpy(&value, &bits, sizeof(value));
+        break;
+    case 1: {
+        float narrow;
+        uint32_t half = fuzz_take_u32(input);
+        memcpy(&narrow, &half, sizeof(narrow));
+        value = (double)narrow;
+        break;
+    }
+    case 2:
+        value = (int16_t)fuzz_take_u16(input);
+        break;
+    default:
+        value = (int8_t)fuzz_take_u8(input);
+        break;
+    }
+    return isfinite(value) ? fmax(-EXTREME, fmin(EXTREME, value)) : 0;
+}
+
+/* A byte of choices (kind, width), a power of two, then the coordinates. */
+void fuzz_query(const uint8_t *data, size_t bytes)
+{
+    static struct fuzz_run run;
+    static bool is_ready;
+    struct fuzz_input input = {data, bytes};
+    struct eng_query query = {0};
+    if (!is_ready) {
+        fuzz_run_init(&run, 1, stderr);
+        is_ready = true;
+    }
+    uint8_t choices = fuzz_take_u8(&input);
+    int scale = (int8_t)fuzz_take_u8(&input) / 4;
+    query.kind = choices % 2 == 0 ? ENG_VF : ENG_EE;
+    double *coordinates = &query.x[0][0][0];
+    for (size_t i = 0; i < COORDINATES; i++) {
+        double value = ldexp(take_coordinate(&input, choices / 2 % 4), scale);
+        coordinates[i] = fmax(-EXTREME, fmin(EXTREME, value));
+    }
+    fuzz_run_query(&run, &query, 1e-6, 1);
+    FUZZ_CHECK(run.failures == 0);
+}

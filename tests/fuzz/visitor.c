@@ -1,0 +1,22 @@
+/* visitor.c - an honest client among inputs of a fuzzer.
+ *
+ * Room:     tests/fuzz. May include: visitor.h, fuzz_target.h, life.h.
+ * Does:     live a life; show what was wrong with it.
+ * Threads:  one.
+ */
+#include "visitor.h"
+
+#include <stdio.h>
+
+#include "fuzz_target.h"
+#include "life.h"
+
+void fuzz_visit(const char *socket_path)
+{
+    static struct life life;
+    life_run(&life, socket_path, false);
+    if (life.wrong[0] != '\0') {
+        fprintf(stderr, "an honest client: %s\n", life.wrong);
+    }
+    FUZZ_CHECK(life.wrong[0] == '\0' && !life.is_lost && life.refusals == 0);
+}

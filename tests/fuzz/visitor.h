@@ -1,0 +1,12 @@
+/* visitor.h - an honest client among inputs of a fuzzer.
+ *
+ * Room:     tests/fuzz. May include: the C library.
+ * Threads:  one.
+ * Does:     ask for everything once (tests/fault/life.h), and abort unless it is given.
+ */
+#ifndef FUZZ_VISITOR_H
+#define FUZZ_VISITOR_H
+
+void fuzz_visit(const char *socket_path);
+
+#endif
