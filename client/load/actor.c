@@ -275,6 +275,16 @@ static bool must_churn(const struct load_actor *actor)
            actor->next % CHURN_EVERY == 0 && actor->changed != actor->next;
 }
 
+/* As an application does between its frames. */
+static void think(struct load_actor *actor)
+{
+    uint64_t think_ns = (uint64_t)actor->load->settings.think_ms * 1000000u;
+    if (think_ns > 0) {
+        uint64_t luck = load_mix(actor->number, actor->next ^ actor->last_step << 32);
+        actor->due_ns = load_now_ns() + think_ns / 2 + luck % think_ns;
+    }
+}
+
 static int send(struct load_actor *actor, bool *moved)
 {
     while (actor->pending_count < actor->load->settings.depth) {
@@ -288,11 +298,15 @@ static int send(struct load_actor *actor, bool *moved)
                 return rc;
             }
         }
+        if (load_now_ns() < actor->due_ns) {
+            return 0;
+        }
         int rc = submit(actor);
         if (rc != 0) {
             return rc == PCCD_E_BUSY ? 0 : rc;
         }
         *moved = true;
+        think(actor);
     }
     return 0;
 }

@@ -44,6 +44,7 @@ struct load_actor {
     uint64_t next;    /* number of the next request */
     uint64_t changed; /* churn: when it last did */
     uint64_t last_step;
+    uint64_t due_ns; /* not before that */
     struct load_pending pending[LOAD_DEPTH_MAX];
     uint32_t pending_count;
     uint64_t moved_ns; /* when something last came of a turn */

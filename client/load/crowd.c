@@ -18,6 +18,9 @@
  * it. */
 #define NAP_MS 20
 
+/* Or until some of them have thought enough. */
+#define THINK_NAP_MS 2
+
 struct crowd {
     const struct load *load;
     struct load_actor *actors;
@@ -64,7 +67,8 @@ static void nap(struct crowd *crowd)
         crowd->fds[i] =
             (struct pollfd){.fd = pccd_fd(crowd->actors[i].client), .events = POLLIN};
     }
-    (void)poll(crowd->fds, crowd->count, NAP_MS);
+    (void)poll(crowd->fds, crowd->count,
+               crowd->load->settings.think_ms > 0 ? THINK_NAP_MS : NAP_MS);
 }
 
 static int run(struct load *load, uint32_t index)

@@ -24,6 +24,7 @@ struct load_settings {
     uint64_t requests; /* of each, at least */
     uint32_t processes;
     uint32_t depth;     /* requests of a client in flight */
+    uint32_t think_ms;  /* between two of them, half as long to half again */
     uint32_t minutes;   /* at least; 0: as long as the requests take */
     uint32_t seconds;   /* the same, in addition */
     uint32_t victims;   /* clients at a time that are there to be killed */

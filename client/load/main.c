@@ -30,6 +30,7 @@ enum {
     OPT_REQUESTS = 'n',
     OPT_PROCESSES = 'p',
     OPT_DEPTH = 'd',
+    OPT_THINK = 't',
     OPT_SEED = 's',
     OPT_URL = 'u',
     OPT_DAEMON = 0x100,
@@ -47,6 +48,7 @@ static const struct argp_option option_table[] = {
     {"requests", OPT_REQUESTS, "N", 0, "of each client, at least (default 100)", 0},
     {"processes", OPT_PROCESSES, "N", 0, "that share the clients (default 4)", 0},
     {"depth", OPT_DEPTH, "N", 0, "requests of a client in flight (default 2)", 0},
+    {"think-ms", OPT_THINK, "N", 0, "between two of them, about (default 0)", 0},
     {"seed", OPT_SEED, "N", 0, "of the scenes (default 1)", 0},
     {"minutes", OPT_MINUTES, "N", 0, "go on at least so long", 0},
     {"seconds", OPT_SECONDS, "N", 0, "and so long", 0},
@@ -119,6 +121,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPT_DEPTH:
         settings->depth = small(state, text, 1, LOAD_DEPTH_MAX);
+        return 0;
+    case OPT_THINK:
+        settings->think_ms = small(state, text, 0, 60000);
         return 0;
     case OPT_SEED:
         settings->seed = number(state, text, 0, UINT64_MAX);

@@ -12,7 +12,7 @@
 #include "target.h"
 
 #define EVERY_NS 1000000000u
-#define WARM_S   10.0
+#define WARM_S   60.0
 
 void load_watch_begin(struct load_watch *watch)
 {
