@@ -8,8 +8,10 @@
  */
 #include "attach.h"
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "keep.h"
 #include "page.h"
 #include "rpc.h"
 
@@ -18,6 +20,9 @@
 
 void cli_ring_deinit(struct cli_ring *ring)
 {
+    for (uint32_t i = 0; i < PROTO_SLOTS_MAX; i++) {
+        free(ring->slots[i].segments);
+    }
     proto_memory_deinit(&ring->upload);
     proto_memory_deinit(&ring->result);
     memset(ring, 0, sizeof(*ring));
@@ -60,9 +65,9 @@ static int map_ring(struct pccd_client *client,
     return 0;
 }
 
-/* Ask for a ring. On an error of the daemon's the old one stays. */
-static int attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t slot_count,
-                  uint64_t deadline_ns)
+/* On an error of the daemon's the old one stays. */
+int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t slot_count,
+                    uint64_t deadline_ns)
 {
     struct proto_SHM_ATTACH_request request = {.slot_count = slot_count,
                                                .slot_bytes = slot_bytes,
@@ -80,6 +85,7 @@ static int attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t slot
         return rc;
     }
     memset(&ring, 0, sizeof(ring));
+    ring.page_first = client->page_end;
     ring.upload = ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
     rc = map_ring(client, &result, &ring);
     cli_ring_deinit(&client->ring);
@@ -118,7 +124,7 @@ static int check_idle(struct pccd_client *client, uint64_t slot_bytes,
             "answers with records first",
             (unsigned long long)slot_bytes, cli_page_count(client));
     }
-    return 0;
+    return cli_keep_fold_all(client); /* what only the old memory holds */
 }
 
 int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
@@ -141,7 +147,7 @@ int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
     /* Half as much again, so that slow growth does not attach anew for each step. */
     bytes = least > old_bytes + old_bytes / 2 ? least : old_bytes + old_bytes / 2;
     for (;;) {
-        rc = attach(client, bytes, slot_count, deadline_ns);
+        rc = cli_ring_attach(client, bytes, slot_count, deadline_ns);
         if (rc != PCCD_E_QUOTA) {
             return rc;
         }
@@ -171,30 +177,44 @@ uint8_t *cli_slot_payload(const struct pccd_client *client, uint32_t slot)
     return base + sizeof(struct proto_upload) + slot * client->ring.slot_stride;
 }
 
+/* The first slot that is free, or else the KEPT one of the oldest step. */
+static uint32_t choose_slot(const struct pccd_client *client)
+{
+    uint32_t chosen = CLI_SLOT_NONE;
+
+    for (uint32_t i = 0; i < client->ring.slot_count; i++) {
+        const struct cli_slot *candidate = &client->ring.slots[i];
+
+        if (candidate->state == CLI_SLOT_FREE) {
+            return i;
+        }
+        if (candidate->state == CLI_SLOT_KEPT &&
+            (chosen == CLI_SLOT_NONE ||
+             candidate->step < client->ring.slots[chosen].step)) {
+            chosen = i;
+        }
+    }
+    return chosen;
+}
+
+static bool is_any_sent(const struct pccd_client *client)
+{
+    for (uint32_t i = 0; i < client->ring.slot_count; i++) {
+        if (client->ring.slots[i].state == CLI_SLOT_SENT) {
+            return true;
+        }
+    }
+    return false;
+}
+
 int cli_slot_begin(struct pccd_client *client, uint64_t deadline_ns, uint32_t *slot)
 {
-    for (;;) {
-        bool sent = false;
-        int rc;
+    uint32_t chosen;
+    struct cli_slot *own;
+    int rc = 0;
 
-        for (uint32_t i = 0; i < client->ring.slot_count; i++) {
-            struct cli_slot *candidate = &client->ring.slots[i];
-
-            sent = sent || candidate->state == CLI_SLOT_SENT;
-            if (candidate->state != CLI_SLOT_FREE) {
-                continue;
-            }
-            candidate->state = CLI_SLOT_BEGUN;
-            candidate->seq++; /* odd: being written */
-            atomic_store_explicit(&descriptor(client, i)->seq, candidate->seq,
-                                  memory_order_relaxed);
-            /* Pairs with the daemon's second load of seq: a reader that sees any of the
-             * payload written from here on also sees the odd number. */
-            atomic_thread_fence(memory_order_release);
-            *slot = i;
-            return 0;
-        }
-        if (!sent) {
+    while ((chosen = choose_slot(client)) == CLI_SLOT_NONE) {
+        if (!is_any_sent(client)) {
             return cli_fail(client, PCCD_E_BUSY,
                             "all %u slots are begun: commit or abort one",
                             client->ring.slot_count);
@@ -204,6 +224,24 @@ int cli_slot_begin(struct pccd_client *client, uint64_t deadline_ns, uint32_t *s
             return rc;
         }
     }
+    own = &client->ring.slots[chosen];
+    if (own->state == CLI_SLOT_KEPT) {
+        rc = cli_keep_fold(client, chosen);
+        if (rc != 0) {
+            return rc;
+        }
+    }
+    own->state = CLI_SLOT_BEGUN;
+    own->segment_count = 0;
+    own->used_bytes = 0;
+    own->seq++; /* odd: being written */
+    atomic_store_explicit(&descriptor(client, chosen)->seq, own->seq,
+                          memory_order_relaxed);
+    /* Pairs with the daemon's second load of seq: a reader that sees any of the payload
+     * written from here on also sees the odd number. */
+    atomic_thread_fence(memory_order_release);
+    *slot = chosen;
+    return 0;
 }
 
 uint64_t cli_slot_publish(struct pccd_client *client, uint32_t slot)

@@ -18,6 +18,10 @@
 int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
                      uint64_t deadline_ns);
 
+/* Attach a ring of that many slots in place of any that there is. */
+int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t slot_count,
+                    uint64_t deadline_ns);
+
 /* Unmap; nothing is attached afterwards. */
 void cli_ring_deinit(struct cli_ring *ring);
 

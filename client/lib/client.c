@@ -1,8 +1,8 @@
-/* client.c - a connection: options, connect, hello, close, error text.
+/* client.c - a client: options, connect, close, error text.
  *
- * Room:     client/lib. May include: client.h, rpc.h, attach.h, launch.h, proto.
+ * Room:     client/lib. May include: client.h, rpc.h, attach.h, keep.h, launch.h, link.h.
  * Does:     the public functions of pccd.h that make, describe and end a client.
- * Does not: start daemons (launch.c) or exchange messages (rpc.c).
+ * Does not: find daemons (link.c), start them (launch.c) or exchange messages (rpc.c).
  * Threads:  [owner].
  */
 #include <errno.h>
@@ -17,7 +17,10 @@
 
 #include "attach.h"
 #include "client.h"
+#include "keep.h"
 #include "launch.h"
+#include "link.h"
+#include "page.h"
 #include "records.h" /* asserts that the records have the layout of the wire */
 #include "rpc.h"
 #include "seqpacket.h"
@@ -29,10 +32,7 @@
 #define CLI_SLOT_COUNT     4u
 #define CLI_RESULT_BYTES   (64ull << 20)
 #define CLI_OPTIONS_MAX    4096u /* of struct_bytes: no release will ever need more */
-#define CLI_STARTS_MAX     3     /* daemons started by one connect */
-#define CLI_RETRY_NS       1000000u
-#define CLI_RETRY_NS_MAX   50000000u
-#define CLI_START_PATIENCE 2000000000ull /* ns: from "listening" to a connection */
+#define CLI_RECONNECT_MS   10000
 
 static _Thread_local char connect_error[CLI_TEXT_BYTES];
 
@@ -97,6 +97,7 @@ void pccd_options_init(struct pccd_options *options)
     options->slot_count = CLI_SLOT_COUNT;
     options->result_bytes = CLI_RESULT_BYTES;
     /* With one CPU a spin only keeps the daemon from running. */
+    options->reconnect_ms = CLI_RECONNECT_MS;
     options->spin_us = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? CLI_SPIN_US : 0;
 }
 
@@ -125,6 +126,10 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
         return cli_fail(client, PCCD_E_INVAL, "options.timeout_ms is %d, not 1 .. %d",
                         asked->timeout_ms, CLI_TIMEOUT_MS_MAX);
     }
+    if (asked->reconnect_ms > CLI_TIMEOUT_MS_MAX) {
+        return cli_fail(client, PCCD_E_INVAL, "options.reconnect_ms is %d, not up to %d",
+                        asked->reconnect_ms, CLI_TIMEOUT_MS_MAX);
+    }
     if (asked->slot_count > PROTO_SLOTS_MAX) {
         return cli_fail(client, PCCD_E_INVAL, "options.slot_count is %u, not 1 .. %u",
                         asked->slot_count, PROTO_SLOTS_MAX);
@@ -151,9 +156,13 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
     options->name = asked->name;
     options->no_autostart = asked->no_autostart;
     options->private_daemon = asked->private_daemon;
+    options->no_keep = asked->no_keep;
     options->slot_bytes = asked->slot_bytes;
     if (asked->timeout_ms != 0) {
         options->timeout_ms = asked->timeout_ms;
+    }
+    if (asked->reconnect_ms != 0) {
+        options->reconnect_ms = asked->reconnect_ms;
     }
     if (asked->slot_count != 0) {
         options->slot_count = asked->slot_count;
@@ -167,200 +176,33 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
     return 0;
 }
 
-static void sleep_ns(uint64_t ns)
+/* Which way the options, or the environment, lead to a daemon. */
+static int choose_way(struct pccd_client *client, const struct pccd_options *options)
 {
-    struct timespec pause = {(time_t)(ns / 1000000000u), (long)(ns % 1000000000u)};
+    struct cli_link *link = &client->link;
+    const char *url = options->url != NULL ? options->url : getenv("PCCD_URL");
 
-    (void)nanosleep(&pause,
-                    NULL); /* cut short by a signal: the caller looks at the clock */
-}
-
-/* Connect the socket, waiting while the daemon's queue of connections is full.
- * PCCD_E_NODAEMON: nobody listens there. */
-static int open_socket(struct pccd_client *client, const char *path, uint64_t deadline_ns)
-{
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    uint64_t pause_ns = CLI_RETRY_NS;
-
-    memcpy(address.sun_path, path, strlen(path)); /* checked: shorter than sun_path */
-    (void)snprintf(client->url, sizeof(client->url), "unix:%s", path);
-    client->socket = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (client->socket < 0) {
-        return cli_fail(client, PCCD_E_SYSTEM, "socket: %s", strerror(errno));
+    link->no_autostart = options->no_autostart;
+    link->patience_ns =
+        options->reconnect_ms < 0 ? 0 : (uint64_t)options->reconnect_ms * 1000000u;
+    if (options->name != NULL) {
+        (void)snprintf(link->name, sizeof(link->name), "%s", options->name);
     }
-    while (connect(client->socket, (const struct sockaddr *)&address, sizeof(address)) !=
-           0) {
-        int reason = errno;
-
-        if (reason == EAGAIN && cli_now_ns() < deadline_ns) {
-            sleep_ns(pause_ns);
-            pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
-            continue;
-        }
-        if (reason == EINTR) {
-            continue;
-        }
-        (void)close(client->socket);
-        client->socket = -1;
-        if (reason == EAGAIN) {
-            return cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s accepts nobody",
-                            path);
-        }
-        if (reason == ENOENT || reason == ECONNREFUSED || reason == ENOTDIR) {
-            return cli_fail(client, PCCD_E_NODAEMON, "nobody listens at %s: %s", path,
-                            strerror(reason));
-        }
-        return cli_fail(client, PCCD_E_SYSTEM, "connect to %s: %s", path,
-                        strerror(reason));
-    }
-    return 0;
-}
-
-/* The first message. A daemon that refuses the session says why in its goaway. */
-static int say_hello(struct pccd_client *client, const char *name, uint64_t deadline_ns)
-{
-    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
-                                          .version_max = PROTO_VERSION_MAX};
-    struct proto_HELLO_result result;
-    int rc;
-
-    (void)snprintf(request.client, sizeof(request.client), "%s",
-                   name != NULL ? name : program_invocation_short_name);
-    rc = cli_call_sync(client, PROTO_METHOD_HELLO, &request, &result, deadline_ns);
-    if (rc == PCCD_E_DISCONNECTED && client->goaway != 0) {
-        return cli_fail(client, client->goaway, "%s", client->dead_text);
-    }
-    if (rc != 0) {
-        return rc;
-    }
-    if (result.version < PROTO_VERSION_MIN || result.version > PROTO_VERSION_MAX) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "the daemon chose version %u, this library speaks %u .. %u",
-                        result.version, PROTO_VERSION_MIN, PROTO_VERSION_MAX);
-    }
-    client->pid = result.pid;
-    static_assert(sizeof(client->cpu) == sizeof(result.cpu), "the whole string");
-    memcpy(client->cpu, result.cpu, sizeof(client->cpu));
-    return 0;
-}
-
-/* Who listens on a path that nobody chose must be this user or root: in /tmp, or with
- * another user's $XDG_RUNTIME_DIR, anybody may have been there first. */
-static int check_owner(struct pccd_client *client)
-{
-    struct ucred peer; /* of the process that began to listen */
-    socklen_t bytes = sizeof(peer);
-
-    if (getsockopt(client->socket, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
-        return cli_fail(client, PCCD_E_SYSTEM, "owner of the daemon at %s: %s",
-                        client->url, strerror(errno));
-    }
-    if (peer.uid != 0 && peer.uid != geteuid() && peer.uid != getuid()) {
-        return cli_fail(client, PCCD_E_SYSTEM,
-                        "the daemon at %s is user %u's, not this user's (%u); an url "
-                        "or PCCD_URL chooses it nevertheless",
-                        client->url, (unsigned)peer.uid, (unsigned)geteuid());
-    }
-    return 0;
-}
-
-/* `own`: only a daemon of this user. */
-static int open_session(struct pccd_client *client, const char *path, bool own,
-                        const char *name, uint64_t deadline_ns)
-{
-    int rc = open_socket(client, path, deadline_ns);
-
-    if (rc != 0) {
-        return rc;
-    }
-    rc = own ? check_owner(client) : 0;
-    if (rc == 0) {
-        rc = say_hello(client, name, deadline_ns);
-    }
-    if (rc != 0) {
-        cli_rpc_close(client);
-    }
-    return rc;
-}
-
-/* A daemon that ends while we connect, or that has not yet begun to listen: try again. */
-static bool is_worth_retrying(int rc)
-{
-    return rc == PCCD_E_NODAEMON || rc == PCCD_E_DISCONNECTED || rc == PCCD_E_SHUTDOWN;
-}
-
-static int retry_session(struct pccd_client *client, const char *path, const char *name,
-                         uint64_t deadline_ns)
-{
-    uint64_t pause_ns = CLI_RETRY_NS;
-    uint64_t until_ns = cli_now_ns() + CLI_START_PATIENCE;
-    int rc;
-
-    if (until_ns > deadline_ns) {
-        until_ns = deadline_ns;
-    }
-    do {
-        rc = open_session(client, path, true, name, deadline_ns);
-        if (!is_worth_retrying(rc)) {
-            return rc;
-        }
-        sleep_ns(pause_ns);
-        pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
-    } while (cli_now_ns() < until_ns);
-    return rc;
-}
-
-/* The user's own daemon, started when nobody listens. Of two clients that start one at
- * the same time the daemon's lock lets one through; the other's daemon ends, and both
- * connect to the first. */
-static int connect_user(struct pccd_client *client, const struct pccd_options *options,
-                        uint64_t deadline_ns)
-{
-    char path[CLI_SOCKET_BYTES];
-    int rc;
-
-    if (proto_default_socket_path(path, sizeof(path)) != 0) {
-        return cli_fail(client, PCCD_E_LIMIT,
-                        "$XDG_RUNTIME_DIR is too long for a socket's path");
-    }
-    rc = open_session(client, path, true, options->name, deadline_ns);
-    for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(rc); start++) {
-        int started;
-
-        if (options->no_autostart) {
-            return rc;
-        }
-        started = cli_launch_user(client, options->daemon, path, deadline_ns);
-        if (started != 0 && started != PCCD_E_AGAIN) {
-            return started;
-        }
-        rc = retry_session(client, path, options->name, deadline_ns);
-        if (is_worth_retrying(rc) && started == PCCD_E_AGAIN) {
-            return cli_fail(
-                client, PCCD_E_NODAEMON,
-                "the daemon that was started for %s ended at once; PCCD_LOG=FILE "
-                "shows what it says",
-                path);
+    if (options->daemon != NULL) {
+        link->daemon = strdup(options->daemon);
+        if (link->daemon == NULL) {
+            return cli_fail(client, PCCD_E_NOMEM, "no memory for a name");
         }
     }
-    return rc;
-}
-
-static int connect_private(struct pccd_client *client, const struct pccd_options *options,
-                           uint64_t deadline_ns)
-{
-    char path[CLI_SOCKET_BYTES];
-    int rc = cli_launch_private(client, options->daemon, path, deadline_ns);
-
-    if (rc != 0) {
-        return rc;
+    if (options->private_daemon) {
+        link->way = CLI_WAY_PRIVATE;
+        return 0;
     }
-    return open_session(client, path, true, options->name, deadline_ns);
-}
-
-static int connect_url(struct pccd_client *client, const char *url,
-                       const struct pccd_options *options, uint64_t deadline_ns)
-{
+    if (url == NULL || url[0] == '\0') {
+        link->way = CLI_WAY_USER;
+        return 0;
+    }
+    link->way = CLI_WAY_URL;
     if (strncmp(url, "unix:", 5) != 0 || url[5] == '\0') {
         return cli_fail(client, PCCD_E_INVAL, "url \"%.200s\" is not unix:PATH", url);
     }
@@ -368,14 +210,13 @@ static int connect_url(struct pccd_client *client, const char *url,
         return cli_fail(client, PCCD_E_INVAL, "the path of \"%.200s\" is longer than %u",
                         url, CLI_SOCKET_BYTES - 1);
     }
-    return open_session(client, url + 5, false, options->name, deadline_ns);
+    memcpy(link->path, url + 5, strlen(url + 5) + 1);
+    return 0;
 }
 
 static int connect_any(struct pccd_client *client, const struct pccd_options *asked)
 {
     struct pccd_options options;
-    const char *url;
-    uint64_t deadline_ns;
     int rc = take_options(client, asked, &options);
 
     if (rc != 0) {
@@ -387,15 +228,17 @@ static int connect_any(struct pccd_client *client, const struct pccd_options *as
     client->slot_count = options.slot_count;
     client->slot_bytes = options.slot_bytes;
     client->result_bytes = options.result_bytes;
-    deadline_ns = cli_deadline(client, -1);
-    if (options.private_daemon) {
-        return connect_private(client, &options, deadline_ns);
+    rc = choose_way(client, &options);
+    if (rc == 0) {
+        rc = cli_link_first(client, cli_deadline(client, -1));
     }
-    url = options.url != NULL ? options.url : getenv("PCCD_URL");
-    if (url != NULL && url[0] != '\0') {
-        return connect_url(client, url, &options, deadline_ns);
+    if (rc == 0) {
+        /* A daemon that cannot be told the old handles cannot be told anything. */
+        client->link.is_established = true;
+        client->keeps = client->link.patience_ns > 0 && !options.no_keep &&
+                        (client->link.features & PROTO_FEATURE_RESUME) != 0;
     }
-    return connect_user(client, &options, deadline_ns);
+    return rc;
 }
 
 int pccd_connect(const struct pccd_options *options, struct pccd_client **client)
@@ -414,6 +257,7 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
     made->fds[0] = made->fds[1] = -1;
     made->owner = getpid();
     made->next_id = 1;
+    made->next_serial = 1;
     made->next_step = 1;
     made->page_first = made->page_end = 1;
     made->ring.upload = made->ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
@@ -435,12 +279,16 @@ void pccd_close(struct pccd_client *client)
     if (client == NULL) {
         return;
     }
+    cli_link_bye(client);
     cli_rpc_close(client);
+    cli_page_deinit(client);
     cli_ring_deinit(&client->ring);
+    cli_keep_deinit(client);
     if (client->owner == getpid()) {
         cli_launch_stop(&client->child);
     }
     proto_decoder_free(client->decoder);
+    free(client->link.daemon);
     free(client);
 }
 
@@ -462,4 +310,13 @@ const char *pccd_daemon_cpu(const struct pccd_client *client)
 const char *pccd_url(const struct pccd_client *client)
 {
     return client != NULL ? client->url : "";
+}
+
+int pccd_link(const struct pccd_client *client, struct pccd_link_info *info)
+{
+    if (client == NULL || info == NULL) {
+        return PCCD_E_INVAL;
+    }
+    *info = client->link.info;
+    return 0;
 }

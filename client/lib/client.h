@@ -6,9 +6,12 @@
  *
  * Life of a call (one request and its reply), kept in a table of CLI_CALLS:
  *
- *     FREE --send--> SENT --reply, or the daemon's death--> DONE --taken--> FREE
+ *     FREE --send--> SENT --reply, or the end of all patience--> DONE --taken--> FREE
  *                     |
  *                     +--caller gave up--> LOST --reply (its page is released)--> FREE
+ *
+ * While the connection is lost, those that are SENT or LOST are held: they have no answer
+ * and are sent again over the next one (recover.h).
  */
 #ifndef CLI_CLIENT_H
 #define CLI_CLIENT_H
@@ -26,21 +29,32 @@
 #include "seqpacket.h"
 #include "shm.h"
 
-#define CLI_CALLS        64u /* requests in flight, or with answers that are not taken */
+#define CLI_CALLS        64u  /* requests in flight, or with answers that are not taken */
 #define CLI_STEPS        32u  /* of these, steps */
 #define CLI_PAGES        256u /* pages of records that are not released */
 #define CLI_TEXT_BYTES   512u
 #define CLI_SLOT_NONE    UINT32_MAX
 #define CLI_SOCKET_BYTES 108u /* of sockaddr_un.sun_path */
+#define CLI_NAME_BYTES   64u  /* of the client, for the daemon's log */
+
+#define CLI_MEMBER(ID, name, since, flags, text) struct proto_##ID##_request ID;
+union cli_params {
+    PROTO_METHODS(CLI_MEMBER)
+};
+#undef CLI_MEMBER
 
 enum cli_call_state { CLI_CALL_FREE = 0, CLI_CALL_SENT, CLI_CALL_DONE, CLI_CALL_LOST };
 
 struct cli_call {
     enum cli_call_state state;
-    int method;    /* enum proto_method */
-    uint32_t id;   /* of the message */
-    uint32_t slot; /* that comes back with the reply, or CLI_SLOT_NONE */
-    uint64_t step; /* 0: not a step */
+    int method;      /* enum proto_method */
+    bool held;       /* SENT, LOST: over a connection that is lost */
+    bool recovery;   /* sent by recover.c itself, which starts over when it fails */
+    uint32_t id;     /* of the message */
+    uint32_t slot;   /* that comes back with the reply, or CLI_SLOT_NONE */
+    uint64_t serial; /* in the order of their sending */
+    uint64_t step;   /* 0: not a step */
+    union cli_params params;
     void *result;  /* where the reply is decoded to; NULL: `answer`, or nowhere */
     int status;    /* DONE: 0 or why it failed, then `text` says more */
     uint64_t page; /* DONE: serial of the page of records, 0: none */
@@ -48,22 +62,34 @@ struct cli_call {
     char text[CLI_TEXT_BYTES];
 };
 
-enum cli_slot_state { CLI_SLOT_FREE = 0, CLI_SLOT_BEGUN, CLI_SLOT_SENT };
+/* KEPT: answered, and the only place where the last positions of an object are. */
+enum cli_slot_state { CLI_SLOT_FREE = 0, CLI_SLOT_BEGUN, CLI_SLOT_SENT, CLI_SLOT_KEPT };
 
 struct cli_slot {
     enum cli_slot_state state;
-    uint64_t seq;           /* last value stored in the slot's descriptor */
-    uint32_t scene;         /* BEGUN: of the frame being written */
-    uint32_t segment_max;   /* announced */
-    uint32_t segment_count; /* written */
-    uint64_t used_bytes;    /* segment table included */
-    uint64_t limit_bytes;   /* announced */
+    uint64_t seq;                   /* last value stored in the slot's descriptor */
+    uint32_t scene;                 /* BEGUN: of the frame being written */
+    uint32_t segment_max;           /* announced */
+    uint32_t segment_count;         /* written */
+    uint64_t used_bytes;            /* segment table included */
+    uint64_t limit_bytes;           /* announced */
+    uint64_t step;                  /* KEPT: that brought it */
+    struct proto_segment *segments; /* a copy of the table */
+    uint32_t segment_room;          /* of the copy */
 };
 
 /* One page of the result region. Pages go back to the daemon in the order they came. */
 struct cli_page {
-    uint64_t release; /* result_head that gives it back */
+    uint64_t release;    /* result_head that gives it back */
+    const uint8_t *base; /* of the region that it lies in */
     bool released;
+};
+
+/* The result region of a daemon that is gone, in which the user still reads. */
+struct cli_retired {
+    struct cli_retired *next;
+    struct proto_memory result;
+    uint64_t page_end; /* goes when all pages before this serial are released */
 };
 
 struct cli_ring {
@@ -72,6 +98,7 @@ struct cli_ring {
     uint32_t slot_count;
     uint64_t slot_stride;
     uint32_t inflight_max;
+    uint64_t page_first; /* serial of its first page */
     struct cli_slot slots[PROTO_SLOTS_MAX];
 };
 
@@ -81,8 +108,40 @@ struct cli_child {
     char directory[CLI_SOCKET_BYTES]; /* of its socket, removed at close; "": none */
 };
 
+enum cli_way { CLI_WAY_URL = 0, CLI_WAY_USER, CLI_WAY_PRIVATE };
+
+/* How the daemon is reached, and reached again. */
+struct cli_link {
+    enum cli_way way;
+    bool no_autostart;
+    char path[CLI_SOCKET_BYTES]; /* of its socket */
+    char name[CLI_NAME_BYTES];
+    char *daemon;         /* program; NULL: the default */
+    uint64_t patience_ns; /* from the loss; 0: the loss is an error at once */
+    bool is_established;  /* pccd_connect has succeeded */
+    bool is_down;         /* the connection is lost and not made again yet */
+    bool is_recovering;   /* recover.c is at work */
+    uint64_t lost_ns;
+    uint64_t retry_ns; /* not before */
+    uint64_t pause_ns; /* after the next failure */
+    uint32_t tries;    /* since the loss */
+    uint64_t features; /* of the daemon */
+    uint64_t epoch;
+    uint64_t session;
+    uint64_t token[2];
+    struct pccd_link_info info;
+};
+
+struct cli_kept_scene;
+struct cli_kept_mesh;
+
 struct pccd_client {
     int socket;
+    struct cli_link link;
+    bool keeps; /* what it registers, for another daemon (keep.h) */
+    struct cli_kept_scene *kept_scenes;
+    struct cli_kept_mesh *kept_meshes;
+    struct cli_retired *retired; /* oldest first */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid;
     char cpu[PROTO_STR_MAX + 1];
@@ -95,6 +154,7 @@ struct pccd_client {
     uint64_t slot_bytes;   /* wanted at least; 0: grown to what is needed */
     uint64_t result_bytes; /* wanted */
     uint32_t next_id;
+    uint64_t next_serial;
     uint64_t next_step;
     int fds[PROTO_FDS_MAX]; /* that came with the answer to shm.attach; -1: none */
     struct cli_child child;

@@ -6,6 +6,7 @@
  * Does not: read anything back from the slot, or check what the daemon checks.
  * Threads:  [owner].
  */
+#include <stdlib.h>
 #include <string.h>
 
 #include "attach.h"
@@ -83,6 +84,28 @@ int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segmen
     return 0;
 }
 
+/* Keep a copy of a segment, if another daemon may have to be told of it. */
+static int keep_segment(struct pccd_client *client, struct cli_slot *own,
+                        const struct proto_segment *segment)
+{
+    uint32_t room = own->segment_room == 0 ? 4 : own->segment_room * 2;
+
+    if (!client->keeps) {
+        return 0;
+    }
+    if (own->segment_count == own->segment_room) { /* rare: rooms stay with the slot */
+        struct proto_segment *segments = realloc(own->segments, room * sizeof(*segments));
+
+        if (segments == NULL) {
+            return cli_fail(client, PCCD_E_NOMEM, "no memory for %u segments", room);
+        }
+        own->segments = segments;
+        own->segment_room = room;
+    }
+    own->segments[own->segment_count] = *segment;
+    return 0;
+}
+
 /* The slot of a frame that is being written. The library's own account of it counts, not
  * the public struct's. */
 static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
@@ -126,6 +149,10 @@ static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
     payload = cli_slot_payload(frame->client, frame->slot);
     segment.offset0 = bytes0 > 0 ? own->used_bytes : 0;
     segment.offset1 = end0;
+    rc = keep_segment(frame->client, own, &segment);
+    if (rc != 0) {
+        return rc;
+    }
     memcpy(payload + own->segment_count * sizeof(segment), &segment, sizeof(segment));
     if (range0 != NULL) {
         *range0 = payload + own->used_bytes;

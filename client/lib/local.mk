@@ -10,11 +10,23 @@ libpccd_la_SOURCES = \
     client/lib/client.c \
     client/lib/client.h \
     client/lib/frame.c \
+    client/lib/keep.c \
+    client/lib/keep.h \
     client/lib/launch.c \
     client/lib/launch.h \
+    client/lib/link.c \
+    client/lib/link.h \
     client/lib/mesh.c \
+    client/lib/mesh.h \
     client/lib/page.c \
     client/lib/page.h \
+    client/lib/place.c \
+    client/lib/place.h \
+    client/lib/receive.c \
+    client/lib/recover.c \
+    client/lib/recover.h \
+    client/lib/restore.c \
+    client/lib/restore.h \
     client/lib/rpc.c \
     client/lib/rpc.h \
     client/lib/scene.c \

@@ -1,6 +1,6 @@
 /* mesh.c - meshes: upload in chunks, commit, edges.
  *
- * Room:     client/lib. May include: attach.h, page.h, rpc.h.
+ * Room:     client/lib. May include: mesh.h, attach.h, keep.h, page.h, rpc.h.
  * Does:     copy vertices and triangles into slots, several in flight, and have the
  *           daemon derive the rest.
  * Does not: check the data: the daemon does, once, on its own copy.
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "attach.h"
-#include "client.h"
+#include "mesh.h"
 #include "page.h"
 #include "rpc.h"
 
@@ -181,15 +181,128 @@ static void arrays_of(uint32_t mesh, const void *x, enum pccd_format format,
         triangle_count};
 }
 
+/* Announce, upload and commit; arrays[].mesh is set to the new handle. */
+static int make_mesh(struct pccd_client *client, struct upload arrays[2], uint32_t want,
+                     struct proto_MESH_COMMIT_result *result)
+{
+    struct proto_MESH_CREATE_request request = {
+        .vertex_count = arrays[0].count, .triangle_count = arrays[1].count, .want = want};
+    struct proto_MESH_CREATE_result created;
+    struct proto_MESH_DESTROY_request destroy;
+    char text[CLI_TEXT_BYTES];
+    int rc = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
+                           cli_deadline(client, -1));
+
+    if (rc != 0) {
+        return rc;
+    }
+    arrays[0].mesh = arrays[1].mesh = created.mesh;
+    rc = fill_mesh(client, arrays, result);
+    if (rc == 0) {
+        return 0;
+    }
+    /* Nothing half-made stays in the daemon; what went wrong first is what counts. */
+    memcpy(text, client->error, sizeof(text));
+    destroy.mesh = created.mesh;
+    (void)cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &destroy, NULL,
+                        cli_deadline(client, -1));
+    return cli_fail(client, rc, "%s", text);
+}
+
+int cli_mesh_make(struct pccd_client *client, const struct cli_kept_mesh *copy,
+                  uint32_t want, uint32_t *handle)
+{
+    struct proto_MESH_COMMIT_result unused;
+    struct upload arrays[2];
+    int rc;
+
+    arrays_of(0, copy->x, (enum pccd_format)copy->format, copy->vertex_count,
+              (const uint32_t(*)[3])copy->triangles, copy->triangle_count, arrays);
+    rc = make_mesh(client, arrays, want, &unused);
+    if (rc == 0) {
+        *handle = arrays[0].mesh;
+    }
+    return rc;
+}
+
+/* Announce other contents for a mesh, upload and commit them. */
+static int replace_mesh(struct pccd_client *client, const struct upload arrays[2],
+                        struct proto_MESH_COMMIT_result *result)
+{
+    struct proto_MESH_REPLACE_request request = {.mesh = arrays[0].mesh,
+                                                 .vertex_count = arrays[0].count,
+                                                 .triangle_count = arrays[1].count};
+    struct proto_MESH_REPLACE_result announced;
+    char text[CLI_TEXT_BYTES];
+    int rc = cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, &announced,
+                           cli_deadline(client, -1));
+
+    if (rc != 0) {
+        return rc;
+    }
+    rc = fill_mesh(client, arrays, result);
+    if (rc != 0) {
+        /* What was announced is forgotten; the mesh goes on as it was. */
+        memcpy(text, client->error, sizeof(text));
+        request.vertex_count = 0;
+        request.triangle_count = 0;
+        (void)cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, NULL,
+                            cli_deadline(client, -1));
+        return cli_fail(client, rc, "%s", text);
+    }
+    return 0;
+}
+
+/* Sessions that began anew because a daemon was lost. */
+static uint64_t told_anew(const struct pccd_client *client)
+{
+    return client->link.info.reconnects - client->link.info.resumed;
+}
+
+/* Create a mesh (*mesh = 0) or replace one, and keep a copy. When another daemon took
+ * over on the way, all is sent to that one from the beginning. */
+static int register_mesh(struct pccd_client *client, struct upload arrays[2],
+                         uint32_t *mesh, struct pccd_mesh_info *info)
+{
+    struct cli_kept_mesh *copy = NULL;
+    struct proto_MESH_COMMIT_result result;
+    uint64_t before;
+    int rc;
+
+    if (client->keeps) {
+        copy = cli_keep_copy(arrays[0].source, arrays[0].format, arrays[0].count,
+                             (const uint32_t(*)[3])(const void *)arrays[1].source,
+                             arrays[1].count);
+        if (copy == NULL) {
+            return cli_fail(client, PCCD_E_NOMEM,
+                            "no memory for a copy of the mesh (options.no_keep)");
+        }
+    }
+    do {
+        before = told_anew(client);
+        rc = *mesh == 0 ? make_mesh(client, arrays, 0, &result)
+                        : replace_mesh(client, arrays, &result);
+    } while (rc != 0 && !client->dead && told_anew(client) != before);
+    if (rc != 0) {
+        cli_keep_copy_free(copy);
+        return rc;
+    }
+    *mesh = arrays[0].mesh;
+    if (copy != NULL) {
+        cli_keep_mesh(client, *mesh, copy);
+    }
+    if (info != NULL) {
+        fill_info(info, &result);
+    }
+    return 0;
+}
+
 int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
                      uint32_t vertex_count, const uint32_t (*triangles)[3],
                      uint32_t triangle_count, uint32_t *mesh, struct pccd_mesh_info *info)
 {
-    struct proto_MESH_CREATE_request request = {.vertex_count = vertex_count,
-                                                .triangle_count = triangle_count};
-    struct proto_MESH_CREATE_result created;
-    struct proto_MESH_COMMIT_result result;
     struct upload arrays[2];
+    uint32_t made = 0;
     int rc;
 
     if (client == NULL) {
@@ -199,28 +312,15 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
         return cli_fail(client, PCCD_E_INVAL, "mesh: mesh is NULL");
     }
     rc = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
-    if (rc == 0) {
-        rc = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
-                           cli_deadline(client, -1));
-    }
     if (rc != 0) {
         return rc;
     }
-    arrays_of(created.mesh, x, format, vertex_count, triangles, triangle_count, arrays);
-    rc = fill_mesh(client, arrays, &result);
-    if (rc != 0) {
-        char text[CLI_TEXT_BYTES];
-
-        /* Nothing half-made stays in the daemon; what went wrong first is what counts. */
-        memcpy(text, client->error, sizeof(text));
-        (void)pccd_mesh_destroy(client, created.mesh);
-        return cli_fail(client, rc, "%s", text);
+    arrays_of(0, x, format, vertex_count, triangles, triangle_count, arrays);
+    rc = register_mesh(client, arrays, &made, info);
+    if (rc == 0) {
+        *mesh = made;
     }
-    *mesh = created.mesh;
-    if (info != NULL) {
-        fill_info(info, &result);
-    }
-    return 0;
+    return rc;
 }
 
 int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
@@ -228,10 +328,6 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       const uint32_t (*triangles)[3], uint32_t triangle_count,
                       struct pccd_mesh_info *info)
 {
-    struct proto_MESH_REPLACE_request request = {
-        .mesh = mesh, .vertex_count = vertex_count, .triangle_count = triangle_count};
-    struct proto_MESH_REPLACE_result announced;
-    struct proto_MESH_COMMIT_result result;
     struct upload arrays[2];
     int rc;
 
@@ -239,30 +335,14 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
         return PCCD_E_INVAL;
     }
     rc = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
-    if (rc == 0) {
-        rc = cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, &announced,
-                           cli_deadline(client, -1));
-    }
     if (rc != 0) {
         return rc;
     }
+    if (mesh == 0) {
+        return cli_fail(client, PCCD_E_HANDLE, "mesh.replace: there is no mesh 0");
+    }
     arrays_of(mesh, x, format, vertex_count, triangles, triangle_count, arrays);
-    rc = fill_mesh(client, arrays, &result);
-    if (rc != 0) {
-        char text[CLI_TEXT_BYTES];
-
-        /* What was announced is forgotten; the mesh goes on as it was. */
-        memcpy(text, client->error, sizeof(text));
-        request.vertex_count = 0;
-        request.triangle_count = 0;
-        (void)cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, NULL,
-                            cli_deadline(client, -1));
-        return cli_fail(client, rc, "%s", text);
-    }
-    if (info != NULL) {
-        fill_info(info, &result);
-    }
-    return 0;
+    return register_mesh(client, arrays, &mesh, info);
 }
 
 /* One page of edges: as many as the result region has room for. */
@@ -281,7 +361,7 @@ static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t first
                       "mesh.edges: no room in the result region: release answers first");
     }
     if (rc == 0) {
-        memcpy(edges, cli_page_base(client) + result.offset,
+        memcpy(edges, cli_page_base(client, page) + result.offset,
                result.count * sizeof(*edges));
         *fetched = result.count;
     }

@@ -9,9 +9,51 @@
  */
 #include "page.h"
 
-const uint8_t *cli_page_base(const struct pccd_client *client)
+#include <stdlib.h>
+
+const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
 {
-    return client->ring.result.base;
+    return client->pages[serial % CLI_PAGES].base;
+}
+
+/* Unmap the retired regions whose last page has been released. */
+static void drop_retired(struct pccd_client *client)
+{
+    while (client->retired != NULL && client->page_first >= client->retired->page_end) {
+        struct cli_retired *gone = client->retired;
+
+        client->retired = gone->next;
+        proto_memory_deinit(&gone->result);
+        free(gone);
+    }
+}
+
+void cli_page_retire(struct pccd_client *client, struct proto_memory *result)
+{
+    struct cli_retired **last = &client->retired;
+    struct cli_retired *made =
+        cli_page_count(client) > 0 && result->base != NULL ? malloc(sizeof(*made)) : NULL;
+
+    if (cli_page_count(client) == 0 || result->base == NULL) {
+        proto_memory_deinit(result);
+        return;
+    }
+    if (made == NULL) { /* rather a leak than a page that is gone under its reader */
+        *result = (struct proto_memory)PROTO_MEMORY_NONE;
+        return;
+    }
+    *made = (struct cli_retired){.result = *result, .page_end = client->page_end};
+    *result = (struct proto_memory)PROTO_MEMORY_NONE;
+    while (*last != NULL) {
+        last = &(*last)->next;
+    }
+    *last = made;
+}
+
+void cli_page_deinit(struct pccd_client *client)
+{
+    client->page_first = client->page_end;
+    drop_retired(client);
 }
 
 uint32_t cli_page_count(const struct pccd_client *client)
@@ -33,7 +75,8 @@ int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
         count > (size - offset) / record_bytes || cli_page_count(client) == CLI_PAGES) {
         return PCCD_E_BADMSG;
     }
-    client->pages[client->page_end % CLI_PAGES] = (struct cli_page){release, false};
+    client->pages[client->page_end % CLI_PAGES] =
+        (struct cli_page){release, client->ring.result.base, false};
     *serial = client->page_end++;
     return 0;
 }
@@ -50,10 +93,13 @@ void cli_page_release(struct pccd_client *client, uint64_t serial)
     client->pages[serial % CLI_PAGES].released = true;
     while (client->page_first < client->page_end &&
            client->pages[client->page_first % CLI_PAGES].released) {
-        head = client->pages[client->page_first % CLI_PAGES].release;
+        if (client->page_first >= client->ring.page_first) { /* else another region's */
+            head = client->pages[client->page_first % CLI_PAGES].release;
+            moved = true;
+        }
         client->page_first++;
-        moved = true;
     }
+    drop_retired(client);
     /* Pairs with the daemon's load before it writes the next page: every read of the page
      * by this thread comes before the store. */
     if (moved && upload != NULL) {

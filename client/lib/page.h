@@ -23,7 +23,12 @@ void cli_page_release(struct pccd_client *client, uint64_t serial);
 /* Pages that are not released. */
 uint32_t cli_page_count(const struct pccd_client *client);
 
-/* The first byte of the result region. */
-const uint8_t *cli_page_base(const struct pccd_client *client);
+/* The first byte of the region in which a page that is not released lies. */
+const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial);
+
+/* The ring is about to go: keep `result` mapped as long as pages of it are not released,
+ * or unmap it. Takes it over. */
+void cli_page_retire(struct pccd_client *client, struct proto_memory *result);
+void cli_page_deinit(struct pccd_client *client);
 
 #endif

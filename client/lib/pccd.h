@@ -82,6 +82,9 @@ struct pccd_options {
     uint64_t result_bytes; /* result region; 0 = 64 MiB */
     uint32_t spin_us;      /* spin before blocking, 0 .. 1000; the default, when
                               struct_bytes = 0 or options = NULL: 50, or 0 with one CPU */
+    int reconnect_ms;      /* how long to look for a daemon that was lost (see below);
+                              0 = 10000; negative: not at all, its loss is an error */
+    bool no_keep;          /* keep no copies for another daemon: saves their memory */
 };
 
 /* Options with every default filled in. */
@@ -98,6 +101,29 @@ void pccd_close(struct pccd_client *client);
 
 /* The socket, to watch for readability in a loop of one's own; then call pccd_poll. */
 int pccd_fd(const struct pccd_client *client);
+
+/* When the connection is lost the library makes another one, and every call just takes
+ * longer: to the same daemon, where the session goes on, or to the next one (started by
+ * `pccdd --supervise`, by systemd, or by the library where it started the first), which is
+ * told again what this client had: meshes, scenes, objects under their old handles, and
+ * where the objects were. Steps without an answer are submitted again; each is answered
+ * once, with the same bytes. A step's deadline_ns begins anew then. After reconnect_ms in
+ * vain, every call fails with E_DISCONNECTED. What does not come back: further pages of an
+ * answer that the lost daemon gave (pccd_fetch: E_STATE) and recordings.
+ *
+ * For this the library keeps a copy of every mesh (12 or 24 bytes a vertex, 12 a triangle)
+ * and up to 24 bytes for each vertex of an object that has moved; with options.no_keep
+ * neither, and only a session that still exists goes on. While the connection is lost
+ * pccd_fd reads as ready; pccd_poll then tries, and does not wait. The number of the
+ * descriptor stays, but epoll must be told again, when `reconnects` has changed. */
+struct pccd_link_info {
+    uint64_t reconnects; /* connections made after one was lost */
+    uint64_t resumed;    /* of these, to the same session; the others were told anew */
+    uint64_t resent;     /* requests that were sent again */
+    uint64_t gap_ns;     /* the last time: from the loss to the end of all that */
+    uint64_t restore_ns; /* of it, telling a new daemon anew */
+};
+int pccd_link(const struct pccd_client *client, struct pccd_link_info *info);
 
 /* Process id of the daemon. */
 uint32_t pccd_daemon_pid(const struct pccd_client *client);

@@ -1,10 +1,10 @@
-/* rpc.c - requests and their replies.
+/* rpc.c - requests, and waiting for their replies.
  *
- * Room:     client/lib. May include: rpc.h, page.h, proto.
- * Does:     the only place that reads and writes the socket. Replies come in any order
- *           and are matched by id; every wait has a deadline; the end of the connection
- *           fails every call that is in flight.
- * Does not: know what the methods mean, but for the pages that some replies bring.
+ * Room:     client/lib. May include: rpc.h, page.h, recover.h, proto.
+ * Does:     the only place that writes the socket. Every wait has a deadline; the end of
+ *           the connection fails every call that is in flight, or holds it until there
+ *           is another one.
+ * Does not: read (receive.c) or make connections (recover.c).
  * Threads:  [owner].
  */
 #include "rpc.h"
@@ -17,8 +17,9 @@
 #include <unistd.h>
 
 #include "page.h"
+#include "recover.h"
 
-static void close_fds(struct pccd_client *client)
+void cli_fds_close(struct pccd_client *client)
 {
     for (int i = 0; i < PROTO_FDS_MAX; i++) {
         if (client->fds[i] >= 0) {
@@ -28,17 +29,14 @@ static void close_fds(struct pccd_client *client)
     }
 }
 
-/* The connection is lost: whatever was in flight has failed. */
-static int die(struct pccd_client *client, const char *why)
+int cli_die(struct pccd_client *client)
 {
     client->dead = true;
-    if (client->goaway == 0) {
-        (void)snprintf(client->dead_text, sizeof(client->dead_text),
-                       "the daemon at %s is gone: %s", client->url, why);
-    }
+    client->link.is_down = false;
     for (uint32_t i = 0; i < CLI_CALLS; i++) {
         struct cli_call *call = &client->calls[i];
 
+        call->held = false;
         if (call->state == CLI_CALL_LOST) {
             call->state = CLI_CALL_FREE;
         }
@@ -58,6 +56,48 @@ static int die(struct pccd_client *client, const char *why)
     return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
 }
 
+/* Hold what has no answer, for another connection; what recover.c sent itself fails. */
+static void hold_calls(struct pccd_client *client)
+{
+    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+        struct cli_call *call = &client->calls[i];
+        bool sent = call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
+
+        if (sent && !call->recovery) {
+            call->held = true;
+        } else if (call->state == CLI_CALL_LOST) {
+            call->state = CLI_CALL_FREE;
+        } else if (call->state == CLI_CALL_SENT) {
+            call->state = CLI_CALL_DONE;
+            call->status = PCCD_E_DISCONNECTED;
+            memcpy(call->text, client->dead_text, sizeof(call->text));
+        }
+    }
+}
+
+int cli_lose(struct pccd_client *client, const char *why)
+{
+    struct cli_link *link = &client->link;
+
+    if (client->goaway == 0) {
+        (void)snprintf(client->dead_text, sizeof(client->dead_text),
+                       "the daemon at %s is gone: %s", client->url, why);
+    }
+    /* A forked copy has no claim on the session. */
+    if (!link->is_established || link->patience_ns == 0 || client->owner != getpid()) {
+        return cli_die(client);
+    }
+    hold_calls(client);
+    if (!link->is_recovering) {
+        link->lost_ns = cli_now_ns();
+        link->retry_ns = link->lost_ns;
+        link->pause_ns = CLI_PAUSE_NS;
+        link->tries = 0;
+    }
+    link->is_down = true;
+    return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
+}
+
 int cli_alive(struct pccd_client *client)
 {
     if (client->dead) {
@@ -72,10 +112,17 @@ void cli_rpc_close(struct pccd_client *client)
         (void)close(client->socket);
     }
     client->socket = -1;
-    close_fds(client);
+    cli_fds_close(client);
     memset(client->calls, 0, sizeof(client->calls));
     client->dead = false;
     client->goaway = 0;
+}
+
+/* What is held is in flight to everybody but recover.c, which sends it again itself. */
+static bool is_inflight(const struct pccd_client *client, const struct cli_call *call)
+{
+    return (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
+           !(call->held && client->link.is_recovering);
 }
 
 uint32_t cli_call_inflight(const struct pccd_client *client)
@@ -83,8 +130,7 @@ uint32_t cli_call_inflight(const struct pccd_client *client)
     uint32_t count = 0;
 
     for (uint32_t i = 0; i < CLI_CALLS; i++) {
-        count += client->calls[i].state == CLI_CALL_SENT ||
-                 client->calls[i].state == CLI_CALL_LOST;
+        count += is_inflight(client, &client->calls[i]);
     }
     return count;
 }
@@ -101,201 +147,9 @@ static uint32_t compute_inflight(const struct pccd_client *client)
     for (uint32_t i = 0; i < CLI_CALLS; i++) {
         const struct cli_call *call = &client->calls[i];
 
-        count += (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
-                 is_compute(call->method);
+        count += is_inflight(client, call) && is_compute(call->method);
     }
     return count;
-}
-
-/* ---- replies ----------------------------------------------------------------------- */
-
-static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
-{
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
-        struct cli_call *call = &client->calls[i];
-
-        if (call->id == id &&
-            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST)) {
-            return call;
-        }
-    }
-    return NULL;
-}
-
-/* The result of a call, and the page that it brings. */
-static int take_result(struct pccd_client *client, struct cli_call *call,
-                       const struct proto_envelope *envelope, struct proto_error *error)
-{
-    const struct proto_fields *fields = &proto_messages[call->method].result;
-    struct proto_FRAME_SUBMIT_result *answer = &call->answer;
-    struct proto_MESH_EDGES_result edges;
-    struct proto_TRACE_DUMP_result dump;
-    int rc;
-
-    switch (call->method) {
-    case PROTO_METHOD_FRAME_SUBMIT:
-    case PROTO_METHOD_FRAME_FETCH:
-        rc = proto_decode_body(envelope, fields, answer, error);
-        if (rc == 0 && answer->count > 0 &&
-            answer->record_bytes != (answer->mode == PCCD_MODE_PAIRS
-                                         ? sizeof(struct pccd_pair)
-                                         : sizeof(struct pccd_contact))) {
-            return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
-                                   answer->record_bytes);
-        }
-        if (rc == 0) {
-            rc = cli_page_add(client, answer->offset, answer->count, answer->record_bytes,
-                              answer->release, &call->page);
-        }
-        break;
-    case PROTO_METHOD_MESH_EDGES:
-        rc = proto_decode_body(envelope, fields, &edges, error);
-        if (rc == 0) {
-            rc = cli_page_add(client, edges.offset, edges.count, sizeof(struct pccd_edge),
-                              edges.release, &call->page);
-        }
-        if (rc == 0 && call->result != NULL) {
-            memcpy(call->result, &edges, sizeof(edges));
-        }
-        break;
-    case PROTO_METHOD_TRACE_DUMP:
-        rc = proto_decode_body(envelope, fields, &dump, error);
-        if (rc == 0) {
-            rc = cli_page_add(client, dump.offset, dump.count,
-                              sizeof(struct pccd_trace_event), dump.release, &call->page);
-        }
-        if (rc == 0 && call->result != NULL) {
-            memcpy(call->result, &dump, sizeof(dump));
-        }
-        break;
-    default:
-        return call->result != NULL
-                   ? proto_decode_body(envelope, fields, call->result, error)
-                   : 0;
-    }
-    if (rc != 0 && error->text[0] == '\0') {
-        (void)proto_error_set(error, rc, "a page outside the result region");
-    }
-    return rc;
-}
-
-/* An answer to nobody: when the daemon closes after it, its last words. */
-static void take_last_words(struct pccd_client *client,
-                            const struct proto_envelope *envelope)
-{
-    if (!envelope->failed || !envelope->error.fatal) {
-        return;
-    }
-    client->goaway = envelope->error.code;
-    (void)snprintf(client->dead_text, sizeof(client->dead_text),
-                   "the daemon at %s says: %s", client->url, envelope->error.text);
-}
-
-static void take_reply(struct pccd_client *client, const struct proto_envelope *envelope)
-{
-    struct cli_call *call = find_call(client, envelope->id);
-    struct proto_error error = {0};
-    const char *text;
-
-    if (call == NULL) {
-        take_last_words(client, envelope);
-        return;
-    }
-    if (call->slot != CLI_SLOT_NONE) {
-        client->ring.slots[call->slot].state = CLI_SLOT_FREE;
-    }
-    call->page = 0;
-    if (envelope->failed) {
-        call->status = envelope->error.code < 0 ? envelope->error.code : PCCD_E_INTERNAL;
-    } else {
-        call->status = take_result(client, call, envelope, &error);
-    }
-    if (call->state == CLI_CALL_LOST) {
-        cli_page_release(client, call->page);
-        call->state = CLI_CALL_FREE;
-        return;
-    }
-    call->state = CLI_CALL_DONE;
-    if (call->status == 0) {
-        return;
-    }
-    text = envelope->failed ? envelope->error.text : error.text;
-    (void)snprintf(call->text, sizeof(call->text), "%s: %s",
-                   proto_messages[call->method].name,
-                   text[0] != '\0' ? text : proto_status_text(call->status));
-}
-
-static void take_notification(struct pccd_client *client,
-                              const struct proto_envelope *envelope)
-{
-    struct proto_GOAWAY_request goaway;
-    struct proto_error error;
-
-    if (envelope->method != PROTO_NOTE_GOAWAY ||
-        proto_decode_body(envelope, &proto_messages[PROTO_NOTE_GOAWAY].request, &goaway,
-                          &error) != 0) {
-        return; /* of a newer protocol */
-    }
-    client->goaway = goaway.code == 0 || goaway.code > INT32_MAX ? PCCD_E_DISCONNECTED
-                                                                 : -(int)goaway.code;
-    (void)snprintf(client->dead_text, sizeof(client->dead_text),
-                   "the daemon at %s says: %s", client->url,
-                   goaway.text[0] != '\0' ? goaway.text
-                                          : proto_status_text(client->goaway));
-}
-
-int cli_receive(struct pccd_client *client)
-{
-    struct proto_envelope envelope;
-    struct proto_error error;
-    size_t bytes = 0;
-    int fd_count = 0;
-    int rc;
-
-    if (client->dead) {
-        return cli_alive(client);
-    }
-    rc = proto_receive(client->socket, client->message, sizeof(client->message), &bytes,
-                       client->fds, &fd_count);
-    /* A peer that closed with our messages unread is a reset first; what it had said
-     * before can still be read after it. */
-    if (rc == PCCD_E_DISCONNECTED) {
-        rc = proto_receive(client->socket, client->message, sizeof(client->message),
-                           &bytes, client->fds, &fd_count);
-    }
-    if (rc == PCCD_E_AGAIN) {
-        return rc;
-    }
-    if (rc == PCCD_E_DISCONNECTED) {
-        return die(client, "the connection was closed");
-    }
-    if (rc != 0) {
-        return die(client, proto_status_text(rc));
-    }
-    for (int i = fd_count; i < PROTO_FDS_MAX; i++) {
-        client->fds[i] = -1;
-    }
-    rc = proto_decode(client->decoder, client->message, bytes, &envelope, &error);
-    if (rc != 0) {
-        close_fds(client);
-        return die(client, error.text);
-    }
-    if (envelope.kind == PROTO_RESPONSE) {
-        struct cli_call *call = find_call(client, envelope.id);
-        bool wanted = call != NULL && call->state == CLI_CALL_SENT &&
-                      call->method == PROTO_METHOD_SHM_ATTACH;
-
-        take_reply(client, &envelope);
-        if (!wanted) {
-            close_fds(client);
-        }
-        return 0;
-    }
-    close_fds(client);
-    if (envelope.kind == PROTO_NOTIFICATION) {
-        take_notification(client, &envelope);
-    }
-    return 0;
 }
 
 /* ---- waiting ----------------------------------------------------------------------- */
@@ -325,7 +179,7 @@ static int wait_socket(struct pccd_client *client, short events, uint64_t deadli
             return PCCD_E_TIMEOUT;
         }
         if (errno != EINTR) {
-            return die(client, strerror(errno));
+            return cli_lose(client, strerror(errno));
         }
     }
 }
@@ -340,7 +194,7 @@ static int spin(struct pccd_client *client, struct proto_upload *upload,
     if (until_ns > deadline_ns) {
         until_ns = deadline_ns;
     }
-    while (cli_now_ns() < until_ns) {
+    while (cli_now_ns() < until_ns && !client->link.is_down) {
         if (atomic_load(&upload->done_seq.value) != done_seen) {
             int rc = cli_receive(client);
 
@@ -359,12 +213,16 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     uint64_t done_seen = upload != NULL ? atomic_load(&upload->done_seq.value) : 0;
     int rc = cli_receive(client);
 
+    if (client->link.is_down) {
+        return cli_recover(client, deadline_ns);
+    }
+
     if (rc == PCCD_E_AGAIN && upload != NULL && client->spin_us > 0 &&
         compute_inflight(client) > 0) {
         rc = spin(client, upload, done_seen, deadline_ns);
     }
-    if (rc != PCCD_E_AGAIN) {
-        return rc;
+    if (rc != PCCD_E_AGAIN || client->link.is_down) {
+        return client->link.is_down ? cli_recover(client, deadline_ns) : rc;
     }
     /* Pairs with the daemon's store to done_seq and load of client_wait: one of the two
      * sides sees the other's, so a reply that is left out because nobody waits is never
@@ -374,16 +232,17 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     }
     do {
         rc = cli_receive(client);
-        if (rc == PCCD_E_AGAIN && wait_socket(client, POLLIN, deadline_ns) != 0) {
+        if (rc == PCCD_E_AGAIN && !client->link.is_down &&
+            wait_socket(client, POLLIN, deadline_ns) != 0 && !client->link.is_down) {
             rc = client->dead ? PCCD_E_DISCONNECTED
                               : cli_fail(client, PCCD_E_TIMEOUT,
                                          "the daemon at %s does not answer", client->url);
         }
-    } while (rc == PCCD_E_AGAIN);
+    } while (rc == PCCD_E_AGAIN && !client->link.is_down);
     if (upload != NULL) {
         atomic_store(&upload->client_wait.value, 0);
     }
-    return rc;
+    return client->link.is_down ? cli_recover(client, deadline_ns) : rc;
 }
 
 /* ---- calls ------------------------------------------------------------------------- */
@@ -414,31 +273,60 @@ static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
             while (cli_receive(client) == 0) {
                 ;
             }
-            return client->dead ? cli_alive(client) : die(client, proto_status_text(rc));
+            return client->dead           ? cli_alive(client)
+                   : client->link.is_down ? PCCD_E_DISCONNECTED
+                                          : cli_lose(client, proto_status_text(rc));
         }
         if (wait_socket(client, POLLIN | POLLOUT, deadline_ns) != 0) {
-            return client->dead ? cli_alive(client)
-                                : cli_fail(client, PCCD_E_TIMEOUT,
-                                           "the daemon at %s reads nothing", client->url);
+            return client->link.is_down ? PCCD_E_DISCONNECTED
+                   : client->dead
+                       ? cli_alive(client)
+                       : cli_fail(client, PCCD_E_TIMEOUT,
+                                  "the daemon at %s reads nothing", client->url);
         }
         do {
             rc = cli_receive(client);
         } while (rc == 0 && cli_now_ns() < deadline_ns);
-        if (rc == PCCD_E_DISCONNECTED) {
-            return rc;
+        if (rc == PCCD_E_DISCONNECTED || client->link.is_down) {
+            return PCCD_E_DISCONNECTED;
         }
     }
+}
+
+int cli_call_resend(struct pccd_client *client, struct cli_call *call,
+                    uint64_t deadline_ns)
+{
+    int rc =
+        proto_encode_request(&client->encoder, call->id, call->method, &call->params);
+
+    if (rc != 0) {
+        return cli_fail(client, rc, "%s does not fit a message",
+                        proto_messages[call->method].name);
+    }
+    call->held = false; /* the answer may come while the message is still being sent */
+    rc = send_encoded(client, deadline_ns);
+    call->held = call->held || (rc != 0 && call->state != CLI_CALL_DONE);
+    return rc;
+}
+
+/* A daemon keeps so many answers for the case that they are lost on their way. */
+static bool is_full(const struct pccd_client *client, int method)
+{
+    uint32_t inflight_max =
+        client->ring.inflight_max > 0 ? client->ring.inflight_max : PROTO_INFLIGHT_MAX;
+
+    return cli_call_inflight(client) >= PROTO_REPLIES_KEPT ||
+           (is_compute(method) && compute_inflight(client) >= inflight_max);
 }
 
 int cli_call_send(struct pccd_client *client, int method, const void *request,
                   uint32_t slot, uint64_t deadline_ns, struct cli_call **call)
 {
-    uint32_t inflight_max =
-        client->ring.inflight_max > 0 ? client->ring.inflight_max : PROTO_INFLIGHT_MAX;
+    struct cli_link *link = &client->link;
     struct cli_call *made;
     int rc = cli_alive(client);
 
-    while (rc == 0 && is_compute(method) && compute_inflight(client) >= inflight_max) {
+    while (rc == 0 && (link->is_down || is_full(client, method))) {
         rc = cli_progress(client, deadline_ns);
     }
     if (rc != 0) {
@@ -453,13 +341,13 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
         return cli_fail(client, rc, "%s does not fit a message",
                         proto_messages[method].name);
     }
-    rc = send_encoded(client, deadline_ns);
-    if (rc != 0) {
-        return rc;
-    }
-    /* Replies that were read meanwhile only free entries, so `made` is still free. */
+    /* The entry comes first: when the connection is lost, it is sent over the next. */
     made->state = CLI_CALL_SENT;
+    made->held = false;
+    made->recovery = link->is_recovering;
     made->method = method;
+    made->serial = client->next_serial++;
+    memcpy(&made->params, request, proto_messages[method].request.struct_bytes);
     made->id = client->next_id;
     made->slot = slot;
     made->step = 0;
@@ -467,6 +355,11 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
     made->status = 0;
     made->page = 0;
     made->text[0] = '\0';
+    rc = send_encoded(client, deadline_ns);
+    if (rc != 0 && !made->held) {
+        made->state = CLI_CALL_FREE;
+        return rc;
+    }
     client->next_id = client->next_id == UINT32_MAX ? 1 : client->next_id + 1;
     *call = made;
     return 0;

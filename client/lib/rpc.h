@@ -37,16 +37,31 @@ int cli_call_page(struct pccd_client *client, int method, const void *request,
 int cli_call_sync(struct pccd_client *client, int method, const void *request,
                   void *result, uint64_t deadline_ns);
 
-/* Handle one message if one is there: 0, PCCD_E_AGAIN or PCCD_E_DISCONNECTED. */
+/* Handle one message if one is there: 0, PCCD_E_AGAIN (also when the connection has just
+ * been lost and can be made again: link.is_down then) or PCCD_E_DISCONNECTED. */
 int cli_receive(struct pccd_client *client);
 
-/* Wait for a message and handle it: 0, PCCD_E_TIMEOUT or PCCD_E_DISCONNECTED. */
+/* Wait for a message and handle it, or for another connection where it is lost: 0,
+ * PCCD_E_TIMEOUT or PCCD_E_DISCONNECTED. */
 int cli_progress(struct pccd_client *client, uint64_t deadline_ns);
+
+/* Send a held call once more, unchanged. */
+int cli_call_resend(struct pccd_client *client, struct cli_call *call,
+                    uint64_t deadline_ns);
 
 /* Requests whose replies have not come. */
 uint32_t cli_call_inflight(const struct pccd_client *client);
 
-/* PCCD_E_DISCONNECTED with its text when the connection is lost, else 0. */
+/* The connection is lost. Calls without an answer are held for another one, or fail where
+ * there is to be none. Returns PCCD_E_DISCONNECTED. */
+int cli_lose(struct pccd_client *client, const char *why);
+/* For good: client->dead_text says why. Returns PCCD_E_DISCONNECTED. */
+int cli_die(struct pccd_client *client);
+
+/* Close descriptors that came with an answer and were not taken. */
+void cli_fds_close(struct pccd_client *client);
+
+/* PCCD_E_DISCONNECTED with its text when the connection is lost for good, else 0. */
 int cli_alive(struct pccd_client *client);
 
 /* Close the socket and forget every call, so that another can be opened. */

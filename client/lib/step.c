@@ -13,6 +13,7 @@
 
 #include "attach.h"
 #include "page.h"
+#include "recover.h"
 #include "rpc.h"
 
 #define ANSWER_TAG 0x7063636461677331ull /* marks an answer of this library */
@@ -166,7 +167,7 @@ static int take_answer(struct pccd_client *client, struct cli_call *call,
     answer->status = call->status;
     if (call->status == 0) {
         const void *records =
-            call->page != 0 ? cli_page_base(client) + result->offset : NULL;
+            call->page != 0 ? cli_page_base(client, call->page) + result->offset : NULL;
 
         answer->step = result->step;
         fill_numbers(result, answer);
@@ -217,6 +218,9 @@ static void drain(struct pccd_client *client)
         if (cli_receive(client) != 0) {
             break;
         }
+    }
+    if (client->link.is_down) {
+        cli_recover_poll(client);
     }
 }
 

@@ -63,7 +63,7 @@ static int dump_page(struct pccd_client *client, uint64_t cursor, pccd_trace_fn 
                       "trace.dump: no room in the result region: release answers first");
     }
     if (rc == 0 && result->count > 0) {
-        const uint8_t *at = cli_page_base(client) + result->offset;
+        const uint8_t *at = cli_page_base(client, page) + result->offset;
 
         each(context, (const struct pccd_trace_event *)(const void *)at, result->count);
     }

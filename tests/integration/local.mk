@@ -8,6 +8,7 @@ integration_names = \
     tests/integration/test_int_peer \
     tests/integration/test_int_quota \
     tests/integration/test_int_replace \
+    tests/integration/test_int_reconnect \
     tests/integration/test_int_resume \
     tests/integration/test_int_sandbox \
     tests/integration/test_int_session \
@@ -50,6 +51,11 @@ tests_integration_test_int_quota_LDADD = $(integration_libs)
 tests_integration_test_int_replace_SOURCES = tests/integration/test_int_replace.c
 tests_integration_test_int_replace_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_replace_LDADD = $(integration_libs)
+
+tests_integration_test_int_reconnect_SOURCES = \
+    tests/integration/test_int_reconnect.c
+tests_integration_test_int_reconnect_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_reconnect_LDADD = $(integration_libs)
 
 tests_integration_test_int_resume_SOURCES = tests/integration/test_int_resume.c
 tests_integration_test_int_resume_CPPFLAGS = $(integration_cppflags)

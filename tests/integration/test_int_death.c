@@ -223,7 +223,7 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
     (void)state;
     assert_ptr_not_equal((void *)(uintptr_t)killed_us, MAP_FAILED);
     assert_true(test_daemon_start(&daemon, NULL));
-    client = test_connect(daemon.url);
+    client = test_connect_once(daemon.url);
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 30, &grid), 0);
     assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
@@ -276,7 +276,7 @@ static void death__of_the_daemon_ends_a_ping_and_an_upload(void **state)
 
         memset(&grid, 0, sizeof(grid));
         assert_true(test_daemon_start(&daemon, NULL));
-        client = test_connect(daemon.url);
+        client = test_connect_once(daemon.url);
         assert_non_null(client);
         assert_int_equal(pccd_ping(client, NULL), 0);
         if (!upload) {
@@ -310,7 +310,7 @@ static void death__of_the_daemon_leaves_the_path_usable(void **state)
     (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     for (int round = 0; round < 3; round++) {
-        client = test_connect(daemon.url);
+        client = test_connect_once(daemon.url);
         assert_non_null(client);
         assert_int_equal(test_crossing_make(client, &crossing), 0);
         assert_true(test_crossing_turn(&crossing));
@@ -361,6 +361,7 @@ static int connect_private(struct pccd_client **client)
 
     pccd_options_init(&options);
     options.private_daemon = true;
+    options.reconnect_ms = -1;
     options.daemon = getenv("PCCDD");
     options.result_bytes = 65536;
     return pccd_connect(&options, client);

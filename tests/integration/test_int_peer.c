@@ -174,6 +174,7 @@ static int connect_peer(struct pccd_client **client)
     pccd_options_init(&options);
     options.url = url;
     options.timeout_ms = TIMEOUT_MS;
+    options.reconnect_ms = -1;
     return pccd_connect(&options, client);
 }
 

@@ -348,7 +348,7 @@ static void session__sigterm_answers_what_is_in_flight(void **state)
 
     (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
-    client = test_connect(daemon.url);
+    client = test_connect_once(daemon.url);
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 60, &grid), 0);
     for (int i = 0; i < STEPS; i++)

@@ -18,7 +18,7 @@ const float test_floor_x[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
 const float test_triangle_x[3][3] = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
 const uint32_t test_triangle[1][3] = {{0, 1, 2}};
 
-struct pccd_client *test_connect(const char *url)
+static struct pccd_client *connect_to(const char *url, int reconnect_ms)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
@@ -26,11 +26,22 @@ struct pccd_client *test_connect(const char *url)
     pccd_options_init(&options);
     options.url = url;
     options.timeout_ms = TIMEOUT_MS;
+    options.reconnect_ms = reconnect_ms;
     options.result_bytes = 4u << 20; /* several answers of a grid that wait to be taken */
     if (pccd_connect(&options, &client) != 0) {
         fprintf(stderr, "# connect: %s\n", pccd_error_text(NULL));
     }
     return client;
+}
+
+struct pccd_client *test_connect(const char *url)
+{
+    return connect_to(url, 0);
+}
+
+struct pccd_client *test_connect_once(const char *url)
+{
+    return connect_to(url, -1);
 }
 
 int test_crossing_make(struct pccd_client *client, struct test_crossing *crossing)

@@ -31,6 +31,9 @@ extern const uint32_t test_triangle[1][3];
  * message on stderr when it cannot connect. */
 struct pccd_client *test_connect(const char *url);
 
+/* The same, to which the loss of the daemon is an error at once. */
+struct pccd_client *test_connect_once(const char *url);
+
 /* Build the scene in a session. Returns a status. */
 int test_crossing_make(struct pccd_client *client, struct test_crossing *crossing);
 

@@ -1,0 +1,293 @@
+/* link.c - the way to a daemon.
+ *
+ * Room:     client/lib. May include: link.h, rpc.h, launch.h, proto.
+ * Does:     connect a socket, check who listens, say hello; have daemons started.
+ * Does not: decide how often to try after the first time (recover.c).
+ * Threads:  [owner].
+ */
+#include "link.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "launch.h"
+#include "rpc.h"
+#include "seqpacket.h"
+
+#define CLI_STARTS_MAX     3             /* daemons started by one connect */
+#define CLI_START_PATIENCE 2000000000ull /* ns: from "listening" to a connection */
+
+void cli_sleep_ns(uint64_t ns)
+{
+    struct timespec pause = {(time_t)(ns / 1000000000u), (long)(ns % 1000000000u)};
+
+    (void)nanosleep(&pause,
+                    NULL); /* cut short by a signal: the caller looks at the clock */
+}
+
+/* Take a connected socket; in place of another one under the same number, so that whoever
+ * watches it goes on. */
+static int take_socket(struct pccd_client *client, int fd)
+{
+    if (client->socket < 0) {
+        client->socket = fd;
+        return 0;
+    }
+    if (dup3(fd, client->socket, O_CLOEXEC) < 0) {
+        (void)close(fd);
+        return cli_fail(client, PCCD_E_SYSTEM, "dup3: %s", strerror(errno));
+    }
+    (void)close(fd);
+    return 0;
+}
+
+/* Connect the socket, waiting while the daemon's queue of connections is full.
+ * PCCD_E_NODAEMON: nobody listens there. */
+static int open_socket(struct pccd_client *client, const char *path, uint64_t deadline_ns)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    uint64_t pause_ns = CLI_RETRY_NS;
+    int fd;
+
+    memcpy(address.sun_path, path, strlen(path)); /* checked: shorter than sun_path */
+    (void)snprintf(client->url, sizeof(client->url), "unix:%s", path);
+    fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0) {
+        return cli_fail(client, PCCD_E_SYSTEM, "socket: %s", strerror(errno));
+    }
+    while (connect(fd, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+        int reason = errno;
+
+        if (reason == EAGAIN && cli_now_ns() < deadline_ns) {
+            cli_sleep_ns(pause_ns);
+            pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
+            continue;
+        }
+        if (reason == EINTR) {
+            continue;
+        }
+        (void)close(fd);
+        if (reason == EAGAIN) {
+            return cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s accepts nobody",
+                            path);
+        }
+        if (reason == ENOENT || reason == ECONNREFUSED || reason == ENOTDIR) {
+            return cli_fail(client, PCCD_E_NODAEMON, "nobody listens at %s: %s", path,
+                            strerror(reason));
+        }
+        return cli_fail(client, PCCD_E_SYSTEM, "connect to %s: %s", path,
+                        strerror(reason));
+    }
+    return take_socket(client, fd);
+}
+
+/* The first message. A daemon that refuses the session says why in its goaway. */
+static int say_hello(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
+{
+    struct cli_link *link = &client->link;
+    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
+                                          .version_max = PROTO_VERSION_MAX,
+                                          .resumable = link->patience_ns > 0,
+                                          .resume_epoch = link->epoch,
+                                          .resume_session = link->session,
+                                          .token_hi = link->token[0],
+                                          .token_lo = link->token[1]};
+    struct proto_HELLO_result result;
+    int rc;
+
+    (void)snprintf(request.client, sizeof(request.client), "%s",
+                   link->name[0] != '\0' ? link->name : program_invocation_short_name);
+    rc = cli_call_sync(client, PROTO_METHOD_HELLO, &request, &result, deadline_ns);
+    if (rc == PCCD_E_DISCONNECTED && client->goaway != 0) {
+        return cli_fail(client, client->goaway, "%s", client->dead_text);
+    }
+    if (rc != 0) {
+        return rc;
+    }
+    if (result.version < PROTO_VERSION_MIN || result.version > PROTO_VERSION_MAX) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "the daemon chose version %u, this library speaks %u .. %u",
+                        result.version, PROTO_VERSION_MIN, PROTO_VERSION_MAX);
+    }
+    *resumed = result.resumed;
+    link->features = result.features;
+    link->epoch = result.epoch;
+    link->session = result.token_hi != 0 || result.token_lo != 0 ? result.session : 0;
+    link->token[0] = result.token_hi;
+    link->token[1] = result.token_lo;
+    client->pid = result.pid;
+    static_assert(sizeof(client->cpu) == sizeof(result.cpu), "the whole string");
+    memcpy(client->cpu, result.cpu, sizeof(client->cpu));
+    return 0;
+}
+
+/* Who listens on a path that nobody chose must be this user or root: in /tmp, or with
+ * another user's $XDG_RUNTIME_DIR, anybody may have been there first. */
+static int check_owner(struct pccd_client *client)
+{
+    struct ucred peer; /* of the process that began to listen */
+    socklen_t bytes = sizeof(peer);
+
+    if (getsockopt(client->socket, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
+        return cli_fail(client, PCCD_E_SYSTEM, "owner of the daemon at %s: %s",
+                        client->url, strerror(errno));
+    }
+    if (peer.uid != 0 && peer.uid != geteuid() && peer.uid != getuid()) {
+        return cli_fail(client, PCCD_E_SYSTEM,
+                        "the daemon at %s is user %u's, not this user's (%u); an url "
+                        "or PCCD_URL chooses it nevertheless",
+                        client->url, (unsigned)peer.uid, (unsigned)geteuid());
+    }
+    return 0;
+}
+
+static int open_session(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
+{
+    const struct cli_link *link = &client->link;
+    int rc = open_socket(client, link->path, deadline_ns);
+
+    if (rc == 0 && link->way != CLI_WAY_URL) {
+        rc = check_owner(client);
+    }
+    return rc != 0 ? rc : say_hello(client, deadline_ns, resumed);
+}
+
+/* The same, and nothing is left of a connection that failed. */
+static int open_first(struct pccd_client *client, uint64_t deadline_ns)
+{
+    bool resumed = false;
+    int rc = open_session(client, deadline_ns, &resumed);
+
+    if (rc != 0) {
+        cli_rpc_close(client);
+    }
+    return rc;
+}
+
+/* A daemon that ends while we connect, or that has not yet begun to listen: try again. */
+static bool is_worth_retrying(int rc)
+{
+    return rc == PCCD_E_NODAEMON || rc == PCCD_E_DISCONNECTED || rc == PCCD_E_SHUTDOWN;
+}
+
+static int retry_session(struct pccd_client *client, uint64_t deadline_ns)
+{
+    uint64_t pause_ns = CLI_RETRY_NS;
+    uint64_t until_ns = cli_now_ns() + CLI_START_PATIENCE;
+    int rc;
+
+    if (until_ns > deadline_ns) {
+        until_ns = deadline_ns;
+    }
+    do {
+        rc = open_first(client, deadline_ns);
+        if (!is_worth_retrying(rc)) {
+            return rc;
+        }
+        cli_sleep_ns(pause_ns);
+        pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
+    } while (cli_now_ns() < until_ns);
+    return rc;
+}
+
+/* The user's own daemon, started when nobody listens. Of two clients that start one at
+ * the same time the daemon's lock lets one through; the other's daemon ends, and both
+ * connect to the first. */
+static int connect_user(struct pccd_client *client, uint64_t deadline_ns)
+{
+    const struct cli_link *link = &client->link;
+    int rc = open_first(client, deadline_ns);
+
+    for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(rc); start++) {
+        int started;
+
+        if (link->no_autostart) {
+            return rc;
+        }
+        started = cli_launch_user(client, link->daemon, link->path, deadline_ns);
+        if (started != 0 && started != PCCD_E_AGAIN) {
+            return started;
+        }
+        rc = retry_session(client, deadline_ns);
+        if (is_worth_retrying(rc) && started == PCCD_E_AGAIN) {
+            return cli_fail(
+                client, PCCD_E_NODAEMON,
+                "the daemon that was started for %s ended at once; PCCD_LOG=FILE "
+                "shows what it says",
+                link->path);
+        }
+    }
+    return rc;
+}
+
+int cli_link_first(struct pccd_client *client, uint64_t deadline_ns)
+{
+    struct cli_link *link = &client->link;
+    int rc = 0;
+
+    switch (link->way) {
+    case CLI_WAY_USER:
+        if (proto_default_socket_path(link->path, sizeof(link->path)) != 0) {
+            return cli_fail(client, PCCD_E_LIMIT,
+                            "$XDG_RUNTIME_DIR is too long for a socket's path");
+        }
+        return connect_user(client, deadline_ns);
+    case CLI_WAY_PRIVATE:
+        rc = cli_launch_private(client, link->daemon, link->path, deadline_ns);
+        break;
+    case CLI_WAY_URL:
+        break;
+    }
+    return rc != 0 ? rc : open_first(client, deadline_ns);
+}
+
+/* Start a daemon in place of one that is gone, where this client may. */
+static int launch_again(struct pccd_client *client, uint64_t deadline_ns)
+{
+    struct cli_link *link = &client->link;
+
+    if (link->way == CLI_WAY_PRIVATE) {
+        cli_launch_stop(&client->child);
+        return cli_launch_private(client, link->daemon, link->path, deadline_ns);
+    }
+    if (link->way == CLI_WAY_USER && !link->no_autostart) {
+        int rc = cli_launch_user(client, link->daemon, link->path, deadline_ns);
+
+        return rc == PCCD_E_AGAIN ? 0 : rc; /* another client was faster */
+    }
+    return PCCD_E_NODAEMON;
+}
+
+int cli_link_again(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
+{
+    int rc = open_session(client, deadline_ns, resumed);
+
+    if (rc == PCCD_E_NODAEMON && client->link.way != CLI_WAY_URL) {
+        rc = launch_again(client, deadline_ns);
+        if (rc == 0) {
+            rc = open_session(client, deadline_ns, resumed);
+        }
+    }
+    return rc;
+}
+
+void cli_link_bye(struct pccd_client *client)
+{
+    struct proto_BYE_request request = {.reserved = 0};
+    struct cli_link *link = &client->link;
+
+    if (link->session != 0 && !client->dead && !link->is_down && client->socket >= 0 &&
+        client->owner == getpid() &&
+        proto_encode_request(&client->encoder, client->next_id, PROTO_METHOD_BYE,
+                             &request) == 0) {
+        /* When the socket takes nothing more, the session ends when its time is up. */
+        (void)proto_send(client->socket, client->encoder.data, client->encoder.bytes,
+                         NULL, 0);
+    }
+}

@@ -1,0 +1,29 @@
+/* link.h - the way to a daemon.
+ *
+ * Room:     client/lib, private. May include: client.h.
+ * Does:     find or start the daemon that link->way says, connect, say hello.
+ * Does not: keep the connection (rpc.h), or make it again (recover.h).
+ * Threads:  [owner].
+ */
+#ifndef CLI_LINK_H
+#define CLI_LINK_H
+
+#include "client.h"
+
+#define CLI_RETRY_NS     1000000u
+#define CLI_RETRY_NS_MAX 50000000u
+
+/* The first connection. link->way and what it needs are set. */
+int cli_link_first(struct pccd_client *client, uint64_t deadline_ns);
+
+/* Another connection, under the number of the socket's descriptor; with a new daemon
+ * where this client starts daemons and nobody listens. *resumed: the session goes on,
+ * else it is a new one. */
+int cli_link_again(struct pccd_client *client, uint64_t deadline_ns, bool *resumed);
+
+/* Say that nobody comes back. */
+void cli_link_bye(struct pccd_client *client);
+
+void cli_sleep_ns(uint64_t ns);
+
+#endif

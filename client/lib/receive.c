@@ -1,0 +1,229 @@
+/* receive.c - what the daemon says.
+ *
+ * Room:     client/lib. May include: rpc.h, keep.h, page.h, proto.
+ * Does:     the only place that reads the socket. Replies come in any order and are
+ *           matched by id.
+ * Does not: know what the methods mean, but for the pages that some replies bring.
+ * Threads:  [owner].
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "keep.h"
+#include "page.h"
+#include "rpc.h"
+
+/* The call that an answer is for. */
+static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
+{
+    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+        struct cli_call *call = &client->calls[i];
+
+        if (call->id == id && !call->held &&
+            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST)) {
+            return call;
+        }
+    }
+    return NULL;
+}
+
+/* The result of a call, and the page that it brings. */
+static int take_result(struct pccd_client *client, struct cli_call *call,
+                       const struct proto_envelope *envelope, struct proto_error *error)
+{
+    const struct proto_fields *fields = &proto_messages[call->method].result;
+    struct proto_FRAME_SUBMIT_result *answer = &call->answer;
+    struct proto_MESH_EDGES_result edges;
+    struct proto_TRACE_DUMP_result dump;
+    int rc;
+
+    switch (call->method) {
+    case PROTO_METHOD_FRAME_SUBMIT:
+    case PROTO_METHOD_FRAME_FETCH:
+        rc = proto_decode_body(envelope, fields, answer, error);
+        if (rc == 0 && answer->count > 0 &&
+            answer->record_bytes != (answer->mode == PCCD_MODE_PAIRS
+                                         ? sizeof(struct pccd_pair)
+                                         : sizeof(struct pccd_contact))) {
+            return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
+                                   answer->record_bytes);
+        }
+        if (rc == 0) {
+            rc = cli_page_add(client, answer->offset, answer->count, answer->record_bytes,
+                              answer->release, &call->page);
+        }
+        break;
+    case PROTO_METHOD_MESH_EDGES:
+        rc = proto_decode_body(envelope, fields, &edges, error);
+        if (rc == 0) {
+            rc = cli_page_add(client, edges.offset, edges.count, sizeof(struct pccd_edge),
+                              edges.release, &call->page);
+        }
+        if (rc == 0 && call->result != NULL) {
+            memcpy(call->result, &edges, sizeof(edges));
+        }
+        break;
+    case PROTO_METHOD_TRACE_DUMP:
+        rc = proto_decode_body(envelope, fields, &dump, error);
+        if (rc == 0) {
+            rc = cli_page_add(client, dump.offset, dump.count,
+                              sizeof(struct pccd_trace_event), dump.release, &call->page);
+        }
+        if (rc == 0 && call->result != NULL) {
+            memcpy(call->result, &dump, sizeof(dump));
+        }
+        break;
+    default:
+        return call->result != NULL
+                   ? proto_decode_body(envelope, fields, call->result, error)
+                   : 0;
+    }
+    if (rc != 0 && error->text[0] == '\0') {
+        (void)proto_error_set(error, rc, "a page outside the result region");
+    }
+    return rc;
+}
+
+/* An answer to nobody: when the daemon closes after it, its last words. */
+static void take_last_words(struct pccd_client *client,
+                            const struct proto_envelope *envelope)
+{
+    if (!envelope->failed || !envelope->error.fatal) {
+        return;
+    }
+    client->goaway = envelope->error.code;
+    (void)snprintf(client->dead_text, sizeof(client->dead_text),
+                   "the daemon at %s says: %s", client->url, envelope->error.text);
+}
+
+/* A daemon that is about to go has not begun what it refuses so: it waits for the next
+ * one. */
+static bool is_for_another_daemon(const struct pccd_client *client,
+                                  const struct cli_call *call,
+                                  const struct proto_envelope *envelope)
+{
+    return envelope->failed && envelope->error.code == PCCD_E_SHUTDOWN &&
+           client->link.is_established && client->link.patience_ns > 0 && !call->recovery;
+}
+
+static void take_reply(struct pccd_client *client, const struct proto_envelope *envelope)
+{
+    struct cli_call *call = find_call(client, envelope->id);
+    struct proto_error error = {0};
+    const char *text;
+
+    if (call == NULL) {
+        take_last_words(client, envelope);
+        return;
+    }
+    if (is_for_another_daemon(client, call, envelope)) {
+        return;
+    }
+    if (call->slot != CLI_SLOT_NONE) {
+        client->ring.slots[call->slot].state = CLI_SLOT_FREE;
+    }
+    call->page = 0;
+    if (envelope->failed) {
+        call->status = envelope->error.code < 0 ? envelope->error.code : PCCD_E_INTERNAL;
+    } else {
+        call->status = take_result(client, call, envelope, &error);
+    }
+    if (call->status == 0 && !call->recovery) {
+        cli_keep_answer(client, call);
+    }
+    if (call->state == CLI_CALL_LOST) {
+        cli_page_release(client, call->page);
+        call->state = CLI_CALL_FREE;
+        return;
+    }
+    call->state = CLI_CALL_DONE;
+    if (call->status == 0) {
+        return;
+    }
+    text = envelope->failed ? envelope->error.text : error.text;
+    (void)snprintf(call->text, sizeof(call->text), "%s: %s",
+                   proto_messages[call->method].name,
+                   text[0] != '\0' ? text : proto_status_text(call->status));
+}
+
+static void take_notification(struct pccd_client *client,
+                              const struct proto_envelope *envelope)
+{
+    struct proto_GOAWAY_request goaway;
+    struct proto_error error;
+
+    if (envelope->method != PROTO_NOTE_GOAWAY ||
+        proto_decode_body(envelope, &proto_messages[PROTO_NOTE_GOAWAY].request, &goaway,
+                          &error) != 0) {
+        return; /* of a newer protocol */
+    }
+    client->goaway = goaway.code == 0 || goaway.code > INT32_MAX ? PCCD_E_DISCONNECTED
+                                                                 : -(int)goaway.code;
+    (void)snprintf(client->dead_text, sizeof(client->dead_text),
+                   "the daemon at %s says: %s", client->url,
+                   goaway.text[0] != '\0' ? goaway.text
+                                          : proto_status_text(client->goaway));
+}
+
+/* Nothing more comes, now or for ever. */
+static int lost(struct pccd_client *client, const char *why)
+{
+    int rc = cli_lose(client, why);
+
+    return client->link.is_down ? PCCD_E_AGAIN : rc;
+}
+
+int cli_receive(struct pccd_client *client)
+{
+    struct proto_envelope envelope;
+    struct proto_error error;
+    size_t bytes = 0;
+    int fd_count = 0;
+    int rc;
+
+    if (client->dead) {
+        return cli_alive(client);
+    }
+    if (client->link.is_down) {
+        return PCCD_E_AGAIN;
+    }
+    rc = proto_receive(client->socket, client->message, sizeof(client->message), &bytes,
+                       client->fds, &fd_count);
+    /* A peer that closed with our messages unread is a reset first; what it had said
+     * before can still be read after it. */
+    if (rc == PCCD_E_DISCONNECTED) {
+        rc = proto_receive(client->socket, client->message, sizeof(client->message),
+                           &bytes, client->fds, &fd_count);
+    }
+    if (rc == PCCD_E_AGAIN) {
+        return rc;
+    }
+    if (rc != 0) {
+        return lost(client, rc == PCCD_E_DISCONNECTED ? "the connection was closed"
+                                                      : proto_status_text(rc));
+    }
+    for (int i = fd_count; i < PROTO_FDS_MAX; i++) {
+        client->fds[i] = -1;
+    }
+    rc = proto_decode(client->decoder, client->message, bytes, &envelope, &error);
+    if (rc != 0) {
+        cli_fds_close(client);
+        return lost(client, error.text);
+    }
+    if (envelope.kind == PROTO_RESPONSE) {
+        struct cli_call *call = find_call(client, envelope.id);
+        bool wanted = call != NULL && call->state == CLI_CALL_SENT &&
+                      call->method == PROTO_METHOD_SHM_ATTACH;
+
+        take_reply(client, &envelope);
+        if (!wanted) {
+            cli_fds_close(client);
+        }
+        return 0;
+    }
+    cli_fds_close(client);
+    if (envelope.kind == PROTO_NOTIFICATION) {
+        take_notification(client, &envelope);
+    }
+    return 0;
+}

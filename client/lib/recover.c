@@ -1,0 +1,250 @@
+/* recover.c - another connection when one is lost.
+ *
+ * Room:     client/lib. May include: recover.h, link.h, restore.h, rpc.h.
+ * Does:     the states of a link:
+ *
+ *     UP -- lost (rpc.c) --> DOWN --- try -----> RECOVERING
+ *      ^                      |  ^-- failed, pause --'  |
+ *      |                      | patience is over        | hello answered,
+ *      |                      v                         | told anew unless resumed,
+ *      |                     DEAD                       | all sent again
+ *      `------------------------------------------------'
+ *
+ *           Pauses double from 1 ms to 1 s, with a random part, so that a thousand
+ *           clients of one daemon do not come at the same moment.
+ * Does not: tell a new daemon what there is (restore.c).
+ * Threads:  [owner].
+ */
+#include "recover.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "link.h"
+#include "restore.h"
+#include "rpc.h"
+
+#define HELLO_NS 100000000u /* for an answer to hello at least, whatever the deadline */
+
+/* ---- one try ----------------------------------------------------------------------- */
+
+static bool is_unanswered(const struct cli_call *call)
+{
+    return call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
+}
+
+/* The held call that was sent first. */
+static struct cli_call *find_first_held(struct pccd_client *client)
+{
+    struct cli_call *first = NULL;
+
+    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+        struct cli_call *call = &client->calls[i];
+
+        if (is_unanswered(call) && call->held &&
+            (first == NULL || call->serial < first->serial)) {
+            first = call;
+        }
+    }
+    return first;
+}
+
+/* Part of a mesh's upload, which another daemon must be sent from the beginning. */
+static bool is_upload(const struct cli_call *call)
+{
+    return call->method == PROTO_METHOD_MESH_CREATE ||
+           call->method == PROTO_METHOD_MESH_REPLACE ||
+           call->method == PROTO_METHOD_MESH_DATA ||
+           call->method == PROTO_METHOD_MESH_COMMIT;
+}
+
+/* Its caller starts over (mesh.c). */
+static void end_upload(struct pccd_client *client, struct cli_call *call)
+{
+    if (call->slot != CLI_SLOT_NONE) {
+        client->ring.slots[call->slot].state = CLI_SLOT_FREE;
+    }
+    call->held = false;
+    call->page = 0;
+    call->status = PCCD_E_AGAIN;
+    (void)snprintf(call->text, sizeof(call->text), "%s: the daemon is another one",
+                   proto_messages[call->method].name);
+    call->state = call->state == CLI_CALL_LOST ? CLI_CALL_FREE : CLI_CALL_DONE;
+}
+
+static int send_again(struct pccd_client *client, bool resumed)
+{
+    for (struct cli_call *call; (call = find_first_held(client)) != NULL;) {
+        int rc;
+
+        if (!resumed && is_upload(call)) {
+            end_upload(client, call);
+            continue;
+        }
+        rc = cli_call_resend(client, call, cli_deadline(client, -1));
+        if (rc != 0) {
+            return rc;
+        }
+        client->link.info.resent++;
+    }
+    return 0;
+}
+
+/* Forget what this file has sent; hold the rest. */
+static void hold_all(struct pccd_client *client, bool rest)
+{
+    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+        struct cli_call *call = &client->calls[i];
+
+        if (is_unanswered(call) && call->recovery) {
+            call->state = CLI_CALL_FREE;
+        } else if (is_unanswered(call) && rest) {
+            call->held = true;
+        }
+    }
+}
+
+static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
+{
+    int rc = cli_link_again(client, deadline_ns, resumed);
+
+    if (rc != 0 || *resumed) {
+        return rc;
+    }
+    if (!client->keeps) {
+        return cli_fail(client, PCCD_E_STATE,
+                        "the session is over, and nothing was kept to begin another");
+    }
+    return cli_restore(client);
+}
+
+static int try_once(struct pccd_client *client, uint64_t deadline_ns)
+{
+    struct cli_link *link = &client->link;
+    bool resumed = false;
+    int rc;
+
+    link->tries++;
+    link->is_down = false;
+    link->is_recovering = true;
+    client->goaway = 0;
+    cli_fds_close(client);
+    rc = open_again(client, deadline_ns, &resumed);
+    if (rc == 0) {
+        rc = send_again(client, resumed);
+    }
+    link->is_recovering = false;
+    hold_all(client, rc != 0);
+    if (rc != 0) {
+        link->is_down = true;
+        return rc;
+    }
+    link->info.reconnects++;
+    link->info.resumed += resumed;
+    link->info.gap_ns = cli_now_ns() - link->lost_ns;
+    return 0;
+}
+
+/* ---- again and again --------------------------------------------------------------- */
+
+static bool is_worth_retrying(int rc)
+{
+    return rc == PCCD_E_NODAEMON || rc == PCCD_E_DISCONNECTED || rc == PCCD_E_SHUTDOWN ||
+           rc == PCCD_E_TIMEOUT || rc == PCCD_E_QUOTA || rc == PCCD_E_BUSY ||
+           rc == PCCD_E_NOMEM || rc == PCCD_E_SYSTEM || rc == PCCD_E_AGAIN;
+}
+
+static int give_up(struct pccd_client *client)
+{
+    const struct cli_link *link = &client->link;
+    char last[CLI_TEXT_BYTES];
+
+    memcpy(last, client->error, sizeof(last));
+    (void)snprintf(client->dead_text, sizeof(client->dead_text),
+                   "the daemon at %s is gone, after %u tries in %.1f s: %.300s",
+                   client->url, link->tries,
+                   (double)(cli_now_ns() - link->lost_ns) * 1e-9, last);
+    return cli_die(client);
+}
+
+/* Between half of the pause and one and a half. */
+static void plan_next(struct pccd_client *client)
+{
+    struct cli_link *link = &client->link;
+    uint64_t now_ns = cli_now_ns();
+    uint64_t chance = (now_ns ^ (uint64_t)getpid() << 32 ^ (uint64_t)(uintptr_t)client) *
+                          0x9e3779b97f4a7c15u >>
+                      32;
+
+    link->retry_ns = now_ns + link->pause_ns / 2 + chance % link->pause_ns;
+    link->pause_ns =
+        link->pause_ns * 2 < CLI_PAUSE_NS_MAX ? link->pause_ns * 2 : CLI_PAUSE_NS_MAX;
+}
+
+/* Try once, now: 0, PCCD_E_AGAIN (there is a next time) or PCCD_E_DISCONNECTED. */
+static int try_now(struct pccd_client *client, uint64_t deadline_ns)
+{
+    const struct cli_link *link = &client->link;
+    uint64_t end_ns = link->lost_ns + link->patience_ns;
+    uint64_t least_ns = cli_now_ns() + HELLO_NS;
+    int rc;
+
+    deadline_ns = deadline_ns < least_ns ? least_ns : deadline_ns;
+    rc = try_once(client, deadline_ns < end_ns ? deadline_ns : end_ns);
+    if (rc == 0) {
+        return 0;
+    }
+    plan_next(client);
+    if (!is_worth_retrying(rc) || cli_now_ns() >= end_ns) {
+        return give_up(client);
+    }
+    return PCCD_E_AGAIN;
+}
+
+int cli_recover(struct pccd_client *client, uint64_t deadline_ns)
+{
+    struct cli_link *link = &client->link;
+    uint64_t end_ns = link->lost_ns + link->patience_ns;
+
+    if (link->is_recovering) {
+        return PCCD_E_DISCONNECTED; /* whoever is at it starts over */
+    }
+    for (;;) {
+        uint64_t now_ns = cli_now_ns();
+        uint64_t until_ns = link->retry_ns < deadline_ns ? link->retry_ns : deadline_ns;
+
+        if (now_ns >= end_ns) {
+            return give_up(client);
+        }
+        if (now_ns >= link->retry_ns) {
+            int rc = try_now(client, deadline_ns);
+
+            if (rc != PCCD_E_AGAIN) {
+                return rc;
+            }
+        } else if (now_ns >= deadline_ns) {
+            return cli_fail(client, PCCD_E_TIMEOUT, "%s, and not back yet",
+                            client->dead_text);
+        } else {
+            until_ns = until_ns < end_ns ? until_ns : end_ns;
+            cli_sleep_ns(until_ns - now_ns);
+        }
+    }
+}
+
+void cli_recover_poll(struct pccd_client *client)
+{
+    struct cli_link *link = &client->link;
+
+    if (link->is_recovering || !link->is_down) {
+        return;
+    }
+    if (cli_now_ns() >= link->lost_ns + link->patience_ns) {
+        (void)give_up(client);
+    } else if (cli_now_ns() >= link->retry_ns) {
+        (void)try_now(client, 0);
+    } else {
+        cli_sleep_ns(CLI_PAUSE_NS); /* whoever watches the descriptor would spin */
+    }
+}

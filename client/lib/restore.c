@@ -1,0 +1,278 @@
+/* restore.c - tell another daemon what the last one knew.
+ *
+ * Room:     client/lib. May include: restore.h, attach.h, keep.h, mesh.h, page.h, rpc.h.
+ * Does:     everything goes through the slots of the new ring, which are all free. Then
+ *           the slots of the old one are copied over, and the new memory is mapped where
+ *           the old one was: pointers that the user has into it stay valid.
+ * Does not: submit what has no answer (recover.c).
+ * Threads:  [owner].
+ */
+#include "restore.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include "attach.h"
+#include "keep.h"
+#include "mesh.h"
+#include "page.h"
+#include "rpc.h"
+
+#define SEGMENTS 64u /* of a step that brings positions back */
+#define AT_ONCE  1u  /* deadline_ns: move, and look for nothing */
+
+/* ---- meshes and scenes ------------------------------------------------------------- */
+
+static int restore_meshes(struct pccd_client *client, bool destroyed)
+{
+    for (struct cli_kept_mesh *mesh = client->kept_meshes; mesh != NULL;
+         mesh = mesh->next) {
+        if (mesh->is_destroyed == destroyed) {
+            int rc = cli_mesh_make(client, mesh, destroyed ? 0 : mesh->handle,
+                                   &mesh->made_handle);
+
+            if (rc != 0) {
+                return rc;
+            }
+        }
+    }
+    return 0;
+}
+
+/* Those that were destroyed while objects were made of them go again. */
+static int destroy_again(struct pccd_client *client)
+{
+    for (struct cli_kept_mesh *mesh = client->kept_meshes; mesh != NULL;
+         mesh = mesh->next) {
+        struct proto_MESH_DESTROY_request request = {.mesh = mesh->made_handle};
+        int rc = mesh->is_destroyed
+                     ? cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &request, NULL,
+                                     cli_deadline(client, -1))
+                     : 0;
+
+        if (rc != 0) {
+            return rc;
+        }
+    }
+    return 0;
+}
+
+static int restore_scene(struct pccd_client *client, const struct cli_kept_scene *scene)
+{
+    struct proto_SCENE_CREATE_request create = scene->settings;
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_result added;
+    int rc;
+
+    create.want = scene->handle;
+    rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, &create, &created,
+                       cli_deadline(client, -1));
+    for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
+        const struct cli_kept_object *object = &scene->objects[i];
+        struct proto_SCENE_ADD_request add = {.scene = scene->handle,
+                                              .mesh = object->mesh->made_handle,
+                                              .want = object->handle};
+
+        rc = cli_call_sync(client, PROTO_METHOD_SCENE_ADD, &add, &added,
+                           cli_deadline(client, -1));
+    }
+    return rc;
+}
+
+/* ---- positions --------------------------------------------------------------------- */
+
+/* A step that is being written, with the table at its start and the positions behind. */
+struct batch {
+    struct pccd_client *client;
+    uint32_t scene;
+    uint32_t slot; /* CLI_SLOT_NONE: none is begun */
+    uint32_t segment_count;
+    uint64_t used;
+};
+
+static int flush(struct batch *batch)
+{
+    struct pccd_client *client = batch->client;
+    struct proto_FRAME_SUBMIT_request request = {.scene = batch->scene,
+                                                 .slot = batch->slot,
+                                                 .segments = batch->segment_count,
+                                                 .mode = PCCD_MODE_ANY,
+                                                 .deadline_ns = AT_ONCE};
+    int rc;
+
+    if (batch->slot == CLI_SLOT_NONE) {
+        return 0;
+    }
+    request.seq = cli_slot_publish(client, batch->slot);
+    rc = cli_call_sync(client, PROTO_METHOD_FRAME_SUBMIT, &request, NULL,
+                       cli_deadline(client, -1));
+    /* Answered or not, the next one is written to a slot that is free. */
+    cli_slot_abort(client, batch->slot);
+    batch->slot = CLI_SLOT_NONE;
+    return rc;
+}
+
+/* Add a segment whose both ends are the `bytes` at `source`. */
+static int add(struct batch *batch, struct proto_segment segment, const void *source,
+               size_t bytes)
+{
+    uint8_t *payload;
+    int rc;
+
+    if (batch->slot != CLI_SLOT_NONE &&
+        (batch->segment_count == SEGMENTS ||
+         batch->used + bytes > batch->client->ring.slot_stride)) {
+        rc = flush(batch);
+        if (rc != 0) {
+            return rc;
+        }
+    }
+    if (batch->slot == CLI_SLOT_NONE) {
+        rc = cli_slot_begin(batch->client, cli_deadline(batch->client, -1), &batch->slot);
+        if (rc != 0) {
+            return rc;
+        }
+        batch->segment_count = 0;
+        batch->used = SEGMENTS * sizeof(segment);
+    }
+    payload = cli_slot_payload(batch->client, batch->slot);
+    segment.offset0 = segment.offset1 = batch->used;
+    memcpy(payload + batch->segment_count++ * sizeof(segment), &segment, sizeof(segment));
+    memcpy(payload + batch->used, source, bytes);
+    batch->used += (bytes + 7) / 8 * 8;
+    return 0;
+}
+
+static int add_vertices(struct batch *batch, const struct cli_kept_object *object)
+{
+    const size_t vertex_bytes =
+        object->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
+    const uint64_t room =
+        batch->client->ring.slot_stride - SEGMENTS * sizeof(struct proto_segment);
+    const uint32_t vertex_count = object->mesh->vertex_count;
+    const uint32_t most = room / vertex_bytes < vertex_count
+                              ? (uint32_t)(room / vertex_bytes)
+                              : vertex_count;
+    int rc = 0;
+
+    for (uint32_t first = 0; rc == 0 && first < vertex_count; first += most) {
+        struct proto_segment segment = {
+            .object = object->handle,
+            .kind = PROTO_SEGMENT_X0X1,
+            .format = (uint16_t)object->format,
+            .first = first,
+            .count = vertex_count - first < most ? vertex_count - first : most};
+
+        rc = add(batch, segment, (const uint8_t *)object->x + first * vertex_bytes,
+                 segment.count * vertex_bytes);
+    }
+    return rc;
+}
+
+static int restore_positions(struct pccd_client *client,
+                             const struct cli_kept_scene *scene)
+{
+    struct batch batch = {
+        .client = client, .scene = scene->handle, .slot = CLI_SLOT_NONE};
+    int rc = 0;
+
+    for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
+        const struct cli_kept_object *object = &scene->objects[i];
+
+        if (object->placing == CLI_PLACED_RIGID) {
+            struct proto_segment segment = {.object = object->handle,
+                                            .kind = PROTO_SEGMENT_RIGID,
+                                            .format = PCCD_FORMAT_F64,
+                                            .count = object->mesh->vertex_count};
+
+            rc = add(&batch, segment, object->m, sizeof(object->m));
+        } else if (object->placing == CLI_PLACED_FREELY) {
+            rc = add_vertices(&batch, object);
+        }
+    }
+    return rc != 0 ? rc : flush(&batch);
+}
+
+/* ---- the ring ---------------------------------------------------------------------- */
+
+/* Bring the slots of `old` over, and the new memory to where its was. */
+static int carry_over(struct pccd_client *client, struct cli_ring *old)
+{
+    struct cli_ring *ring = &client->ring;
+    struct proto_upload *fresh = ring->upload.base;
+    const uint8_t *from = old->upload.base;
+    void *moved;
+
+    if (ring->upload.bytes != old->upload.bytes ||
+        ring->slot_stride != old->slot_stride || ring->slot_count != old->slot_count) {
+        return cli_fail(client, PCCD_E_BADMSG, "shm.attach: another ring than before");
+    }
+    for (uint32_t i = 0; i < ring->slot_count; i++) {
+        size_t offset = sizeof(struct proto_upload) + i * ring->slot_stride;
+
+        if (old->slots[i].state != CLI_SLOT_FREE) {
+            memcpy((uint8_t *)ring->upload.base + offset, from + offset,
+                   old->slots[i].used_bytes);
+        }
+        atomic_store_explicit(&fresh->slots[i].seq, old->slots[i].seq,
+                              memory_order_release);
+    }
+    /* Nothing else can take the place of the old mapping in between. */
+    moved = mremap(ring->upload.base, ring->upload.bytes, ring->upload.bytes,
+                   MREMAP_MAYMOVE | MREMAP_FIXED, old->upload.base);
+    if (moved == MAP_FAILED) {
+        return cli_fail(client, PCCD_E_SYSTEM, "mremap: %s", strerror(errno));
+    }
+    ring->upload.base = moved;
+    old->upload.base = NULL;
+    cli_page_retire(client, &old->result);
+    memcpy(ring->slots, old->slots, sizeof(ring->slots));
+    memset(old->slots, 0, sizeof(old->slots));
+    cli_ring_deinit(old); /* its descriptor */
+    return 0;
+}
+
+static int restore_all(struct pccd_client *client)
+{
+    int rc = restore_meshes(client, false);
+
+    rc = rc != 0 ? rc : restore_meshes(client, true);
+    for (const struct cli_kept_scene *scene = client->kept_scenes;
+         rc == 0 && scene != NULL; scene = scene->next) {
+        rc = restore_scene(client, scene);
+        rc = rc != 0 ? rc : restore_positions(client, scene);
+    }
+    return rc != 0 ? rc : destroy_again(client);
+}
+
+int cli_restore(struct pccd_client *client)
+{
+    uint64_t begin_ns = cli_now_ns();
+    struct cli_ring old;
+    int rc = cli_keep_fold_all(client); /* what only the old memory holds */
+
+    if (rc != 0) {
+        return rc;
+    }
+    old = client->ring;
+    memset(&client->ring, 0, sizeof(client->ring));
+    client->ring.upload = client->ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
+    if (old.upload.base != NULL) {
+        rc = cli_ring_attach(client, old.slot_stride, old.slot_count,
+                             cli_deadline(client, -1));
+    } else if (client->kept_meshes != NULL) {
+        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+    }
+    rc = rc != 0 ? rc : restore_all(client);
+    if (rc == 0 && old.upload.base != NULL) {
+        rc = carry_over(client, &old);
+    }
+    if (rc != 0) {
+        cli_ring_deinit(&client->ring);
+        client->ring = old;
+        return rc;
+    }
+    client->link.info.restore_ns = cli_now_ns() - begin_ns;
+    return 0;
+}
