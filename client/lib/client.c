@@ -101,27 +101,9 @@ void pccd_options_init(struct pccd_options *options)
     options->spin_us = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? CLI_SPIN_US : 0;
 }
 
-/* Check what the user asked for and fill in what was left open. */
-static int take_options(struct pccd_client *client, const struct pccd_options *asked,
-                        struct pccd_options *options)
+/* What no daemon has to be asked for. */
+static int check_options(struct pccd_client *client, const struct pccd_options *asked)
 {
-    pccd_options_init(options);
-    if (asked == NULL) {
-        return 0;
-    }
-    if (asked->struct_bytes != 0 &&
-        (asked->struct_bytes < sizeof(*asked) || asked->struct_bytes > CLI_OPTIONS_MAX)) {
-        return cli_fail(client, PCCD_E_INVAL, "options.struct_bytes is %zu, not %zu",
-                        asked->struct_bytes, sizeof(*asked));
-    }
-    /* A newer program may know options that this library does not: only their zero. */
-    for (size_t i = sizeof(*asked); i < asked->struct_bytes; i++) {
-        if (((const unsigned char *)asked)[i] != 0) {
-            return cli_fail(client, PCCD_E_INVAL,
-                            "options hold something that libpccd %s does not know",
-                            pccd_version());
-        }
-    }
     if (asked->timeout_ms < 0 || asked->timeout_ms > CLI_TIMEOUT_MS_MAX) {
         return cli_fail(client, PCCD_E_INVAL, "options.timeout_ms is %d, not 1 .. %d",
                         asked->timeout_ms, CLI_TIMEOUT_MS_MAX);
@@ -150,6 +132,36 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
     if (asked->private_daemon && (asked->no_autostart || asked->url != NULL)) {
         return cli_fail(client, PCCD_E_INVAL,
                         "options.private_daemon excludes url and no_autostart");
+    }
+    return 0;
+}
+
+/* Check what the user asked for and fill in what was left open. */
+static int take_options(struct pccd_client *client, const struct pccd_options *asked,
+                        struct pccd_options *options)
+{
+    int rc;
+
+    pccd_options_init(options);
+    if (asked == NULL) {
+        return 0;
+    }
+    if (asked->struct_bytes != 0 &&
+        (asked->struct_bytes < sizeof(*asked) || asked->struct_bytes > CLI_OPTIONS_MAX)) {
+        return cli_fail(client, PCCD_E_INVAL, "options.struct_bytes is %zu, not %zu",
+                        asked->struct_bytes, sizeof(*asked));
+    }
+    /* A newer program may know options that this library does not: only their zero. */
+    for (size_t i = sizeof(*asked); i < asked->struct_bytes; i++) {
+        if (((const unsigned char *)asked)[i] != 0) {
+            return cli_fail(client, PCCD_E_INVAL,
+                            "options hold something that libpccd %s does not know",
+                            pccd_version());
+        }
+    }
+    rc = check_options(client, asked);
+    if (rc != 0) {
+        return rc;
     }
     options->url = asked->url;
     options->daemon = asked->daemon;

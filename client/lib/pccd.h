@@ -104,18 +104,21 @@ int pccd_fd(const struct pccd_client *client);
 
 /* When the connection is lost the library makes another one, and every call just takes
  * longer: to the same daemon, where the session goes on, or to the next one (started by
- * `pccdd --supervise`, by systemd, or by the library where it started the first), which is
- * told again what this client had: meshes, scenes, objects under their old handles, and
- * where the objects were. Steps without an answer are submitted again; each is answered
- * once, with the same bytes. A step's deadline_ns begins anew then. After reconnect_ms in
- * vain, every call fails with E_DISCONNECTED. What does not come back: further pages of an
- * answer that the lost daemon gave (pccd_fetch: E_STATE) and recordings.
+ * `pccdd --supervise`, by systemd, or by the library where it started the first), which
+ * is told again what this client had: meshes, scenes, objects under their old handles,
+ * and where the objects were. Steps without an answer are submitted again; each is
+ * answered once, with the same bytes. A step's deadline_ns begins anew then. After
+ * reconnect_ms in vain, every call fails with E_DISCONNECTED. What does not come back:
+ * further pages of an answer that the lost daemon gave (pccd_fetch: E_STATE) and
+ * recordings. A call may take longer than its timeout while another daemon is told.
+ * Handles that are given afterwards may be others than the lost daemon would have given.
  *
- * For this the library keeps a copy of every mesh (12 or 24 bytes a vertex, 12 a triangle)
- * and up to 24 bytes for each vertex of an object that has moved; with options.no_keep
- * neither, and only a session that still exists goes on. While the connection is lost
- * pccd_fd reads as ready; pccd_poll then tries, and does not wait. The number of the
- * descriptor stays, but epoll must be told again, when `reconnects` has changed. */
+ * For this the library keeps a copy of every mesh (12 or 24 bytes a vertex, 12 a
+ * triangle) and up to 24 bytes for each vertex of an object that has moved; with
+ * options.no_keep neither, and only a session that still exists goes on. While the
+ * connection is lost pccd_fd reads as ready; pccd_poll then tries, and does not wait. The
+ * number of the descriptor stays, but epoll must be told again, when `reconnects` has
+ * changed. */
 struct pccd_link_info {
     uint64_t reconnects; /* connections made after one was lost */
     uint64_t resumed;    /* of these, to the same session; the others were told anew */

@@ -68,7 +68,7 @@ static void records__keep_their_layout(void **state)
 static void library__structs_keep_their_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_options, 72);
+    SIZE(pccd_options, 80);
     AT(pccd_options, struct_bytes, 0);
     AT(pccd_options, url, 8);
     AT(pccd_options, daemon, 16);
@@ -80,6 +80,10 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_options, slot_bytes, 48);
     AT(pccd_options, result_bytes, 56);
     AT(pccd_options, spin_us, 64);
+    AT(pccd_options, reconnect_ms, 68);
+    AT(pccd_options, no_keep, 72);
+    SIZE(pccd_link_info, 40);
+    AT(pccd_link_info, gap_ns, 24);
     SIZE(pccd_mesh_info, 40);
     AT(pccd_mesh_info, vertex_count, 0);
     AT(pccd_mesh_info, triangle_count, 4);

@@ -225,7 +225,7 @@ static void reconnect__registers_through_a_kill(void **state)
         test_grid_free(&grid);
     }
     assert_int_equal(link_of(fixture.client).reconnects, 12);
-    assert_int_equal(test_stat(fixture.client, "objects_now"), 0);
+    assert_int_equal(test_stat_await(fixture.client, "objects_now", 0), 0);
 }
 
 /* If it failed, positions of parts, of both formats or of rigid bodies would come back
@@ -454,8 +454,8 @@ static void reconnect__starts_a_private_daemon_again(void **state)
     assert_int_equal(kill((pid_t)pid, 0), -1);
 }
 
-/* If it failed, a caller that wants to know of the loss would not hear of it, or one whose
- * daemon never comes back would wait for ever and not know why. */
+/* If it failed, a caller that wants to know of the loss would not hear of it, or one
+ * whose daemon never comes back would wait for ever and not know why. */
 static void reconnect__ends_with_the_patience(void **state)
 {
     struct pccd_options options;

@@ -513,7 +513,7 @@ static void truth__is_a_boolean(void **state)
 static void body__is_zeroed_when_refused(void **state)
 {
     struct fixture *fixture = *state;
-    struct proto_SCENE_ADD_request request;
+    struct proto_SCENE_ADD_request request = {0};
     memset(&request, 0xa5, sizeof(request));
     put_request(&fixture->bytes, 1, "scene.add");
     put_map(&fixture->bytes, 1);
