@@ -17,10 +17,6 @@
 #include "pccd_types.h"
 #include "seqpacket.h"
 
-/* The kernel passes at most this many in one message (SCM_MAX_FD). Room for all of them,
- * so that each is seen, counted and closed. */
-#define KERNEL_FDS_MAX 253
-
 static int status_of_errno(int cause)
 {
     switch (cause) {
@@ -68,8 +64,8 @@ int proto_send(int socket, const void *message, size_t bytes, const int *fds,
     return sent < 0 ? status_of_errno(errno) : 0;
 }
 
-/* Store or close every descriptor in `header`; returns how many came. */
-static int take_fds(struct msghdr *header, int *fds)
+/* Store every descriptor in `header`; returns how many came. */
+static int take_fds(struct msghdr *header, int fds[PROTO_FDS_RECEIVED_MAX])
 {
     int count = 0;
     for (struct cmsghdr *cmsg = CMSG_FIRSTHDR(header); cmsg != NULL;
@@ -78,34 +74,20 @@ static int take_fds(struct msghdr *header, int *fds)
             continue;
         }
         size_t in_block = (cmsg->cmsg_len - CMSG_LEN(0)) / sizeof(int);
-        for (size_t i = 0; i < in_block; i++, count++) {
-            int fd;
-            memcpy(&fd, CMSG_DATA(cmsg) + i * sizeof(int), sizeof(fd));
-            if (fds != NULL && count < PROTO_FDS_MAX) {
-                fds[count] = fd;
-            } else {
-                close(fd);
-            }
-        }
+        assert(in_block <= (size_t)(PROTO_FDS_RECEIVED_MAX - count));
+        memcpy(fds + count, CMSG_DATA(cmsg), in_block * sizeof(int));
+        count += (int)in_block;
     }
     return count;
 }
 
-/* Close what take_fds stored. */
-static void drop_fds(int *fds, int count)
+int proto_receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
+                      int fds[PROTO_FDS_RECEIVED_MAX], int *fd_count)
 {
-    for (int i = 0; fds != NULL && i < count && i < PROTO_FDS_MAX; i++) {
-        close(fds[i]);
-        fds[i] = -1;
-    }
-}
-
-int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
-                  int *fd_count)
-{
+    /* Room for as many as can come, so that each is seen, counted and closed. */
     union {
         struct cmsghdr align;
-        char bytes[CMSG_SPACE(KERNEL_FDS_MAX * sizeof(int))];
+        char bytes[CMSG_SPACE(PROTO_FDS_RECEIVED_MAX * sizeof(int))];
     } control;
     struct iovec iov = {.iov_base = buffer, .iov_len = capacity};
     struct msghdr header;
@@ -122,15 +104,30 @@ int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int 
     if (got < 0) {
         return status_of_errno(errno);
     }
-
-    int count = take_fds(&header, fds);
+    *fd_count = take_fds(&header, fds);
     if (got == 0 || (header.msg_flags & MSG_TRUNC) != 0) {
-        drop_fds(fds, count);
         return got == 0 ? PCCD_E_DISCONNECTED : PCCD_E_BADMSG;
     }
-    *fd_count = count;
     *bytes = (size_t)got;
     return 0;
+}
+
+int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
+                  int *fd_count)
+{
+    int came[PROTO_FDS_RECEIVED_MAX];
+    int count = 0;
+    int status = proto_receive_all(socket, buffer, capacity, bytes, came, &count);
+
+    for (int i = 0; i < count; i++) {
+        if (status == 0 && fds != NULL && i < PROTO_FDS_MAX) {
+            fds[i] = came[i];
+        } else {
+            close(came[i]);
+        }
+    }
+    *fd_count = status == 0 ? count : 0;
+    return status;
 }
 
 int proto_default_socket_path(char *path, size_t capacity)

@@ -15,6 +15,9 @@
 
 #define PROTO_FDS_MAX 2
 
+/* The kernel passes at most this many in one message (SCM_MAX_FD). */
+#define PROTO_FDS_RECEIVED_MAX 253
+
 /* Send one message. EINTR is retried, SIGPIPE never raised.
  * fds[fd_count] are passed along, fd_count 0 .. PROTO_FDS_MAX; they stay the caller's.
  * Returns 0, PCCD_E_AGAIN (would block, nothing sent), PCCD_E_DISCONNECTED or
@@ -31,6 +34,11 @@ int proto_send(int socket, const void *message, size_t bytes, const int *fds,
  * PCCD_E_SYSTEM. */
 int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                   int *fd_count);
+
+/* The same, where every descriptor that came is the caller's, whatever is returned:
+ * fds[0 .. *fd_count-1]. Closing one may block for as long as its sender likes. */
+int proto_receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
+                      int fds[PROTO_FDS_RECEIVED_MAX], int *fd_count);
 
 /* The user's socket path: $XDG_RUNTIME_DIR/pccd/pccd.sock, or /tmp/pccd-UID/pccd.sock
  * when the variable is unset (or not absolute).

@@ -24,6 +24,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "closer.h"
 #include "dispatch.h"
 #include "invariant.h"
 #include "limits.h"
@@ -101,7 +102,8 @@ static void close_handles(struct srv_conn *conn)
 {
     uv_close((uv_handle_t *)&conn->poll, on_closed);
     uv_close((uv_handle_t *)&conn->timer, on_closed);
-    close(conn->fd);
+    shutdown(conn->fd, SHUT_RDWR); /* now, whenever it is closed */
+    srv_closer_push(conn->loop->closer, conn->fd);
     conn->fd = -1;
 }
 
@@ -277,6 +279,20 @@ static void flush(struct srv_conn *conn)
 
 /* ---- receiving --------------------------------------------------------------------- */
 
+/* The next message, in the loop's buffer; descriptors with it are closed and counted.
+ * Returns as proto_receive. */
+static int receive(struct srv_conn *conn, size_t *bytes, int *fd_count)
+{
+    struct srv_loop *loop = conn->loop;
+    int fds[PROTO_FDS_RECEIVED_MAX];
+    int status = proto_receive_all(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, bytes,
+                                   fds, fd_count);
+    for (int i = 0; i < *fd_count; i++) {
+        srv_closer_push(loop->closer, fds[i]);
+    }
+    return status;
+}
+
 /* One message for dispatch. Returns whether there may be more; closes at end of file. */
 static bool read_one(struct srv_conn *conn)
 {
@@ -284,13 +300,11 @@ static bool read_one(struct srv_conn *conn)
     size_t bytes = 0;
     int fd_count = 0;
     errno = 0;
-    int status = proto_receive(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, &bytes,
-                               NULL, &fd_count);
+    int status = receive(conn, &bytes, &fd_count);
     if (status == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
         /* A client that closed with answers unread is a reset first; what it had said
          * before, as that it goes for good, can still be read after it. */
-        status = proto_receive(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, &bytes,
-                               NULL, &fd_count);
+        status = receive(conn, &bytes, &fd_count);
     }
     if (status == PCCD_E_AGAIN) {
         return false;
@@ -326,8 +340,7 @@ static void discard(struct srv_conn *conn)
     for (uint32_t i = 0; i < PROTO_MESSAGES_PER_TURN; i++) {
         size_t bytes = 0;
         int fd_count = 0;
-        int status = proto_receive(conn->fd, conn->loop->buffer, PROTO_MESSAGE_BYTES_MAX,
-                                   &bytes, NULL, &fd_count);
+        int status = receive(conn, &bytes, &fd_count);
         if (status == PCCD_E_AGAIN) {
             return;
         }
@@ -369,13 +382,13 @@ int srv_conn_new(struct srv_loop *loop, int fd, const struct srv_peer *peer)
     srv_assert_loop();
     struct srv_conn *conn = calloc(1, sizeof *conn);
     if (conn == NULL) {
-        close(fd);
+        srv_closer_push(loop->closer, fd);
         return PCCD_E_NOMEM;
     }
     conn->loop = loop;
     conn->fd = fd;
     if (uv_poll_init(&loop->uv, &conn->poll, fd) != 0) {
-        close(fd);
+        srv_closer_push(loop->closer, fd);
         free(conn);
         return PCCD_E_SYSTEM;
     }

@@ -120,6 +120,22 @@ void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text)
 
 /* ---- refusals, in their order ------------------------------------------------------ */
 
+static int refuse_stranger(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    if (!session->is_stranger) {
+        return 0;
+    }
+    session->loop->metrics.counters.sessions_refused++;
+    proto_error_set(&call->error, PCCD_E_ACCESS,
+                    "user %u is not in the lists of this daemon (pccdd --allow-uid, "
+                    "--allow-gid)",
+                    (unsigned)session->user->uid);
+    call->error.fatal = true;
+    srv_log(SRV_LOG_WARN, session->id, "refused: %s", call->error.text);
+    return PCCD_E_ACCESS;
+}
+
 static int refuse_beyond_quota(struct srv_call *call)
 {
     if (call->session->state != SRV_SESSION_REFUSED ||
@@ -204,8 +220,8 @@ static int refuse_busy(struct srv_call *call)
 }
 
 static int (*const refusals[])(struct srv_call *call) = {
-    refuse_beyond_quota, refuse_unknown, refuse_shutdown,
-    refuse_before_hello, refuse_busy,
+    refuse_stranger, refuse_beyond_quota, refuse_unknown,
+    refuse_shutdown, refuse_before_hello, refuse_busy,
 };
 
 /* ---- the way through --------------------------------------------------------------- */

@@ -19,6 +19,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "closer.h"
 #include "conn.h"
 #include "invariant.h"
 #include "loop.h"
@@ -33,15 +34,20 @@
 
 /* ---- the path ---------------------------------------------------------------------- */
 
-int srv_listener_prepare_folder(const char *socket_path)
+int srv_listener_prepare_folder(const struct srv_options *options)
 {
+    const char *socket_path = options->socket_path;
+    mode_t mode = srv_allow_has_list(&options->allow) ? 0711 : 0700;
     char folder[SRV_SOCKET_PATH_BYTES];
     const char *slash = strrchr(socket_path, '/');
     if (slash == NULL || slash == socket_path) {
         return 0; /* the current folder, or the root */
     }
     snprintf(folder, sizeof folder, "%.*s", (int)(slash - socket_path), socket_path);
-    if (mkdir(folder, 0700) != 0 && errno != EEXIST) {
+    mode_t before = umask(0); /* no other thread creates files */
+    int failed = mkdir(folder, mode);
+    umask(before);
+    if (failed != 0 && errno != EEXIST) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", folder, strerror(errno));
         return PCCD_E_SYSTEM;
     }
@@ -82,8 +88,9 @@ static int remove_stale(const char *path)
     return unlink(path) == 0 ? 0 : PCCD_E_SYSTEM;
 }
 
-int srv_listener_bind(const char *path, int *fd)
+int srv_listener_bind(const struct srv_options *options, int *fd)
 {
+    const char *path = options->socket_path;
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     PCCD_ASSERT(strlen(path) < sizeof address.sun_path); /* checked with the options */
     strcpy(address.sun_path, path);
@@ -93,7 +100,8 @@ int srv_listener_bind(const char *path, int *fd)
     }
     int status = remove_stale(path);
     if (status == 0) {
-        mode_t before = umask(0177); /* no other thread creates files */
+        mode_t mask = srv_allow_has_list(&options->allow) ? 0111 : 0177;
+        mode_t before = umask(mask); /* no other thread creates files */
         status = bind(made, (const struct sockaddr *)&address, sizeof address) == 0
                      ? 0
                      : PCCD_E_SYSTEM;
@@ -174,7 +182,8 @@ static void turn_away(struct srv_listener *listener)
         listener->reserve_fd = -1;
         int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC);
         if (fd >= 0) {
-            close(fd);
+            shutdown(fd, SHUT_RDWR);
+            srv_closer_push(listener->loop->closer, fd);
         }
     }
     keep_reserve(listener);
@@ -216,10 +225,13 @@ static bool accept_one(struct srv_listener *listener)
         return false;
     }
     if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
-        close(fd);
+        srv_closer_push(loop->closer, fd);
         return true;
     }
-    const struct srv_peer client = {.uid = peer.uid, .pid = peer.pid};
+    const struct srv_peer client = {
+        .uid = peer.uid,
+        .pid = peer.pid,
+        .is_stranger = !srv_allow_peer(&loop->options->allow, fd, &peer)};
     if (srv_conn_new(loop, fd, &client) != 0) {
         loop->metrics.counters.sessions_refused++;
         srv_log(SRV_LOG_WARN, 0, "a connection of user %u was turned away",
@@ -267,7 +279,7 @@ int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
     const char *path = loop->options->socket_path;
     *listener = (struct srv_listener){.loop = loop, .fd = -1, .reserve_fd = -1};
     int fd = loop->options->listen_fd;
-    int status = fd >= 0 ? 0 : srv_listener_bind(path, &fd);
+    int status = fd >= 0 ? 0 : srv_listener_bind(loop->options, &fd);
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
         return status;

@@ -13,6 +13,7 @@
 #include <uv.h>
 
 struct srv_loop;
+struct srv_options;
 
 struct srv_listener {
     struct srv_loop *loop;
@@ -21,18 +22,19 @@ struct srv_listener {
     bool watching;
     uint32_t fd_count; /* descriptors below it can be watched */
     uv_poll_t poll;
-    uv_poll_t spare; /* closed at once: see watch.h */
+    uv_poll_t spare;  /* closed at once: see watch.h */
     uv_timer_t retry; /* after the system refused an accept */
 };
 
-/* Make the folder of the socket when it is missing: for us alone. Returns 0 or a status;
- * what was wrong is logged. Before the lock is taken. */
-int srv_listener_prepare_folder(const char *socket_path);
+/* Make the folder of the socket when it is missing: for us alone, or with a list of who
+ * may be a client for others to pass. Returns 0 or a status; what was wrong is logged.
+ * Before the lock is taken. */
+int srv_listener_prepare_folder(const struct srv_options *options);
 
-/* A listening socket at `path`, at most 107 bytes, with mode 0600, in *fd; a socket that
- * is there is a dead daemon's, because the caller holds the lock. Returns 0 or a status,
- * errno set. */
-int srv_listener_bind(const char *path, int *fd);
+/* A listening socket at the options' path in *fd, for us alone, or with a list of who may
+ * be a client for everybody to connect to and be judged; a socket that is there is a dead
+ * daemon's, because the caller holds the lock. Returns 0 or a status, errno set. */
+int srv_listener_bind(const struct srv_options *options, int *fd);
 
 /* Tell whoever started us that clients can connect: the byte 1 to `fd`, which is closed;
  * nothing when it is negative. */

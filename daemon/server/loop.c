@@ -20,6 +20,7 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include "closer.h"
 #include "conn.h"
 #include "dispatch.h"
 #include "invariant.h"
@@ -221,8 +222,9 @@ static int init_buffers(struct srv_loop *loop)
     loop->encoder = malloc(sizeof *loop->encoder);
     loop->buffer = malloc(PROTO_MESSAGE_BYTES_MAX);
     loop->segments = malloc(PROTO_SEGMENTS_MAX * sizeof *loop->segments);
-    if (loop->decoder == NULL || loop->encoder == NULL || loop->buffer == NULL ||
-        loop->segments == NULL) {
+    loop->closer = srv_closer_new();
+    if (loop->closer == NULL || loop->decoder == NULL || loop->encoder == NULL ||
+        loop->buffer == NULL || loop->segments == NULL) {
         return PCCD_E_NOMEM;
     }
     return 0;
@@ -234,6 +236,7 @@ static void deinit_buffers(struct srv_loop *loop)
     free(loop->encoder);
     free(loop->buffer);
     free(loop->segments);
+    srv_closer_free(loop->closer);
 }
 
 /* Every handle, so that close_handles may close every one. libuv's own failures here are

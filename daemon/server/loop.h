@@ -26,6 +26,8 @@
 #include "shm.h"
 #include "tracing.h"
 
+struct srv_closer;
+
 enum srv_phase {
     SRV_PHASE_RUNNING = 0,
     SRV_PHASE_DRAINING = 1, /* nobody is accepted; requests in flight are answered */
@@ -38,8 +40,9 @@ struct srv_loop {
     const struct srv_options *options;
     struct srv_listener listener;
     struct srv_compute compute;
-    struct eng_places places; /* processors that may be used; constant */
-    bool is_pinned;           /* threads of steps are bound to them; constant */
+    struct srv_closer *closer; /* of descriptors that have to do with clients */
+    struct eng_places places;  /* processors that may be used; constant */
+    bool is_pinned;            /* threads of steps are bound to them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
     struct srv_linger linger;

@@ -128,7 +128,7 @@ int main(int argc, char **argv)
     if (options.listen_fd >= 0) {
         return srv_loop_run(&options); /* who gave us the socket answers for its path */
     }
-    if (srv_listener_prepare_folder(options.socket_path) != 0) {
+    if (srv_listener_prepare_folder(&options) != 0) {
         return 1;
     }
     return run_locked(&options, argv);

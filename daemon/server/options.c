@@ -36,6 +36,8 @@ enum {
     OPT_MESHES,
     OPT_TRIANGLES,
     OPT_MEMORY,
+    OPT_ALLOW_UID,
+    OPT_ALLOW_GID,
     OPT_CONTACTS,
     OPT_INFLIGHT,
     OPT_QUEUE,
@@ -85,6 +87,12 @@ static const struct argp_option option_table[] = {
      "steps of one client at a time, 1..16 (default 16)", 2},
     {"queue-max", OPT_QUEUE, "N", 0,
      "requests of all clients that wait to be computed (default 4096)", 2},
+    {"allow-uid", OPT_ALLOW_UID, "USER", 0,
+     "let this user be a client, besides root and the daemon's own; may be repeated "
+     "(default: whoever can reach the socket)",
+     1},
+    {"allow-gid", OPT_ALLOW_GID, "GROUP", 0,
+     "likewise whoever is in this group; may be repeated", 1},
     {NULL, 0, NULL, 0, "Quotas of one user:", 3},
     {"clients-max", OPT_CLIENTS, "N", 0, "connections (default 64)", 3},
     {"shm-max-mib", OPT_SHM, "MIB", 0, "shared memory (default 512)", 3},
@@ -219,6 +227,18 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case OPT_SANDBOX:
         options->sandbox = (enum srv_sandbox)choice(state, "sandbox", text);
+        return 0;
+    case OPT_ALLOW_UID:
+        if (!srv_allow_user(&options->allow, text)) {
+            argp_error(state, "--allow-uid: no user \"%s\", or more than %u", text,
+                       SRV_ALLOW_MAX);
+        }
+        return 0;
+    case OPT_ALLOW_GID:
+        if (!srv_allow_group(&options->allow, text)) {
+            argp_error(state, "--allow-gid: no group \"%s\", or more than %u", text,
+                       SRV_ALLOW_MAX);
+        }
         return 0;
     case OPT_LOG_LEVEL:
         if (srv_log_level_by_name(text) < 0) {

@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "allow.h"
 #include "log.h"
 #include "quota.h"
 
@@ -39,6 +40,7 @@ struct srv_options {
     uint32_t queue_max;       /* requests that wait for the compute thread */
     uint64_t contacts_max;    /* records kept for one answer */
     uint64_t quota[SRV_QUOTA_COUNT];
+    struct srv_allow allow;    /* who may be a client */
     uint64_t engine_bytes_max; /* that the engine holds for one user (enginemem.h) */
     uint32_t grace_s;          /* for requests in flight at shutdown */
     uint32_t linger_s;         /* that a session waits for its client; 0: not at all */

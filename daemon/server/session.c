@@ -48,7 +48,9 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
     session->pid = peer->pid;
     session->id = ++loop->session_last;
     struct proto_error error = {0};
+    session->is_stranger = peer->is_stranger;
     session->counted =
+        !peer->is_stranger &&
         srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1, &error) == 0;
     if (!session->counted && loop->refused_count >= SRV_REFUSED_MAX) {
         srv_quota_release(&loop->quota, session->user);

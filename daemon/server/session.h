@@ -37,6 +37,7 @@ enum srv_session_state {
 struct srv_peer {
     uid_t uid;
     pid_t pid;
+    bool is_stranger; /* may not be a client (allow.h) */
 };
 
 struct srv_replies;
@@ -50,6 +51,7 @@ struct srv_session {
     uint64_t id;
     pid_t pid; /* of the client's process; 0: not known */
     enum srv_session_state state;
+    bool is_stranger;            /* REFUSED for who it is, not for want of a place */
     bool is_ending;              /* must not wait for its client (linger.h) */
     uint64_t token[2];           /* secret of a resumable session */
     struct srv_replies *replies; /* NULL: the session cannot be resumed */
@@ -72,7 +74,7 @@ struct srv_session {
 };
 
 /* A session for a new connection of `peer`. It is REFUSED when the user's quota of
- * clients is full. NULL: no memory, or too many refused ones wait to hear so already. */
+ * clients is full, or when it may not be a client. NULL: no memory, or too many refused ones wait to hear so already. */
 struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
                                     const struct srv_peer *peer);
 /* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA

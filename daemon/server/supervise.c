@@ -142,7 +142,7 @@ int srv_supervise(const struct srv_options *options, char **argv)
     sigaddset(&signals, SIGTERM);
     sigaddset(&signals, SIGINT);
     if (sigprocmask(SIG_BLOCK, &signals, NULL) != 0 ||
-        srv_listener_bind(options->socket_path, &supervisor.listen_fd) != 0) {
+        srv_listener_bind(options, &supervisor.listen_fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", options->socket_path, strerror(errno));
         return 1;
     }

@@ -1,6 +1,7 @@
 # tests/integration/local.mk - a real daemon and real clients.
 
 integration_names = \
+    tests/integration/test_int_allow \
     tests/integration/test_int_choice \
     tests/integration/test_int_death \
     tests/integration/test_int_flow \
@@ -23,6 +24,10 @@ TESTS += $(integration_names)
 integration_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 integration_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
+
+tests_integration_test_int_allow_SOURCES = tests/integration/test_int_allow.c
+tests_integration_test_int_allow_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_allow_LDADD = $(integration_libs)
 
 tests_integration_test_int_choice_SOURCES = tests/integration/test_int_choice.c
 tests_integration_test_int_choice_CPPFLAGS = $(integration_cppflags)

@@ -8,6 +8,7 @@
  */
 #include <errno.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,12 +16,14 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
 #include "witness.h"
 
 #define SCENES_TRIED 1000
+#define LINGER_S     20
 
 static struct test_raw raw;
 
@@ -264,6 +267,61 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
     assert_true(test_witness_fd_count() <= before);
 }
 
+/* A socket whose close(2) takes LINGER_S: it has sent more than its peer, which does not
+ * read, takes, and wants to see it off. Its peer goes to *peer. */
+static int make_lingering(int *peer)
+{
+    static char bytes[65536];
+    const struct linger linger = {.l_onoff = 1, .l_linger = LINGER_S};
+    struct sockaddr_in address = {.sin_family = AF_INET,
+                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t length = sizeof(address);
+    int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+
+    assert_int_equal(bind(listener, (struct sockaddr *)&address, length), 0);
+    assert_int_equal(listen(listener, 1), 0);
+    assert_int_equal(getsockname(listener, (struct sockaddr *)&address, &length), 0);
+    assert_int_equal(connect(fd, (struct sockaddr *)&address, length), 0);
+    *peer = accept(listener, NULL, NULL);
+    assert_true(*peer >= 0);
+    while (send(fd, bytes, sizeof(bytes), MSG_DONTWAIT) > 0) {
+    }
+    assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_LINGER, &linger, sizeof(linger)), 0);
+    (void)close(listener);
+    return fd;
+}
+
+/* If it failed, one client could stop the daemon for as long as it likes: close(2) of what
+ * it has sent blocks. Read by the daemon in the first round, unread in the second. */
+static void descriptors__that_do_not_close_hold_up_nobody(void **state)
+{
+    (void)state;
+    for (int round = 0; round < 2; round++) {
+        uint64_t begin_ms;
+        int peer = -1;
+        int fd = make_lingering(&peer);
+
+        test_witness_open_raw(&raw, 0);
+        for (int i = 0; round == 1 && i < 200; i++) { /* until it is not read any more */
+            (void)send(raw.socket, "\x94\x00\x01\xa4ping\x80", 9, MSG_DONTWAIT);
+        }
+        assert_true(test_raw_send_fd(&raw, "\x94\x00\x01\xa4ping\x80", 9, fd));
+        (void)close(fd); /* the daemon, or its queue, has the last one */
+        if (round == 0) {
+            expect_refusal("a descriptor", PCCD_E_BADMSG);
+        }
+        test_raw_close(&raw);
+        begin_ms = test_now_ms();
+        for (int i = 0; i < 20; i++) {
+            test_witness_turn();
+            test_sleep_ms(5);
+        }
+        assert_true(test_now_ms() - begin_ms < LINGER_S * 1000 / 2);
+        (void)close(peer); /* a reset: whoever waits in close goes on */
+    }
+}
+
 /* ---- floods ------------------------------------------------------------------------ */
 
 /* Send until the socket takes no more; returns how many messages went. */
@@ -430,6 +488,7 @@ int main(void)
         cmocka_unit_test(message__empty_ends_the_session),
         cmocka_unit_test(message__wrong_requests_are_answered_and_survived),
         cmocka_unit_test(descriptors__from_clients_are_closed_and_refused),
+        cmocka_unit_test(descriptors__that_do_not_close_hold_up_nobody),
         cmocka_unit_test(flood__of_requests_without_reading_is_bounded),
         cmocka_unit_test(flood__of_errors_does_not_delay_others),
         cmocka_unit_test(flood__of_connections_leaves_nothing),

@@ -18,7 +18,6 @@
 
 #define WAIT_MS       10000
 #define DATAGRAMS_MAX 100000 /* messages skipped while waiting for one answer */
-#define FDS_MAX       64
 
 bool test_raw_open(struct test_raw *raw, const char *socket_path)
 {
@@ -50,23 +49,20 @@ void test_raw_close(struct test_raw *raw)
     proto_memory_deinit(&raw->result);
 }
 
-bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd_count)
+static bool send_fds(struct test_raw *raw, const void *bytes, size_t count,
+                     const int *fds, int fd_count)
 {
     union {
         struct cmsghdr header;
-        char space[CMSG_SPACE(sizeof(int[FDS_MAX]))];
+        char space[CMSG_SPACE(sizeof(int[PROTO_FDS_RECEIVED_MAX]))];
     } control;
     struct iovec part = {(void *)(uintptr_t)bytes, count};
     struct msghdr header = {.msg_iov = &part, .msg_iovlen = 1};
     ssize_t sent;
 
     if (fd_count > 0) {
-        int fds[FDS_MAX];
         struct cmsghdr *rights;
 
-        for (int i = 0; i < FDS_MAX; i++) {
-            fds[i] = raw->socket;
-        }
         memset(&control, 0, sizeof(control));
         header.msg_control = &control;
         header.msg_controllen = CMSG_SPACE((size_t)fd_count * sizeof(int));
@@ -80,6 +76,23 @@ bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd
         sent = sendmsg(raw->socket, &header, MSG_NOSIGNAL);
     } while (sent < 0 && errno == EINTR);
     return sent == (ssize_t)count;
+}
+
+bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd_count)
+{
+    int fds[PROTO_FDS_RECEIVED_MAX];
+
+    for (int i = 0; i < PROTO_FDS_RECEIVED_MAX; i++) {
+        fds[i] = raw->socket;
+    }
+    return send_fds(raw, bytes, count, fds, fd_count);
+}
+
+bool test_raw_send_fd(struct test_raw *raw, const void *bytes, size_t count, int fd)
+{
+    struct pollfd watched = {.fd = raw->socket, .events = POLLOUT};
+
+    return poll(&watched, 1, 5000) > 0 && send_fds(raw, bytes, count, &fd, 1);
 }
 
 /* One datagram; its descriptors, if it has exactly two, become the ring's memories. */

@@ -37,6 +37,9 @@ void test_raw_close(struct test_raw *raw);
 /* Send one datagram with `fd_count` copies of a descriptor of our own. */
 bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd_count);
 
+/* The same with one given descriptor, waiting for room 5 s at most. */
+bool test_raw_send_fd(struct test_raw *raw, const void *bytes, size_t count, int fd);
+
 /* Receive and decode one message. Returns 0, PCCD_E_TIMEOUT (nothing for 10 s),
  * PCCD_E_DISCONNECTED or PCCD_E_BADMSG. */
 int test_raw_receive(struct test_raw *raw);
@@ -68,6 +71,6 @@ int test_raw_fill(struct test_raw *raw, uint32_t mesh, const float (*x)[3],
 /* A mesh of these floats and triangles, through slot 0. Returns as test_raw_call. */
 int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
                   const uint32_t (*triangles)[3], uint32_t triangle_count,
-                   uint32_t *mesh);
+                  uint32_t *mesh);
 
 #endif

@@ -1,0 +1,40 @@
+/* allow.h - which users may be clients.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     keep the lists of --allow-uid and --allow-gid, and judge a peer by the
+ *           credentials that the kernel kept when it connected.
+ * Does not: say what a client may do (session.h, quota.h).
+ * Threads:  [loop]
+ */
+#ifndef SRV_ALLOW_H
+#define SRV_ALLOW_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/socket.h>
+#include <sys/types.h>
+
+#define SRV_ALLOW_MAX 32u /* of a kind */
+
+/* All zero: no list. Then whoever can reach the socket may. */
+struct srv_allow {
+    uint32_t uid_count;
+    uint32_t gid_count;
+    uid_t uids[SRV_ALLOW_MAX];
+    gid_t gids[SRV_ALLOW_MAX];
+};
+
+/* Add a name or a number; false: there is none of that name, or no room. */
+bool srv_allow_user(struct srv_allow *allow, const char *name);
+bool srv_allow_group(struct srv_allow *allow, const char *name);
+
+static inline bool srv_allow_has_list(const struct srv_allow *allow)
+{
+    return allow->uid_count > 0 || allow->gid_count > 0;
+}
+
+/* Whether the peer of `socket` with these credentials may be a client: the daemon's own
+ * user and root always may. */
+bool srv_allow_peer(const struct srv_allow *allow, int socket, const struct ucred *peer);
+
+#endif

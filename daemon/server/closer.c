@@ -1,0 +1,125 @@
+/* closer.c - closes descriptors on a thread of its own.
+ *
+ * Room:     server. See closer.h.
+ * Does:     a ring with room for every descriptor that the process may have, so that it
+ *           is never full.
+ * Threads:  [loop] pushes; the closer's own takes.
+ */
+#include "closer.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "invariant.h"
+#include "log.h"
+
+#define PATIENCE_S      1
+#define DESCRIPTORS_MAX (1u << 20) /* believed of a system that sets no limit */
+
+struct srv_closer {
+    pthread_t thread;
+    pthread_mutex_t mutex; /* everything below */
+    pthread_cond_t wake;
+    bool stop;
+    uint32_t first; /* in the ring */
+    uint32_t count;
+    uint32_t capacity;
+    int fds[];
+};
+
+static void *closer_main(void *context)
+{
+    struct srv_closer *closer = context;
+    pthread_mutex_lock(&closer->mutex);
+    for (;;) { /* ends when stopped and nothing is left */
+        while (closer->count == 0 && !closer->stop) {
+            pthread_cond_wait(&closer->wake, &closer->mutex);
+        }
+        if (closer->count == 0) {
+            break;
+        }
+        int fd = closer->fds[closer->first];
+        closer->first = (closer->first + 1) % closer->capacity;
+        closer->count--;
+        pthread_mutex_unlock(&closer->mutex);
+        close(fd);
+        pthread_mutex_lock(&closer->mutex);
+    }
+    pthread_mutex_unlock(&closer->mutex);
+    return NULL;
+}
+
+/* Descriptors that the process may have. */
+static uint32_t descriptor_limit(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur > DESCRIPTORS_MAX) {
+        return DESCRIPTORS_MAX;
+    }
+    return (uint32_t)limit.rlim_cur;
+}
+
+struct srv_closer *srv_closer_new(void)
+{
+    uint32_t capacity = descriptor_limit();
+    struct srv_closer *closer =
+        malloc(sizeof *closer + (size_t)capacity * sizeof closer->fds[0]);
+    if (closer == NULL) {
+        return NULL;
+    }
+    *closer = (struct srv_closer){.capacity = capacity};
+    pthread_mutex_init(&closer->mutex, NULL); /* neither fails on Linux */
+    pthread_cond_init(&closer->wake, NULL);
+    sigset_t all;
+    sigset_t before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    int failed = pthread_create(&closer->thread, NULL, closer_main, closer);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (failed != 0) {
+        free(closer);
+        return NULL;
+    }
+    return closer;
+}
+
+void srv_closer_free(struct srv_closer *closer)
+{
+    if (closer == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&closer->mutex);
+    closer->stop = true;
+    pthread_cond_signal(&closer->wake);
+    pthread_mutex_unlock(&closer->mutex);
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += PATIENCE_S;
+    if (pthread_timedjoin_np(closer->thread, NULL, &until) != 0) {
+        srv_log(SRV_LOG_WARN, 0, "a descriptor of a client does not close; leaving it");
+        return; /* its thread still uses it */
+    }
+    pthread_cond_destroy(&closer->wake);
+    pthread_mutex_destroy(&closer->mutex);
+    free(closer);
+}
+
+void srv_closer_push(struct srv_closer *closer, int fd)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(fd >= 0);
+    pthread_mutex_lock(&closer->mutex);
+    /* Each descriptor is here once, and was made below the limit. */
+    PCCD_ASSERT(closer->count < closer->capacity);
+    closer->fds[(closer->first + closer->count) % closer->capacity] = fd;
+    closer->count++;
+    pthread_cond_signal(&closer->wake);
+    pthread_mutex_unlock(&closer->mutex);
+}

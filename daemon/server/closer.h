@@ -1,0 +1,24 @@
+/* closer.h - closes descriptors on a thread of its own.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     close what has to do with clients: close(2) may block for as long as a client
+ *           likes. One can send a socket that lingers, or a file of a file system that it
+ *           serves itself; also unread, in the queue of its connection.
+ * Does not: hold up the loop, whatever is closed.
+ * Threads:  functions say.
+ */
+#ifndef SRV_CLOSER_H
+#define SRV_CLOSER_H
+
+struct srv_closer;
+
+/* Start the thread, all signals blocked in it. NULL: no memory or no thread. [loop] */
+struct srv_closer *srv_closer_new(void);
+
+/* Wait a second for what is left, then leave it to the end of the process. [loop] */
+void srv_closer_free(struct srv_closer *closer);
+
+/* Close `fd` soon. [loop] */
+void srv_closer_push(struct srv_closer *closer, int fd);
+
+#endif

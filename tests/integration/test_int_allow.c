@@ -1,0 +1,155 @@
+/* test_int_allow.c - who may be a client.
+ *
+ * Room:     tests/integration. May include: proto, tests/support.
+ * Does:     clients of other users and groups, with and without lists. Needs root: nobody
+ *           else can be somebody else.
+ * Threads:  one; children become other users.
+ */
+#include <grp.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "raw.h"
+
+#define USER  65534u
+#define GROUP 54321u
+
+/* In a child: say hello as this user with these groups. Returns the negated status. */
+static int hello_as(const struct test_daemon *daemon, uid_t uid, gid_t gid, gid_t further)
+{
+    static struct test_raw raw;
+    int rc;
+
+    if (setgroups(1, &further) != 0 || setgid(gid) != 0 || setuid(uid) != 0 ||
+        !test_raw_open(&raw, daemon->socket)) {
+        return 100;
+    }
+    rc = test_raw_hello(&raw);
+    if (rc != 0 && (!raw.error.fatal || strstr(raw.error.text, "--allow-uid") == NULL ||
+                    test_raw_receive(&raw) != PCCD_E_DISCONNECTED)) {
+        return 101;
+    }
+    return -rc;
+}
+
+/* The status that a client of that user and these groups hears. */
+static int ask(const struct test_daemon *daemon, uid_t uid, gid_t gid, gid_t further)
+{
+    int status = 0;
+    pid_t child = fork();
+
+    assert_true(child >= 0);
+    if (child == 0) {
+        _exit(hello_as(daemon, uid, gid, further));
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    return -WEXITSTATUS(status);
+}
+
+static void start(struct test_daemon *daemon, const char *const *options)
+{
+    assert_true(test_daemon_start(daemon, options));
+    assert_int_equal(chmod(daemon->directory, 0755), 0);
+}
+
+/* If it failed, a list would let others in, or keep those out whom it names. */
+static void allow__lists_of_users_and_groups_are_kept(void **state)
+{
+    static const char *const by_user[] = {"--allow-uid", "65534", NULL};
+    static const char *const by_group[] = {"--allow-gid", "54321", "--allow-gid", "54322",
+                                           NULL};
+    struct test_daemon daemon;
+
+    (void)state;
+    if (geteuid() != 0) {
+        skip();
+    }
+    start(&daemon, by_user);
+    assert_int_equal(ask(&daemon, USER, 7, 7), 0);
+    assert_int_equal(ask(&daemon, USER - 1, 7, GROUP), PCCD_E_ACCESS);
+    assert_int_equal(ask(&daemon, 0, 0, 0), 0);
+    assert_true(test_daemon_finish(&daemon));
+    start(&daemon, by_group);
+    assert_int_equal(ask(&daemon, USER, GROUP, 7), 0);
+    assert_int_equal(ask(&daemon, USER, 7, GROUP), 0);
+    assert_int_equal(ask(&daemon, USER, 7, GROUP + 1), 0);
+    assert_int_equal(ask(&daemon, USER, 7, 7), PCCD_E_ACCESS);
+    assert_int_equal(ask(&daemon, 0, 0, 0), 0);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, strangers could take the places of those who may be clients: more of them
+ * than hear why are turned away at once. */
+static void allow__strangers_take_no_places(void **state)
+{
+    static const char *const options[] = {"--allow-gid", "54321", "--connections-max",
+                                          "24", NULL};
+    static struct test_raw raws[20];
+    struct test_daemon daemon;
+    int status = 0;
+    pid_t child;
+
+    (void)state;
+    if (geteuid() != 0) {
+        skip();
+    }
+    start(&daemon, options);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        bool connected = setgroups(0, NULL) == 0 && setgid(7) == 0 && setuid(USER) == 0;
+
+        for (int i = 0; i < 20 && connected; i++) {
+            connected = test_raw_open(&raws[i], daemon.socket);
+        }
+        _exit(connected && pause() != 0 ? 0 : 1);
+    }
+    for (int i = 0; i < 20; i++) {
+        assert_int_equal(ask(&daemon, USER, GROUP, 7), 0);
+    }
+    assert_int_equal(kill(child, SIGKILL), 0);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status)); /* it was connected all the time */
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, a socket without a list could be reached by others. */
+static void allow__without_a_list_only_our_own_user_gets_there(void **state)
+{
+    struct test_daemon daemon;
+    struct stat info;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, NULL));
+    assert_int_equal(stat(daemon.socket, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0600);
+    if (geteuid() == 0) {
+        assert_int_equal(chmod(daemon.directory, 0755), 0);
+        assert_int_equal(ask(&daemon, USER, 7, 7), -100);
+        assert_int_equal(ask(&daemon, 0, 0, 0), 0);
+    }
+    assert_true(test_daemon_finish(&daemon));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(allow__lists_of_users_and_groups_are_kept),
+        cmocka_unit_test(allow__strangers_take_no_places),
+        cmocka_unit_test(allow__without_a_list_only_our_own_user_gets_there),
+    };
+
+    return cmocka_run_group_tests_name("allow", tests, NULL, NULL);
+}
