@@ -74,7 +74,8 @@ struct srv_session {
 };
 
 /* A session for a new connection of `peer`. It is REFUSED when the user's quota of
- * clients is full, or when it may not be a client. NULL: no memory, or too many refused ones wait to hear so already. */
+ * clients is full, or when it may not be a client. NULL: no memory, or too many refused
+ * ones wait to hear so already. */
 struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
                                     const struct srv_peer *peer);
 /* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA

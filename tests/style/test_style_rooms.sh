@@ -37,6 +37,7 @@ tests/integration   proto client/lib+ tests/support tests/oracle
 tests/unit          proto daemon/engine daemon/server client/lib client/ctl client/load tests/support tests/oracle
 tests/fuzz          proto daemon/engine daemon/server client/ctl tests/support tests/oracle tests/fault
 tests/fault         proto client/lib+ tests/support tests/oracle
+tests/zoo           proto client/lib+ tests/support
 tests/determinism   daemon/engine tests/support tests/oracle tests/unit
 tests/property      proto daemon/engine client/lib+ tests/support tests/oracle tests/unit
 tests/truth         proto daemon/engine client/lib+ tests/support tests/oracle tests/unit
@@ -59,14 +60,14 @@ tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 '
 
 c_library='argp.h assert.h ctype.h dirent.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
-    glob.h immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h poll.h pthread.h
-    sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
+    glob.h grp.h immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h netinet/in.h
+    poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h sys/epoll.h sys/eventfd.h sys/file.h sys/ioctl.h sys/mman.h
     sys/prctl.h sys/random.h sys/resource.h sys/socket.h sys/stat.h sys/syscall.h sys/time.h
     sys/types.h sys/uio.h sys/un.h sys/wait.h time.h unistd.h'
 
 # Not for the engine: it computes, and talks to nobody.
-engine_not='dirent.h fcntl.h poll.h sys/epoll.h sys/eventfd.h sys/mman.h sys/socket.h sys/un.h
+engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eventfd.h sys/mman.h sys/socket.h sys/un.h
     sys/wait.h spawn.h glob.h'
 
 find proto daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
