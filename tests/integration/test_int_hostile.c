@@ -293,7 +293,8 @@ static int make_lingering(int *peer)
 }
 
 /* If it failed, one client could stop the daemon for as long as it likes: close(2) of
- * what it has sent blocks. Read by the daemon in the first round, unread in the second. */
+ * what it has sent blocks. Read by the daemon in the first round, unread in the second.
+ */
 static void descriptors__that_do_not_close_hold_up_nobody(void **state)
 {
     (void)state;
