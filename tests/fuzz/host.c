@@ -48,12 +48,18 @@ static void remove_socket(void)
     (void)rmdir(folder);
 }
 
+/* Sockets and shared memory: a fuzzer may have opened other things. */
 static int count_fds(void)
 {
     int count = 0;
     DIR *entries = opendir("/proc/self/fd");
-    while (entries != NULL && readdir(entries) != NULL) {
-        count++;
+    FUZZ_CHECK(entries != NULL);
+    for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
+        char target[64] = "";
+        if (readlinkat(dirfd(entries), entry->d_name, target, sizeof target - 1) > 0) {
+            count +=
+                strncmp(target, "socket:", 7) == 0 || strncmp(target, "/memfd:", 7) == 0;
+        }
     }
     closedir(entries);
     return count;
@@ -124,13 +130,27 @@ int fuzz_host_connect(void)
     return fd;
 }
 
-void fuzz_host_check(void)
+/* Until all sessions are gone, those that wait for their clients, too. */
+static void await_peace(void)
 {
-    fuzz_scarcity_pause();
-    fuzz_visit(options.socket_path);
-    for (int i = 0; count_fds() != fds_before || eng_alloc_bytes() != bytes_before; i++) {
+    int fds = count_fds();
+    uint64_t bytes = eng_alloc_bytes();
+    for (int i = 0; fds != fds_before || bytes != bytes_before; i++) {
+        if (i == WAIT_ROUNDS) {
+            fprintf(stderr, "%d descriptors and %llu bytes, were %d and %llu\n", fds,
+                    (unsigned long long)bytes, fds_before,
+                    (unsigned long long)bytes_before);
+        }
         FUZZ_CHECK(i < WAIT_ROUNDS);
         usleep(1000);
+        fds = count_fds();
+        bytes = eng_alloc_bytes();
     }
-    fuzz_scarcity_resume();
+}
+
+void fuzz_host_check(void)
+{
+    await_peace();
+    fuzz_visit(options.socket_path);
+    await_peace();
 }

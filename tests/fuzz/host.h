@@ -17,8 +17,8 @@ const char *fuzz_host_socket(void);
 /* A connected, blocking socket. */
 int fuzz_host_connect(void);
 
-/* An honest client lives its life, and when it has gone, as all others have, the server
- * holds nothing more than at the start. No allocation fails meanwhile. */
+/* All clients have gone: the server holds nothing more than at the start, soon, and
+ * serves an honest one. No allocation may fail meanwhile. */
 void fuzz_host_check(void);
 
 #endif

@@ -12,8 +12,8 @@
 #include "host.h"
 #include "peer.h"
 
-#define ACTS_MAX     64  /* of one script */
-#define CHECKS_EVERY 128 /* scripts */
+#define ACTS_MAX     64   /* of one script */
+#define CHECKS_EVERY 2048 /* scripts */
 
 static void send_raw(struct fuzz_peer *peer, struct fuzz_input *input, int fd_count)
 {

@@ -6,6 +6,7 @@
  *           or an error that there is a reason for.
  * Threads:  one, and the server's.
  */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -27,6 +28,15 @@ static uint32_t growing; /* announced, and filled by inputs */
 static uint32_t objects[2];
 static uint64_t released; /* of the result region */
 
+/* What a session begins with must succeed. */
+static void need(int status)
+{
+    if (status != 0) {
+        fprintf(stderr, "%s: %s\n", proto_status_name(status), raw.error.text);
+    }
+    FUZZ_CHECK(status == 0);
+}
+
 static void open_session(void)
 {
     static const uint32_t triangles[TRIANGLES][3] = {{0, 1, 3}, {1, 4, 3}, {1, 2, 4},
@@ -45,19 +55,20 @@ static void open_session(void)
         x[i][1] = (float)(i / 3);
         x[i][2] = (float)(i * i % 4) / 8;
     }
-    FUZZ_CHECK(test_raw_open(&raw, fuzz_host_socket()) && test_raw_hello(&raw) == 0 &&
-               test_raw_attach(&raw, 2, SLOT_BYTES) == 0);
-    FUZZ_CHECK(test_raw_mesh(&raw, (const float(*)[3])x, VERTICES, triangles, TRIANGLES,
-                             &mesh) == 0);
-    FUZZ_CHECK(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created) == 0);
-    FUZZ_CHECK(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &announce, &announced) == 0);
+    FUZZ_CHECK(test_raw_open(&raw, fuzz_host_socket()));
+    need(test_raw_hello(&raw));
+    need(test_raw_attach(&raw, 2, SLOT_BYTES));
+    need(
+        test_raw_mesh(&raw, (const float(*)[3])x, VERTICES, triangles, TRIANGLES, &mesh));
+    need(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    need(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &announce, &announced));
     scene = created.scene;
     growing = announced.mesh;
     released = 0;
     add.scene = scene;
     add.mesh = mesh;
     for (int i = 0; i < 2; i++) {
-        FUZZ_CHECK(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added) == 0);
+        need(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
         objects[i] = added.object;
     }
 }
