@@ -32,6 +32,33 @@ static bool may_refuse(int status)
     return status == PCCD_E_NOMEM || status == PCCD_E_SYSTEM || status == PCCD_E_LIMIT;
 }
 
+/* Connect again and go on with the session, if it can be. What was asked last has the same
+ * number when it is asked again, so that it is done once. */
+static bool resume(struct life *life)
+{
+    const struct proto_HELLO_request hello = {
+        .version_min = PROTO_VERSION_MIN,
+        .version_max = PROTO_VERSION_MAX,
+        .client = "life",
+        .resumable = true,
+        .resume_epoch = life->welcome.epoch,
+        .resume_session = life->welcome.session,
+        .token_hi = life->welcome.token_hi,
+        .token_lo = life->welcome.token_lo,
+    };
+    struct proto_HELLO_result result;
+    uint32_t last = life->raw.next_id - 1;
+    if ((life->welcome.token_hi | life->welcome.token_lo) == 0 ||
+        !test_raw_reopen(&life->raw, life->socket_path)) {
+        return false;
+    }
+    life->raw.next_id = last + (1u << 20); /* of no request of this session */
+    int status = test_raw_call(&life->raw, PROTO_METHOD_HELLO, &hello, &result);
+    life->raw.next_id = last;
+    life->resumptions++;
+    return status == 0 && result.resumed;
+}
+
 /* Note what was answered. True: as wanted. */
 static bool note(struct life *life, int method, int status)
 {
@@ -40,7 +67,7 @@ static bool note(struct life *life, int method, int status)
         return true;
     }
     if (status == PCCD_E_DISCONNECTED) {
-        life->is_lost = true;
+        life->is_lost = !resume(life);
     } else if (may_refuse(status)) {
         life->refusals++;
         life->refusal = status;
@@ -56,10 +83,10 @@ static bool again(struct life *life, int method, int tries)
     if (life->is_lost || life->wrong[0] != '\0') {
         return false;
     }
-    if (tries == 2 && !life->is_patient) {
+    if (tries == 2 && life->kind != LIFE_PATIENT && life->refusals > 1) {
         blame(life, "was refused again", method, life->refusal);
     }
-    return tries < 2;
+    return tries < 3;
 }
 
 static bool ask(struct life *life, int method, const void *request, void *result)
@@ -181,9 +208,10 @@ static bool step(struct life *life, const struct belongings *has, float z0, floa
                                                  .method = (uint32_t)method,
                                                  .step = life->step_count + 1};
     const float z[2] = {z0, z1};
+    uint32_t refusals = life->refusals;
     for (int tries = 0; again(life, PROTO_METHOD_FRAME_SUBMIT, tries); tries++) {
         if (note(life, PROTO_METHOD_FRAME_SUBMIT,
-                 submit(life, has, z, tries > 0, &request))) {
+                 submit(life, has, z, life->refusals > refusals, &request))) {
             const struct proto_FRAME_SUBMIT_result *answer =
                 &life->steps[life->step_count];
             if (answer->vf != VERTICES || answer->total != VERTICES) {
@@ -200,16 +228,16 @@ static bool settle_in(struct life *life, struct belongings *has)
 {
     const struct proto_HELLO_request hello = {.version_min = PROTO_VERSION_MIN,
                                               .version_max = PROTO_VERSION_MAX,
-                                              .client = "life"};
+                                              .client = "life",
+                                              .resumable = life->kind == LIFE_RESUMABLE};
     const struct proto_SCENE_CREATE_request create = {0};
-    struct proto_HELLO_result welcome;
     struct proto_SCENE_CREATE_result scene;
     struct proto_SCENE_ADD_result object;
     float x[VERTICES][3];
     uint32_t triangles[TRIANGLES][3];
     sheet_positions(x, 1);
     sheet_triangles(triangles);
-    if (!ask(life, PROTO_METHOD_HELLO, &hello, &welcome) || !attach(life, 2) ||
+    if (!ask(life, PROTO_METHOD_HELLO, &hello, &life->welcome) || !attach(life, 2) ||
         !ask(life, PROTO_METHOD_SCENE_CREATE, &create, &scene) ||
         !make_mesh(life, floor_x, 3, floor_triangle, 1, &has->floor_mesh) ||
         !make_mesh(life, (const float(*)[3])x, VERTICES, (const uint32_t(*)[3])triangles,
@@ -283,16 +311,19 @@ static bool leave(struct life *life, const struct belongings *has)
     const struct proto_SCENE_REMOVE_request remove = {has->scene, has->floor};
     const struct proto_MESH_DESTROY_request mesh = {has->sheet_mesh};
     const struct proto_SCENE_DESTROY_request scene = {has->scene};
+    const struct proto_BYE_request bye = {0};
     return ask(life, PROTO_METHOD_SCENE_REMOVE, &remove, NULL) &&
            ask(life, PROTO_METHOD_MESH_DESTROY, &mesh, NULL) &&
-           ask(life, PROTO_METHOD_SCENE_DESTROY, &scene, NULL) && attach(life, 3);
+           ask(life, PROTO_METHOD_SCENE_DESTROY, &scene, NULL) && attach(life, 3) &&
+           ask(life, PROTO_METHOD_BYE, &bye, NULL);
 }
 
-void life_run(struct life *life, const char *socket_path, bool is_patient)
+void life_run(struct life *life, const char *socket_path, enum life_kind kind)
 {
     struct belongings has = {0};
     memset(life, 0, sizeof(*life));
-    life->is_patient = is_patient;
+    life->kind = kind;
+    life->socket_path = socket_path;
     if (!test_raw_open(&life->raw, socket_path)) {
         life->is_lost = true; /* the daemon does not listen: its keeper will notice */
         return;
@@ -301,7 +332,7 @@ void life_run(struct life *life, const char *socket_path, bool is_patient)
                look_back(life, &has) && step(life, &has, -2, 1, PCCD_METHOD_PAPER) &&
                replace(life, &has) && step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) &&
                record(life, &has) && leave(life, &has);
-    if (!all && !life->is_lost && life->refusals == 0) {
+    if (!all && !life->is_lost && life->refusals == 0 && life->wrong[0] == '\0') {
         blame(life, "nothing explains this", PROTO_METHOD_PING, 0);
     }
     test_raw_close(&life->raw);

@@ -30,7 +30,7 @@ static int64_t live_below(enum __rlimit_resource resource, rlim_t most, const ch
     assert_int_equal(prlimit(keeper_pid(), resource, NULL, &before), 0);
     const struct rlimit low = {most, before.rlim_max};
     assert_int_equal(prlimit(keeper_pid(), resource, &low, NULL), 0);
-    life_run(&life, keeper_socket(), true);
+    life_run(&life, keeper_socket(), LIFE_PATIENT);
     assert_int_equal(prlimit(keeper_pid(), resource, &before, NULL), 0);
     if (life.wrong[0] != '\0') {
         fail_msg("%s, at most %llu: %s", what, (unsigned long long)most, life.wrong);

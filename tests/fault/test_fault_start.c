@@ -86,7 +86,7 @@ static void expect_service(pid_t pid, const char *what)
 {
     struct life life;
     int status = 0;
-    life_run(&life, place.socket, false);
+    life_run(&life, place.socket, LIFE_ONCE);
     if (life.wrong[0] != '\0' || life.is_lost) {
         fail_msg("%s: it started, and then: %s%s", what, life.wrong,
                  life.is_lost ? "connection lost" : "");

@@ -19,18 +19,36 @@
 #define WAIT_MS       10000
 #define DATAGRAMS_MAX 100000 /* messages skipped while waiting for one answer */
 
-bool test_raw_open(struct test_raw *raw, const char *socket_path)
+/* A connected socket, or -1. */
+static int connect_socket(const char *socket_path)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
 
+    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s", socket_path);
+    if (fd >= 0 &&
+        connect(fd, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+        (void)close(fd);
+        return -1;
+    }
+    return fd;
+}
+
+bool test_raw_reopen(struct test_raw *raw, const char *socket_path)
+{
+    (void)close(raw->socket);
+    raw->socket = connect_socket(socket_path);
+    return raw->socket >= 0;
+}
+
+bool test_raw_open(struct test_raw *raw, const char *socket_path)
+{
     memset(raw, 0, sizeof(*raw));
     raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
     raw->next_id = 1;
-    raw->socket = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    raw->socket = connect_socket(socket_path);
     raw->decoder = proto_decoder_new();
-    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s", socket_path);
-    if (raw->socket < 0 || raw->decoder == NULL ||
-        connect(raw->socket, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+    if (raw->socket < 0 || raw->decoder == NULL) {
         test_raw_close(raw);
         return false;
     }

@@ -33,6 +33,8 @@ struct test_raw {
 /* Connect without a word. False: nobody listens, or no memory. */
 bool test_raw_open(struct test_raw *raw, const char *socket_path);
 void test_raw_close(struct test_raw *raw);
+/* Another connection; rings and numbers stay. False: nobody listens. */
+bool test_raw_reopen(struct test_raw *raw, const char *socket_path);
 
 /* Send one datagram with `fd_count` copies of a descriptor of our own. */
 bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd_count);
