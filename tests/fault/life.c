@@ -46,6 +46,7 @@ static bool resume(struct life *life)
         .token_hi = life->welcome.token_hi,
         .token_lo = life->welcome.token_lo,
     };
+    const struct proto_BYE_request bye = {0};
     struct proto_HELLO_result result;
     uint32_t last = life->raw.next_id - 1;
     if ((life->welcome.token_hi | life->welcome.token_lo) == 0 ||
@@ -56,7 +57,12 @@ static bool resume(struct life *life)
     int status = test_raw_call(&life->raw, PROTO_METHOD_HELLO, &hello, &result);
     life->raw.next_id = last;
     life->resumptions++;
-    return status == 0 && result.resumed;
+    if (status != 0 || !result.resumed) {
+        /* A new session, which shall not wait for us when we go. */
+        (void)test_raw_call(&life->raw, PROTO_METHOD_BYE, &bye, NULL);
+        return false;
+    }
+    return true;
 }
 
 /* Note what was answered. True: as wanted. */

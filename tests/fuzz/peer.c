@@ -18,7 +18,7 @@
 #include "host.h"
 #include "seqpacket.h"
 
-#define WAIT_MS 20000 /* for an answer that must come */
+#define WAIT_MS 120000 /* for an answer that must come */
 #define PING_ID 0xffffffffu
 
 void fuzz_peer_open(struct fuzz_peer *peer)
