@@ -32,8 +32,8 @@ static bool may_refuse(int status)
     return status == PCCD_E_NOMEM || status == PCCD_E_SYSTEM || status == PCCD_E_LIMIT;
 }
 
-/* Connect again and go on with the session, if it can be. What was asked last has the same
- * number when it is asked again, so that it is done once. */
+/* Connect again and go on with the session, if it can be. What was asked last has the
+ * same number when it is asked again, so that it is done once. */
 static bool resume(struct life *life)
 {
     const struct proto_HELLO_request hello = {

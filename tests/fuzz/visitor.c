@@ -17,7 +17,7 @@
 void fuzz_visit(const char *socket_path)
 {
     static struct life life;
-    /* Sessions that wait for their clients hold quotas and the recording, but not long. */
+    /* Sessions that wait for their clients hold quotas and the recording for a while. */
     for (int tries = 0; tries < TRIES; tries++) {
         life_run(&life, socket_path, LIFE_ONCE);
         if (life.wrong[0] == '\0' && !life.is_lost && life.refusals == 0) {
