@@ -21,6 +21,7 @@
 
 struct supervisor {
     int listen_fd;
+    int ready_fd; /* ours to write to; -1: none, or it has been told */
     char **argv;
     pid_t worker; /* 0: none */
     bool stopping;
@@ -34,6 +35,9 @@ static void become_worker(const struct supervisor *supervisor, pid_t parent)
 {
     sigset_t none;
     sigemptyset(&none);
+    if (supervisor->ready_fd >= 0) {
+        close(supervisor->ready_fd); /* who waits for its end must not wait for ours */
+    }
     /* Without its supervisor nobody would start it again: it ends in order. */
     if (prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 && getppid() == parent &&
         srv_activate_give(supervisor->listen_fd) == 0 &&
@@ -117,11 +121,12 @@ static int on_signal(struct supervisor *supervisor, int signal)
     return on_end(supervisor, wait_status);
 }
 
-static int run(struct supervisor *supervisor, const sigset_t *signals, int ready_fd)
+static int run(struct supervisor *supervisor, const sigset_t *signals)
 {
     int exit_status = start_worker(supervisor) == 0 ? -1 : 1;
     /* The socket listens: whoever connects now waits for the worker. */
-    srv_listener_tell_ready(ready_fd);
+    srv_listener_tell_ready(supervisor->ready_fd);
+    supervisor->ready_fd = -1;
     while (exit_status < 0) {
         siginfo_t info;
         int signal = sigwaitinfo(signals, &info);
@@ -134,8 +139,10 @@ static int run(struct supervisor *supervisor, const sigset_t *signals, int ready
 
 int srv_supervise(const struct srv_options *options, char **argv)
 {
-    struct supervisor supervisor = {
-        .listen_fd = -1, .argv = argv, .crashes_max = options->crashes_max};
+    struct supervisor supervisor = {.listen_fd = -1,
+                                    .ready_fd = options->ready_fd,
+                                    .argv = argv,
+                                    .crashes_max = options->crashes_max};
     sigset_t signals;
     sigemptyset(&signals);
     sigaddset(&signals, SIGCHLD);
@@ -148,7 +155,7 @@ int srv_supervise(const struct srv_options *options, char **argv)
     }
     srv_log(SRV_LOG_INFO, 0, "process %ld supervises %s", (long)getpid(),
             options->socket_path);
-    int exit_status = run(&supervisor, &signals, options->ready_fd);
+    int exit_status = run(&supervisor, &signals);
     unlink(options->socket_path);
     close(supervisor.listen_fd);
     return exit_status;

@@ -30,6 +30,11 @@ tap_result $? load__every_request_is_answered_once "$work/crowd"
 load kills --clients 20 --requests 100 --processes 2 --kill-clients 300 --victims 12
 tap_result $? load__killed_clients_leave_nothing "$work/kills"
 
+# If it failed, a daemon that dies would take answers along, or its clients; or the next one
+# would not hold the same.
+load crashes --clients 20 --requests 100 --processes 2 --kill-worker 8 --kill-clients 40
+tap_result $? load__killed_workers_lose_nothing "$work/crashes"
+
 # If it failed, answers would depend on how many clients there are, or on luck.
 load other --clients 120 --requests 16 --processes 1 --depth 1 &&
     grep '^checksum' "$work/crowd" >"$work/sum1" &&

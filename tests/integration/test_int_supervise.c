@@ -181,8 +181,9 @@ static pid_t start_with(const struct fixture *f, int fd)
         char text[32];
         int log = open(f->daemon.log, O_WRONLY | O_CREAT | O_APPEND, 0600);
         snprintf(text, sizeof text, "%ld", (long)getpid());
-        if (dup2(log, 2) == 2 && dup2(fd, 3) == 3 && setenv("LISTEN_PID", text, 1) == 0 &&
-            setenv("LISTEN_FDS", "1", 1) == 0) {
+        if (dup2(log, 2) == 2 && dup2(fd, 3) == 3 &&
+            fcntl(3, F_SETFD, 0) == 0 /* if fd was 3 */ &&
+            setenv("LISTEN_PID", text, 1) == 0 && setenv("LISTEN_FDS", "1", 1) == 0) {
             execl(getenv("PCCDD"), "pccdd", "--threads", "1", (char *)NULL);
         }
         _exit(127);
