@@ -65,8 +65,9 @@ static int add_floor(struct load_actor *actor)
 static int add_all(struct load_actor *actor)
 {
     int rc = pccd_scene_create(actor->client, NULL, &actor->scene);
+    rc = rc == 0 && actor->sheet_first ? add_sheet(actor, false) : rc;
     rc = rc == 0 ? add_floor(actor) : rc;
-    return rc == 0 ? add_sheet(actor, false) : rc;
+    return rc == 0 && !actor->sheet_first ? add_sheet(actor, false) : rc;
 }
 
 static int drop_all(struct load_actor *actor)
@@ -102,12 +103,13 @@ static int connect_and_add(struct load_actor *actor, bool loud)
 }
 
 int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
-                    struct load_tally *tally, bool loud)
+                    struct load_tally *tally, bool sheet_first, bool loud)
 {
     memset(actor, 0, sizeof *actor);
     actor->load = load;
     actor->tally = tally;
     actor->number = number;
+    actor->sheet_first = sheet_first;
     actor->kind = (enum load_kind)(number % LOAD_KINDS);
     return connect_and_add(actor, loud);
 }

@@ -38,7 +38,8 @@ struct load_actor {
     struct load_tally *tally;
     uint32_t number;
     enum load_kind kind;
-    bool is_alone; /* its answers become the truth, and it makes no mischief */
+    bool is_alone;    /* its answers become the truth, and it makes no mischief */
+    bool sheet_first; /* it adds the sheet before the floor */
     struct pccd_client *client;
     uint32_t scene, floor_mesh, sheet_mesh, floor, sheet;
     uint64_t next;    /* number of the next request */
@@ -53,7 +54,7 @@ struct load_actor {
 /* Connect and register. Returns 0 or a status, after saying why if `loud`; close it in
  * either case. */
 int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
-                    struct load_tally *tally, bool loud);
+                    struct load_tally *tally, bool sheet_first, bool loud);
 
 /* Submit what there is room for, if `more`, and take what has arrived. Returns whether
  * anything was. */

@@ -35,8 +35,8 @@ static void live(const struct load *load, uint32_t index, pid_t parent)
     if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) {
         _exit(1);
     }
-    while (load_actor_open(&actor, load, number, &load->shared->victims[index], false) !=
-           0) {
+    while (load_actor_open(&actor, load, number, &load->shared->victims[index], false,
+                           false) != 0) {
         load_actor_close(&actor); /* the worker may have been killed in the middle */
         load_sleep_ms(1);
     }

@@ -34,7 +34,7 @@ static bool open_all(struct crowd *crowd, uint32_t index)
     struct load_tally *tally = &crowd->load->shared->crowd[index];
     for (uint32_t i = index; i < settings->clients; i += settings->processes) {
         struct load_actor *actor = &crowd->actors[crowd->count++];
-        if (load_actor_open(actor, crowd->load, i, tally, true) != 0) {
+        if (load_actor_open(actor, crowd->load, i, tally, false, true) != 0) {
             return false;
         }
     }
@@ -112,10 +112,11 @@ pid_t load_crowd_start(struct load *load, uint32_t index)
 
 /* ---- the truth --------------------------------------------------------------------- */
 
-static int go_round(const struct load *load, uint32_t number, struct load_tally *tally)
+static int go_round(const struct load *load, uint32_t number, bool sheet_first,
+                    struct load_tally *tally)
 {
     struct load_actor actor;
-    int rc = load_actor_open(&actor, load, number, tally, true);
+    int rc = load_actor_open(&actor, load, number, tally, sheet_first, true);
     actor.is_alone = true;
     while (rc == 0 && (actor.next < LOAD_FRAMES || actor.pending_count > 0)) {
         bool more = actor.next < LOAD_FRAMES;
@@ -135,7 +136,9 @@ int load_crowd_find_truth(struct load *load, uint64_t *records)
     uint32_t count = load->settings.clients + load->settings.victims;
     int rc = 0;
     for (uint32_t i = 0; i < count && rc == 0; i++) {
-        rc = go_round(load, i, &tally);
+        for (int order = 0; order < (int)LOAD_ORDERS && rc == 0; order++) {
+            rc = go_round(load, i, order == 1, &tally);
+        }
     }
     *records = tally.records;
     return rc;

@@ -45,8 +45,7 @@ static bool is_same(const struct load_truth *a, const struct load_truth *b)
 /* Is it the answer to some other request of the run? */
 static bool is_known(const struct load *load, const struct load_truth *found)
 {
-    uint64_t count =
-        (uint64_t)(load->settings.clients + load->settings.victims) * LOAD_FRAMES;
+    uint64_t count = load_truth_count(&load->settings);
     for (uint64_t i = 0; i < count; i++) {
         if (is_same(&load->shared->truth[i], found)) {
             return true;
@@ -58,7 +57,8 @@ static bool is_known(const struct load *load, const struct load_truth *found)
 static void compare(struct load_actor *actor, const struct load_pending *pending,
                     const struct pccd_answer *answer)
 {
-    struct load_truth *truth = load_truth_of(actor->load, actor->number, pending->from);
+    struct load_truth *truth = load_truth_of(actor->load, actor->number,
+                                             actor->sheet < actor->floor, pending->from);
     struct load_truth found = {{answer->hash[0], answer->hash[1]}, sum_of(actor, answer)};
     actor->tally->answered++;
     actor->tally->records += answer->count;
@@ -79,10 +79,10 @@ static void compare(struct load_actor *actor, const struct load_pending *pending
         actor->tally->wrong++;
     }
     load_say("client %u: step %llu from position %u has %llu records of hash %016llx, "
-             "not %016llx",
+             "not %016llx; objects %u and %u",
              actor->number, (unsigned long long)answer->step, pending->from,
              (unsigned long long)answer->total, (unsigned long long)found.hash[1],
-             (unsigned long long)truth->hash[1]);
+             (unsigned long long)truth->hash[1], actor->floor, actor->sheet);
 }
 
 static void judge_of(struct load_actor *actor, const struct load_pending *pending,

@@ -18,6 +18,10 @@
 #define LOAD_PROCESS_MAX 64u
 #define LOAD_VICTIM_MAX  64u
 
+/* Which of the two objects has the smaller number, which decides the order of records. Of
+ * two that are made anew it may be either. */
+#define LOAD_ORDERS 2u
+
 struct load_settings {
     uint64_t seed;
     uint32_t clients;  /* that live as long as the run */
@@ -56,7 +60,7 @@ struct load_shared {
     atomic_bool failed; /* a process could not do its part */
     struct load_tally crowd[LOAD_PROCESS_MAX];
     struct load_tally victims[LOAD_VICTIM_MAX];
-    struct load_truth truth[]; /* [clients + victims][LOAD_FRAMES] */
+    struct load_truth truth[]; /* [clients + victims][LOAD_ORDERS][LOAD_FRAMES] */
 };
 
 struct load {
@@ -65,10 +69,17 @@ struct load {
     struct load_shared *shared;
 };
 
-static inline struct load_truth *load_truth_of(const struct load *load, uint32_t client,
-                                               uint32_t frame)
+static inline uint64_t load_truth_count(const struct load_settings *settings)
 {
-    return &load->shared->truth[(uint64_t)client * LOAD_FRAMES + frame];
+    return (uint64_t)(settings->clients + settings->victims) * LOAD_ORDERS * LOAD_FRAMES;
+}
+
+static inline struct load_truth *load_truth_of(const struct load *load, uint32_t client,
+                                               bool sheet_first, uint32_t frame)
+{
+    return &load->shared
+                ->truth[((uint64_t)client * LOAD_ORDERS + sheet_first) * LOAD_FRAMES +
+                        frame];
 }
 
 /* CLOCK_MONOTONIC, nanoseconds. */

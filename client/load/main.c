@@ -152,10 +152,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static bool share_memory(struct load *load)
 {
-    const struct load_settings *settings = &load->settings;
-    size_t bytes =
-        sizeof *load->shared + (size_t)(settings->clients + settings->victims) *
-                                   LOAD_FRAMES * sizeof(struct load_truth);
+    size_t bytes = sizeof *load->shared +
+                   load_truth_count(&load->settings) * sizeof *load->shared->truth;
     void *shared =
         mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     load->shared = shared;

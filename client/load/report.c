@@ -58,7 +58,7 @@ static void print_times(const struct load_tally *tally, double seconds)
 static void print_checksum(const struct load *load)
 {
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < load->settings.clients * LOAD_FRAMES; i++) {
+    for (uint64_t i = 0; i < load->settings.clients * LOAD_ORDERS * LOAD_FRAMES; i++) {
         const struct load_truth *truth = &load->shared->truth[i];
         sum = load_mix(load_mix(sum ^ truth->hash[0], truth->hash[1]), truth->sum);
     }

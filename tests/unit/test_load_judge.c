@@ -63,8 +63,8 @@ static int set_up(void **state)
     assert_non_null(f);
     f->load.settings.clients = CLIENTS;
     f->load.shared =
-        calloc(1, sizeof *f->load.shared +
-                      CLIENTS * LOAD_FRAMES * sizeof f->load.shared->truth[0]);
+        calloc(1, sizeof *f->load.shared + CLIENTS * LOAD_ORDERS * LOAD_FRAMES *
+                                               sizeof f->load.shared->truth[0]);
     assert_non_null(f->load.shared);
     for (uint32_t i = 0; i < CLIENTS * LOAD_FRAMES; i++) {
         make_answer(f, i / LOAD_FRAMES, i % LOAD_FRAMES);
@@ -129,6 +129,28 @@ static void judge__finds_answers_of_others_and_second_ones(void **state)
     load_judge(&f->actor, &f->answer);
     assert_int_equal(f->tally.crossed, 2);
     assert_int_equal(f->tally.answered, 1);
+}
+
+/* If this failed, objects that were made anew would look like wrong answers: which has the
+ * smaller number decides which of two edges comes first. */
+static void judge__knows_both_orders_of_the_objects(void **state)
+{
+    struct fixture *f = *state;
+    make_answer(f, 3, 2);
+    f->contacts[0].feature_a = 77; /* that differs */
+    for (int alone = 1; alone >= 0; alone--) {
+        wait_for(f, 3, 2);
+        f->actor.floor = 2;
+        f->actor.sheet = 1;
+        f->actor.is_alone = alone;
+        load_judge(&f->actor, &f->answer);
+    }
+    assert_int_equal(f->tally.wrong + f->tally.crossed, 0);
+    wait_for(f, 3, 2); /* but not of the other order */
+    f->actor.floor = 1;
+    f->actor.sheet = 2;
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.crossed, 1);
 }
 
 /* If this failed, a step that was refused or ended early without a reason would pass for
@@ -221,6 +243,7 @@ int main(void)
         JUDGE_TEST(judge__takes_what_a_lone_client_got),
         JUDGE_TEST(judge__finds_one_bit_that_is_wrong),
         JUDGE_TEST(judge__finds_answers_of_others_and_second_ones),
+        JUDGE_TEST(judge__knows_both_orders_of_the_objects),
         JUDGE_TEST(judge__tells_errors_that_were_asked_for),
         JUDGE_TEST(tally__has_quantiles_to_an_eighth),
         JUDGE_TEST(watch__fits_a_slope_through_every_worker),
