@@ -244,7 +244,11 @@ int cli_link_first(struct pccd_client *client, uint64_t deadline_ns)
     case CLI_WAY_URL:
         break;
     }
-    return rc != 0 ? rc : open_first(client, deadline_ns);
+    rc = rc != 0 ? rc : open_first(client, deadline_ns);
+    /* One that dies between accepting us and its answer has a successor, as a rule. */
+    return rc == PCCD_E_DISCONNECTED && link->patience_ns > 0
+               ? retry_session(client, deadline_ns)
+               : rc;
 }
 
 /* Start a daemon in place of one that is gone, where this client may. */
