@@ -131,8 +131,8 @@ static void judge__finds_answers_of_others_and_second_ones(void **state)
     assert_int_equal(f->tally.answered, 1);
 }
 
-/* If this failed, objects that were made anew would look like wrong answers: which has the
- * smaller number decides which of two edges comes first. */
+/* If this failed, objects that were made anew would look like wrong answers: which has
+ * the smaller number decides which of two edges comes first. */
 static void judge__knows_both_orders_of_the_objects(void **state)
 {
     struct fixture *f = *state;
