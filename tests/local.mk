@@ -12,4 +12,5 @@ include $(top_srcdir)/tests/fuzz/local.mk
 include $(top_srcdir)/tests/proto/local.mk
 include $(top_srcdir)/tests/abi/local.mk
 include $(top_srcdir)/tests/integration/local.mk
+include $(top_srcdir)/tests/zoo/local.mk
 include $(top_srcdir)/tests/style/local.mk

@@ -23,10 +23,18 @@
 #define PATIENCE_S      1
 #define DESCRIPTORS_MAX (1u << 20) /* believed of a system that sets no limit */
 
+/* With so many to close the loop waits a little rather than take more: who sends them
+ * fast could use them all up. Not again while none of them closes. */
+#define CALM_MAX 256u
+#define CALM_NS  10000000
+
 struct srv_closer {
     pthread_t thread;
     pthread_mutex_t mutex; /* everything below */
-    pthread_cond_t wake;
+    pthread_cond_t wake;   /* there is one to close, or stop */
+    pthread_cond_t calm;   /* fewer than CALM_MAX are left */
+    uint64_t closed;       /* since the start */
+    uint64_t stuck_at;     /* `closed` when the loop has waited in vain */
     bool stop;
     uint32_t first; /* in the ring */
     uint32_t count;
@@ -51,6 +59,10 @@ static void *closer_main(void *context)
         pthread_mutex_unlock(&closer->mutex);
         close(fd);
         pthread_mutex_lock(&closer->mutex);
+        closer->closed++;
+        if (closer->count + 1 == CALM_MAX) {
+            pthread_cond_signal(&closer->calm);
+        }
     }
     pthread_mutex_unlock(&closer->mutex);
     return NULL;
@@ -74,9 +86,10 @@ struct srv_closer *srv_closer_new(void)
     if (closer == NULL) {
         return NULL;
     }
-    *closer = (struct srv_closer){.capacity = capacity};
+    *closer = (struct srv_closer){.capacity = capacity, .stuck_at = UINT64_MAX};
     pthread_mutex_init(&closer->mutex, NULL); /* neither fails on Linux */
     pthread_cond_init(&closer->wake, NULL);
+    pthread_cond_init(&closer->calm, NULL);
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
@@ -107,8 +120,28 @@ void srv_closer_free(struct srv_closer *closer)
         return; /* its thread still uses it */
     }
     pthread_cond_destroy(&closer->wake);
+    pthread_cond_destroy(&closer->calm);
     pthread_mutex_destroy(&closer->mutex);
     free(closer);
+}
+
+/* Locked. */
+static void wait_for_calm(struct srv_closer *closer)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += CALM_NS;
+    if (until.tv_nsec >= 1000000000) {
+        until.tv_nsec -= 1000000000;
+        until.tv_sec++;
+    }
+    int status = 0;
+    while (closer->count >= CALM_MAX && status == 0) {
+        status = pthread_cond_timedwait(&closer->calm, &closer->mutex, &until);
+    }
+    if (closer->count >= CALM_MAX) {
+        closer->stuck_at = closer->closed;
+    }
 }
 
 void srv_closer_push(struct srv_closer *closer, int fd)
@@ -121,5 +154,8 @@ void srv_closer_push(struct srv_closer *closer, int fd)
     closer->fds[(closer->first + closer->count) % closer->capacity] = fd;
     closer->count++;
     pthread_cond_signal(&closer->wake);
+    if (closer->count >= CALM_MAX && closer->stuck_at != closer->closed) {
+        wait_for_calm(closer);
+    }
     pthread_mutex_unlock(&closer->mutex);
 }

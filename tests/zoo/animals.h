@@ -1,0 +1,35 @@
+/* animals.h - what hostile clients do, and what they must get for it.
+ *
+ * Room:     tests/zoo. May include: cage.h.
+ * Does:     an act each; it returns false where the daemon answered something else than
+ *           stands at the act.
+ * Threads:  one, of the animal's process.
+ */
+#ifndef ZOO_ANIMALS_H
+#define ZOO_ANIMALS_H
+
+#include "cage.h"
+
+/* animals_talk.c: messages and descriptors */
+bool zoo_says_nothing(struct zoo_cage *cage);
+bool zoo_never_reads(struct zoo_cage *cage);
+bool zoo_floods(struct zoo_cage *cage);
+bool zoo_sends_253_descriptors(struct zoo_cage *cage);
+bool zoo_sends_wrong_lengths(struct zoo_cage *cage);
+bool zoo_uses_stale_handles(struct zoo_cage *cage);
+
+/* animals_data.c: what is in the shared memory */
+bool zoo_rewrites_submitted_slots(struct zoo_cage *cage);
+bool zoo_punches_holes(struct zoo_cage *cage);
+bool zoo_lies_about_counts(struct zoo_cage *cage);
+bool zoo_sends_wrong_numbers(struct zoo_cage *cage);
+bool zoo_names_wrong_indices(struct zoo_cage *cage);
+
+/* animals_work.c: what is asked to be computed */
+bool zoo_submits_without_end(struct zoo_cage *cage);
+bool zoo_cancels_everything(struct zoo_cage *cage);
+bool zoo_makes_tiny_scenes(struct zoo_cage *cage);
+bool zoo_dies_in_the_middle(struct zoo_cage *cage);
+bool zoo_stops_itself(struct zoo_cage *cage);
+
+#endif

@@ -1,0 +1,209 @@
+/* animals_data.c - hostile clients: what is in the shared memory.
+ *
+ * Room:     tests/zoo. May include: animals.h, proto.
+ * Does:     see animals.h; each act says what it must get.
+ * Threads:  one, of the animal's process.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include "animals.h"
+#include "crossing.h"
+
+#define SLOT_BYTES 65536u
+#define ROUNDS     50
+
+static struct test_raw raw;
+
+/* Submits, and writes over the slot before the answer comes: a right answer, or torn, or
+ * stale, or what nonsense gets; never anything else, and right again when it is left in
+ * peace. */
+bool zoo_rewrites_submitted_slots(struct zoo_cage *cage)
+{
+    struct zoo_scene scene;
+
+    EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
+    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    for (int round = 0; round < ROUNDS; round++) {
+        struct proto_FRAME_SUBMIT_request submit = zoo_write(&raw, &scene, 0, -1);
+        struct proto_FRAME_SUBMIT_result answer = {.total = 0};
+        uint32_t id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
+        int rc;
+
+        EXPECT(cage, id != 0);
+        for (int i = 0; i < 20; i++) {
+            memset(test_raw_payload(&raw, 0), round + i, 4096);
+            (void)test_raw_publish(&raw, 0);
+        }
+        rc = test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
+        EXPECT(cage, rc == 0 || rc == PCCD_E_SLOT_STALE || rc == PCCD_E_SLOT_TORN);
+        submit = zoo_write(&raw, &scene, 0, -1);
+        EXPECT(cage,
+               test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
+        submit = zoo_write(&raw, &scene, 0, 1); /* through the floor */
+        EXPECT(cage,
+               test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
+        EXPECT(cage, answer.vf == 3 && answer.incomplete == PCCD_COMPLETE);
+        atomic_store(&test_raw_upload(&raw)->result_head.value, answer.release);
+    }
+    test_raw_close(&raw);
+    return true;
+}
+
+/* Takes the pages of the ring away while the daemon has them mapped: what was there reads
+ * as zeros, so a slot is stale; the result region cannot be punched. */
+bool zoo_punches_holes(struct zoo_cage *cage)
+{
+    const int punch = FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE;
+    struct zoo_scene scene;
+    struct proto_FRAME_SUBMIT_request submit;
+    off_t bytes;
+
+    EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
+    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    bytes = (off_t)raw.ring.upload_bytes;
+    submit = zoo_write(&raw, &scene, 0, -1);
+    EXPECT(cage, fallocate(raw.upload.fd, punch, 0, bytes) == 0);
+    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
+                     PCCD_E_SLOT_STALE);
+    for (int round = 0; round < ROUNDS; round++) { /* and behind the daemon's back */
+        uint32_t id;
+        int rc;
+
+        submit = zoo_write(&raw, &scene, 0, round % 2 == 0 ? -1 : 1);
+        id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
+        EXPECT(cage, id != 0);
+        EXPECT(cage, fallocate(raw.upload.fd, punch, 4096, bytes - 4096) == 0);
+        rc = test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, NULL);
+        /* A table of zeros names no object. */
+        EXPECT(cage, rc == 0 || rc == PCCD_E_SEGMENT || rc == PCCD_E_HANDLE ||
+                         rc == PCCD_E_SLOT_STALE || rc == PCCD_E_INVAL);
+    }
+    EXPECT(cage, fallocate(raw.result.fd, punch, 0, 4096) != 0);
+    test_raw_close(&raw);
+    return true;
+}
+
+/* A request with one number that is not true, and what it gets. */
+static int ask_mesh(uint32_t vertices, uint32_t triangles)
+{
+    struct proto_MESH_CREATE_request create = {.vertex_count = vertices,
+                                               .triangle_count = triangles};
+
+    return test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL);
+}
+
+static int ask_data(uint32_t mesh, uint32_t slot, uint32_t first, uint32_t count)
+{
+    struct proto_MESH_DATA_request data = {.mesh = mesh,
+                                           .slot = slot,
+                                           .first = first,
+                                           .count = count,
+                                           .seq = test_raw_publish(&raw, 0)};
+
+    return test_raw_call(&raw, PROTO_METHOD_MESH_DATA, &data, NULL);
+}
+
+/* More than there is, of everything: refused by name, and nothing is allocated for it. */
+bool zoo_lies_about_counts(struct zoo_cage *cage)
+{
+    struct zoo_scene scene;
+    struct proto_FRAME_SUBMIT_request submit;
+    struct proto_MESH_CREATE_request create = {.vertex_count = 100, .triangle_count = 10};
+    struct proto_MESH_CREATE_result created;
+    struct proto_MESH_COMMIT_request commit = {0};
+
+    EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
+    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, ask_mesh(PROTO_COUNT_MAX, PROTO_COUNT_MAX) == PCCD_E_QUOTA);
+    EXPECT(cage, ask_mesh(PROTO_COUNT_MAX + 1, 1) == PCCD_E_INVAL);
+    EXPECT(cage, ask_mesh(3, 0) == PCCD_E_INVAL);
+    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created) == 0);
+    EXPECT(cage, ask_data(created.mesh, 0, 0, 101) == PCCD_E_INVAL);
+    EXPECT(cage, ask_data(created.mesh, 0, UINT32_MAX, 2) == PCCD_E_INVAL);
+    EXPECT(cage, ask_data(created.mesh, 0, 0, UINT32_MAX) == PCCD_E_INVAL);
+    EXPECT(cage, ask_data(created.mesh, 2, 0, 100) == PCCD_E_INVAL);
+    commit.mesh = created.mesh;
+    EXPECT(cage,
+           test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL) == PCCD_E_STATE);
+    submit = zoo_write(&raw, &scene, 0, -1);
+    submit.segments = PROTO_SEGMENTS_MAX; /* 2 MiB of table in a slot of 64 KiB */
+    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
+                     PCCD_E_SEGMENT);
+    submit.segments = UINT32_MAX;
+    EXPECT(cage,
+           test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) == PCCD_E_LIMIT);
+    atomic_store(&test_raw_upload(&raw)->result_head.value, UINT64_MAX);
+    submit = zoo_write(&raw, &scene, 0, -1);
+    EXPECT(cage,
+           test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) == PCCD_E_INVAL);
+    test_raw_close(&raw);
+    return true;
+}
+
+/* Submit the triangle with its first coordinate at x, as double. */
+static int submit_number(const struct zoo_scene *scene, double x)
+{
+    const struct proto_segment segment = {.object = scene->object,
+                                          .kind = PROTO_SEGMENT_X1,
+                                          .format = PCCD_FORMAT_F64,
+                                          .count = 3,
+                                          .offset1 = 32};
+    const double positions[9] = {x, 0, 1, 1, 0, 1, 0, 1, 1};
+    struct proto_FRAME_SUBMIT_request submit = {.scene = scene->scene, .segments = 1};
+    struct proto_FRAME_SUBMIT_result answer = {.total = 0};
+    int rc;
+
+    memcpy(test_raw_payload(&raw, 0), &segment, sizeof(segment));
+    memcpy(test_raw_payload(&raw, 0) + 32, positions, sizeof(positions));
+    submit.seq = test_raw_publish(&raw, 0);
+    rc = test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer);
+    return rc == 0 && (answer.total != 0 || answer.incomplete != PCCD_COMPLETE) ? 1 : rc;
+}
+
+/* NaN, infinities and 1e300 are E_NOTFINITE and move nothing; denormals, minus zero and
+ * 1e18 are numbers like others. */
+bool zoo_sends_wrong_numbers(struct zoo_cage *cage)
+{
+    static const double wrong[] = {NAN, -NAN, INFINITY, -INFINITY, 1e300, -1e300, 1.1e18};
+    static const double right[] = {4.9e-324, -4.9e-324, 1e-310, -0.0, 1e18, -1e18, 1e-45};
+    struct zoo_scene scene;
+
+    EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
+    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    for (int round = 0; round < ROUNDS; round++) {
+        EXPECT(cage, submit_number(&scene, wrong[round % 7]) == PCCD_E_NOTFINITE);
+        EXPECT(cage, submit_number(&scene, right[round % 7]) == 0);
+    }
+    test_raw_close(&raw);
+    return true;
+}
+
+/* Triangles of vertices that are not there: E_INDEX, and no mesh comes of it. */
+bool zoo_names_wrong_indices(struct zoo_cage *cage)
+{
+    static const uint32_t wrong[][1][3] = {
+        {{0, 1, 3}}, {{0, 1, UINT32_MAX}}, {{1u << 31, 1, 2}}};
+    struct proto_MESH_CREATE_request create = {.vertex_count = 3, .triangle_count = 1};
+    struct proto_MESH_CREATE_result created;
+    struct proto_MESH_COMMIT_request commit = {0};
+
+    EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
+    for (int round = 0; round < ROUNDS; round++) {
+        struct proto_MESH_DESTROY_request destroy = {0};
+
+        EXPECT(cage,
+               test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created) == 0);
+        EXPECT(cage, test_raw_fill(&raw, created.mesh, test_triangle_x, 3,
+                                   wrong[round % 3], 1) == PCCD_E_INDEX);
+        commit.mesh = destroy.mesh = created.mesh;
+        EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL) ==
+                         PCCD_E_STATE);
+        EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL) == 0);
+    }
+    test_raw_close(&raw);
+    return true;
+}

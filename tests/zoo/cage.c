@@ -1,0 +1,186 @@
+/* cage.c - one hostile client, in a process of its own.
+ *
+ * Room:     tests/zoo. May include: cage.h.
+ * Does:     fork, shared memory for what happened, and what most animals begin with.
+ * Threads:  the keeper's.
+ */
+#include "cage.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "crossing.h"
+#include "daemon.h"
+
+#define READY_MS 20000
+#define END_MS   20000
+
+bool zoo_fail(struct zoo_cage *cage, int line, const char *what)
+{
+    (void)snprintf(cage->what, sizeof(cage->what), "%s", what);
+    atomic_store(&cage->line, line);
+    return false;
+}
+
+/* In the child: act until the keeper says that it is enough. */
+static void live(struct zoo_cage *cage, const struct zoo_animal *animal)
+{
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+    while (!atomic_load(&cage->stop)) {
+        if (!animal->act(cage)) {
+            _exit(1);
+        }
+        atomic_fetch_add(&cage->acts, 1);
+        while (animal->sleeps && !atomic_load(&cage->stop)) {
+            test_sleep_ms(5);
+        }
+    }
+    _exit(0);
+}
+
+static bool all_ready(const struct zoo_den *den)
+{
+    for (unsigned i = 0; i < den->each; i++) {
+        if (atomic_load(&den->cages[i].acts) == 0 &&
+            atomic_load(&den->cages[i].line) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool none_failed(const struct zoo_den *den)
+{
+    for (unsigned i = 0; i < den->each; i++) {
+        if (atomic_load(&den->cages[i].line) != 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool zoo_open(struct zoo_den *den, const struct zoo_animal *animal, const char *socket,
+              unsigned each, bool patient, unsigned pause_ms)
+{
+    uint64_t until_ms = test_now_ms() + READY_MS + (patient ? 2 * pause_ms : 0);
+
+    memset(den, 0, sizeof(*den));
+    den->cages = mmap(NULL, ZOO_EACH_MAX * sizeof(*den->cages), PROT_READ | PROT_WRITE,
+                      MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (den->cages == MAP_FAILED) {
+        return false;
+    }
+    for (; den->each < each; den->each++) {
+        struct zoo_cage *cage = &den->cages[den->each];
+        pid_t pid;
+
+        *cage = (struct zoo_cage){.socket = socket,
+                                  .number = den->each,
+                                  .patient = patient,
+                                  .pause_ms = pause_ms};
+        pid = fork();
+        if (pid == 0) {
+            live(cage, animal);
+        }
+        if (pid < 0) {
+            return false;
+        }
+        den->pids[den->each] = pid;
+    }
+    while (!all_ready(den) && test_now_ms() < until_ms) {
+        test_sleep_ms(1);
+    }
+    return all_ready(den) && none_failed(den);
+}
+
+unsigned zoo_close(struct zoo_den *den)
+{
+    uint64_t until_ms = test_now_ms() + END_MS;
+    unsigned acts = 0;
+    bool right = none_failed(den);
+
+    for (unsigned i = 0; i < den->each; i++) {
+        atomic_store(&den->cages[i].stop, true);
+        (void)kill(den->pids[i], SIGCONT);
+    }
+    for (unsigned i = 0; i < den->each; i++) {
+        int status = 0;
+
+        while (waitpid(den->pids[i], &status, WNOHANG) == 0) {
+            if (test_now_ms() >= until_ms) {
+                (void)kill(den->pids[i], SIGKILL);
+                (void)zoo_fail(&den->cages[i], __LINE__, "it ends when it is told to");
+            }
+            test_sleep_ms(1);
+        }
+        right = right && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+        acts += atomic_load(&den->cages[i].acts);
+    }
+    return right ? acts : 0;
+}
+
+void zoo_say(const struct zoo_den *den, const struct zoo_animal *animal)
+{
+    for (unsigned i = 0; i < den->each; i++) {
+        const struct zoo_cage *cage = &den->cages[i];
+
+        if (atomic_load(&cage->line) != 0) {
+            fprintf(stderr, "# %s %u: after %u acts, line %d: not %s\n", animal->name, i,
+                    atomic_load(&cage->acts), atomic_load(&cage->line), cage->what);
+        }
+    }
+}
+
+/* ---- what most begin with ---------------------------------------------------------- */
+
+bool zoo_enter(struct zoo_cage *cage, struct test_raw *raw, uint64_t slot_bytes)
+{
+    EXPECT(cage, test_raw_open(raw, cage->socket));
+    EXPECT(cage, test_raw_hello(raw) == 0);
+    EXPECT(cage, slot_bytes == 0 || test_raw_attach(raw, 2, slot_bytes) == 0);
+    return true;
+}
+
+bool zoo_build(struct zoo_cage *cage, struct test_raw *raw, struct zoo_scene *scene)
+{
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_request add = {0};
+    struct proto_SCENE_ADD_result added;
+
+    EXPECT(cage, test_raw_call(raw, PROTO_METHOD_SCENE_CREATE, &create, &created) == 0);
+    EXPECT(cage,
+           test_raw_mesh(raw, test_floor_x, 3, test_triangle, 1, &scene->floor) == 0);
+    EXPECT(cage,
+           test_raw_mesh(raw, test_triangle_x, 3, test_triangle, 1, &scene->mesh) == 0);
+    add.scene = scene->scene = created.scene;
+    add.mesh = scene->floor;
+    EXPECT(cage, test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added) == 0);
+    add.mesh = scene->mesh;
+    EXPECT(cage, test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added) == 0);
+    scene->object = added.object;
+    return true;
+}
+
+struct proto_FRAME_SUBMIT_request
+zoo_write(struct test_raw *raw, const struct zoo_scene *scene, uint32_t slot, float z)
+{
+    const struct proto_segment segment = {
+        .object = scene->object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
+    uint8_t *payload = test_raw_payload(raw, slot);
+    float x[3][3];
+
+    test_crossing_positions(x, z);
+    memcpy(payload, &segment, sizeof(segment));
+    memcpy(payload + 32, x, sizeof(x));
+    return (struct proto_FRAME_SUBMIT_request){.scene = scene->scene,
+                                               .slot = slot,
+                                               .seq = test_raw_publish(raw, slot),
+                                               .segments = 1};
+}

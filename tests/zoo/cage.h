@@ -1,0 +1,85 @@
+/* cage.h - one hostile client, in a process of its own.
+ *
+ * Room:     tests/zoo. May include: raw.h.
+ * Does:     fork an animal that repeats its act until it is told to end, and see whether
+ *           what the daemon answered was what its act must be answered.
+ * Does not: know what the animals do (animals.h).
+ * Threads:  the keeper's; an animal has one of its own process.
+ */
+#ifndef ZOO_CAGE_H
+#define ZOO_CAGE_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "raw.h"
+
+#define ZOO_EACH_MAX 32
+
+/* Shared by keeper and animal. */
+struct zoo_cage {
+    const char *socket;
+    unsigned number;   /* among its like */
+    unsigned pause_ms; /* that an animal which stops itself is stopped for */
+    bool patient;      /* there is time for what takes ten seconds */
+    atomic_bool stop;  /* set by the keeper */
+    atomic_uint acts;  /* done, as they must be */
+    atomic_int line;   /* where something else happened; 0: nowhere */
+    char what[160];    /* then: what was expected */
+};
+
+struct zoo_animal {
+    const char *name;
+    /* One act in the animal's process. False: zoo_fail has been called. */
+    bool (*act)(struct zoo_cage *cage);
+    bool sleeps; /* it does nothing that another could notice: one act is enough */
+};
+
+/* A daemon's socket and `each` animals in front of it. */
+struct zoo_den {
+    struct zoo_cage *cages; /* [each], shared memory */
+    pid_t pids[ZOO_EACH_MAX];
+    unsigned each;
+};
+
+/* Let them in, and wait until each has done an act, 20 s at most. False: one has not, or
+ * has been answered wrongly. */
+bool zoo_open(struct zoo_den *den, const struct zoo_animal *animal, const char *socket,
+              unsigned each, bool patient, unsigned pause_ms);
+/* Tell them to end, and wait for it; one that does not is killed. Returns the acts that
+ * they did; 0: one of them was answered wrongly, and zoo_say says what. */
+unsigned zoo_close(struct zoo_den *den);
+/* What went wrong, on stderr. */
+void zoo_say(const struct zoo_den *den, const struct zoo_animal *animal);
+
+/* Record what was expected; false. */
+bool zoo_fail(struct zoo_cage *cage, int line, const char *what);
+
+#define EXPECT(cage, condition)                                                          \
+    do {                                                                                 \
+        if (!(condition)) {                                                              \
+            return zoo_fail(cage, __LINE__, #condition);                                 \
+        }                                                                                \
+    } while (0)
+
+/* The animal's own session: connected, with hello, and with slots of that size unless it
+ * is 0. */
+bool zoo_enter(struct zoo_cage *cage, struct test_raw *raw, uint64_t slot_bytes);
+
+/* The smallest scene of a session: a triangle above a floor. */
+struct zoo_scene {
+    uint32_t scene;
+    uint32_t floor;  /* mesh */
+    uint32_t mesh;   /* of the triangle */
+    uint32_t object; /* likewise */
+};
+bool zoo_build(struct zoo_cage *cage, struct test_raw *raw, struct zoo_scene *scene);
+
+/* Write the triangle at height z into a slot, and publish it. Returns the request for the
+ * step. */
+struct proto_FRAME_SUBMIT_request
+zoo_write(struct test_raw *raw, const struct zoo_scene *scene, uint32_t slot, float z);
+
+#endif

@@ -1,0 +1,162 @@
+/* test_zoo_animals.c - hostile clients beside an honest one.
+ *
+ * Room:     tests/zoo. May include: animals.h, keeper.h.
+ * Does:     for each animal: several of them in front of a real daemon, each seeing that
+ *           it gets what its act must get; beside them an honest client whose answers are
+ *           the same bytes as alone. Measured: the honest client's p99 beside against its
+ *           p99 alone, just before; the daemon's heap for each of them. With --long: many
+ *           requests, and a table for people (make zoo).
+ * Threads:  one, and the processes of the animals.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "animals.h"
+#include "keeper.h"
+
+#define HEAP_MAX (256u << 10) /* of each, besides what its user's quotas are charged */
+/* Of a machine where others build: p99 beside, against alone, and so much on top. The
+ * figure for a machine that is left alone is printed with --long. */
+#define GENEROUS_TIMES 20.0
+#define GENEROUS_MS    100.0
+
+static const struct zoo_animal animals[] = {
+    {"says nothing", zoo_says_nothing, true},
+    {"never reads", zoo_never_reads, false},
+    {"floods", zoo_floods, false},
+    {"sends 253 descriptors", zoo_sends_253_descriptors, false},
+    {"sends wrong lengths", zoo_sends_wrong_lengths, false},
+    {"uses stale handles", zoo_uses_stale_handles, false},
+    {"rewrites submitted slots", zoo_rewrites_submitted_slots, false},
+    {"punches holes", zoo_punches_holes, false},
+    {"lies about counts", zoo_lies_about_counts, false},
+    {"sends wrong numbers", zoo_sends_wrong_numbers, false},
+    {"names wrong indices", zoo_names_wrong_indices, false},
+    {"submits without end", zoo_submits_without_end, false},
+    {"cancels everything", zoo_cancels_everything, false},
+    {"makes tiny scenes", zoo_makes_tiny_scenes, false},
+    {"dies in the middle", zoo_dies_in_the_middle, false},
+    {"stops itself", zoo_stops_itself, false},
+};
+#define ANIMALS (sizeof(animals) / sizeof(animals[0]))
+
+static struct zoo_keeper keeper;
+static bool is_long;
+static uint32_t requests = 200;
+static unsigned each = 3;
+static unsigned pause_ms = 300;
+
+/* What the daemon's heap has grown by for each of them, beyond what is charged. */
+static int64_t heap_of_each(const struct zoo_held *before, const struct zoo_held *now)
+{
+    int64_t heap = (int64_t)(now->heap_bytes - before->heap_bytes);
+    int64_t charged = (int64_t)(now->engine_bytes - before->engine_bytes);
+
+    return (heap - (charged > 0 ? charged : 0)) / (int64_t)each;
+}
+
+/* With the most that they were charged for: the heap keeps what it has had. */
+static void look_while_they_act(struct zoo_held *during)
+{
+    uint64_t most = 0;
+
+    for (int i = 0; i < 40; i++) {
+        zoo_keeper_look(&keeper, during);
+        most = during->engine_bytes > most ? during->engine_bytes : most;
+        test_sleep_ms(5);
+    }
+    during->engine_bytes = most;
+}
+
+static void report(const struct zoo_animal *animal, unsigned acts,
+                   const struct zoo_times *alone, const struct zoo_times *beside,
+                   int64_t heap)
+{
+    printf("# %-25s %7u acts  p99 %7.2f ms alone %7.2f beside %6.2fx  p50 %5.2fx  "
+           "heap %+5lld KiB each\n",
+           animal->name, acts, alone->p99_ms, beside->p99_ms,
+           beside->p99_ms / alone->p99_ms, beside->p50_ms / alone->p50_ms,
+           (long long)(heap >> 10));
+    (void)fflush(stdout);
+}
+
+/* If it failed, this client would harm the daemon or those who share it: it would get
+ * something else than its due, change or delay the answers of others, or take memory that
+ * nobody is charged for. */
+static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
+{
+    const struct zoo_animal *animal = *state;
+    struct zoo_den den;
+    struct zoo_times alone;
+    struct zoo_times beside;
+    struct zoo_held before;
+    struct zoo_held during;
+    unsigned acts;
+    bool worked;
+    bool opened;
+
+    zoo_keeper_look(&keeper, &before);
+    assert_true(zoo_keeper_work(&keeper, requests, &alone));
+    opened = zoo_open(&den, animal, keeper.daemon.socket, each, is_long, pause_ms);
+    worked = opened && zoo_keeper_work(&keeper, requests, &beside);
+    look_while_they_act(&during);
+    acts = zoo_close(&den);
+    zoo_say(&den, animal);
+    assert_true(opened);
+    assert_true(worked);
+    assert_true(acts >= each);
+    report(animal, acts, &alone, &beside, heap_of_each(&before, &during));
+    assert_true(beside.p99_ms <= GENEROUS_TIMES * alone.p99_ms + GENEROUS_MS);
+#ifndef PCCD_SANITIZED /* red zones and shadows are heap, too */
+    assert_true(heap_of_each(&before, &during) <= HEAP_MAX);
+#endif
+    assert_true(zoo_keeper_await(&keeper, &before));
+}
+
+static int start(void **state)
+{
+    (void)state;
+    return zoo_keeper_start(&keeper, requests) ? 0 : -1;
+}
+
+static int stop(void **state)
+{
+    (void)state;
+    return zoo_keeper_stop(&keeper) ? 0 : -1;
+}
+
+static unsigned long option(const char *name, unsigned long otherwise)
+{
+    const char *text = getenv(name);
+
+    return text != NULL ? strtoul(text, NULL, 10) : otherwise;
+}
+
+int main(int argc, char **argv)
+{
+    struct CMUnitTest tests[ANIMALS];
+
+    is_long = argc > 1 && strcmp(argv[1], "--long") == 0;
+    requests = (uint32_t)option("ZOO_REQUESTS", is_long ? 20000 : 200);
+    each = (unsigned)option("ZOO_EACH", each);
+    pause_ms = (unsigned)option("ZOO_PAUSE_MS", is_long ? 60000 : pause_ms);
+    each = each < 1 ? 1 : each > ZOO_EACH_MAX ? ZOO_EACH_MAX : each;
+    for (size_t i = 0; i < ANIMALS; i++) {
+        tests[i] = (struct CMUnitTest){
+            .name = animals[i].name,
+            .test_func = zoo__animal_gets_its_due_and_harms_nobody,
+            .initial_state = (void *)(uintptr_t)&animals[i],
+        };
+    }
+    if (getenv("ZOO_ONLY") != NULL) {
+        cmocka_set_test_filter(getenv("ZOO_ONLY")); /* as "dies*" */
+    }
+    return cmocka_run_group_tests_name("zoo", tests, start, stop);
+}
