@@ -1,11 +1,12 @@
-/* compute.h - the one thread that computes.
+/* compute.h - a thread that computes, and its queue.
  *
  * Room:     server. May include: the C library.
- * Does:     run jobs one after another on a thread of its own, the only one that ever
- *           starts a parallel region; hand them back in batches, one notification per
- *           batch.
+ * Does:     run jobs one after another on a thread of its own; hand them back in batches,
+ *           one notification per batch.
  * Does not: know what a job computes, or own jobs: they are part of larger structs.
- * Threads:  functions say; `run` is called on [compute], `done` on [loop].
+ * Threads:  functions say; `run` is called on [compute], `done` on [loop]. There are two:
+ *           one owns the engine and its team; the other, [pages], makes and frees rings,
+ *           which takes 2 us a page and would hold up steps for as long.
  *
  * Jobs wait in lanes, one lane per session, and lanes in groups, one group per user.
  * Within a lane the order is first in, first out. Users get equal shares of the thread's

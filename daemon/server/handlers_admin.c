@@ -35,7 +35,8 @@ int srv_on_STATS(struct srv_call *call)
     result->meshes_now = loop->quota.total[SRV_QUOTA_MESHES];
     result->triangles_now = loop->quota.total[SRV_QUOTA_TRIANGLES];
     result->shm_bytes_now = loop->quota.total[SRV_QUOTA_SHM_BYTES];
-    result->jobs_queued_now = srv_compute_queued(&loop->compute);
+    result->jobs_queued_now =
+        srv_compute_queued(&loop->compute) + srv_compute_queued(&loop->pages);
     result->allocs = eng_alloc_count();
     result->engine_bytes_now = eng_alloc_bytes();
     strcpy(result->cpu, eng_kernels()->name);

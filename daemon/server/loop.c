@@ -11,7 +11,7 @@
  *           the process just ends.
  *
  * Does not: poll: an idle daemon is not woken by anything of its own.
- * Threads:  [loop]; on_enter and on_notify are called on [compute].
+ * Threads:  [loop]; on_enter is called on [compute], on_notify also on [pages].
  */
 #include "loop.h"
 
@@ -82,6 +82,7 @@ static void on_stopper(uv_prepare_t *prepare)
     if (loop->phase == SRV_PHASE_CLOSING && loop->sessions == NULL) {
         loop->phase = SRV_PHASE_CLOSED;
         srv_compute_stop(&loop->compute);
+        srv_compute_stop(&loop->pages);
         close_handles(loop);
     }
 }
@@ -188,6 +189,7 @@ static void on_completions(uv_async_t *async)
 {
     struct srv_loop *loop = async->data;
     srv_compute_drain(&loop->compute);
+    srv_compute_drain(&loop->pages);
 }
 
 /* [compute] */
@@ -287,8 +289,12 @@ static int serve(struct srv_loop *loop)
     }
     status = srv_compute_start(&loop->compute, loop->options->queue_max, on_enter,
                                on_notify, loop);
+    if (status == 0) {
+        status = srv_compute_start(&loop->pages, loop->options->queue_max, NULL,
+                                   on_notify, loop);
+    }
     if (status != 0) {
-        srv_log(SRV_LOG_ERROR, 0, "the compute thread cannot be started");
+        srv_log(SRV_LOG_ERROR, 0, "the threads that compute cannot be started");
     } else {
         status = srv_listener_open(&loop->listener, loop); /* says itself what is wrong */
         if (status == 0) {
@@ -298,6 +304,7 @@ static int serve(struct srv_loop *loop)
     if (status != 0) {
         srv_listener_close(&loop->listener);
         srv_compute_stop(&loop->compute);
+        srv_compute_stop(&loop->pages);
         close_handles(loop);
     } else {
         srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %s, %u threads%s",

@@ -40,6 +40,7 @@ struct srv_loop {
     const struct srv_options *options;
     struct srv_listener listener;
     struct srv_compute compute;
+    struct srv_compute pages;  /* a thread that makes and frees rings: 2 us a page */
     struct srv_closer *closer; /* of descriptors that have to do with clients */
     struct eng_places places;  /* processors that may be used; constant */
     bool is_pinned;            /* threads of steps are bound to them; constant */

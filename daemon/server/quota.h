@@ -30,7 +30,8 @@ struct srv_quota_user {
     uid_t uid;
     uint32_t refs; /* sessions */
     uint64_t used[SRV_QUOTA_COUNT];
-    struct srv_group jobs; /* of the user's sessions; the compute queue's */
+    struct srv_group jobs;      /* of the user's sessions; the compute queue's */
+    struct srv_group page_jobs; /* likewise, the pages queue's */
     uint64_t engine_bytes; /* [compute] that the engine holds for the user's sessions */
 };
 

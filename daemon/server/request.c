@@ -61,6 +61,16 @@ static void conclude(struct srv_request *request)
     }
 }
 
+/* A ring is made on a thread of its own, beside what is computed: nothing in its session
+ * is in flight, and nothing of the engine is touched. [pages] */
+static void run_pages(struct srv_job *job)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    request->status = request->plan.work(request);
+    PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
+    conclude(request);
+}
+
 /* [compute] */
 static void run(struct srv_job *job)
 {
@@ -127,6 +137,23 @@ static void done(struct srv_job *job)
     srv_session_settle(session);
 }
 
+static int enqueue(struct srv_request *request)
+{
+    struct srv_session *session = request->session;
+    return request->plan.attached != NULL
+               ? srv_compute_push(&session->loop->pages, &session->page_lane,
+                                  &request->job)
+               : srv_compute_push(&session->loop->compute, &session->lane, &request->job);
+}
+
+/* False: it runs, or has run. */
+static bool dequeue(struct srv_request *request)
+{
+    struct srv_loop *loop = request->session->loop;
+    return srv_compute_remove(
+        request->plan.attached != NULL ? &loop->pages : &loop->compute, &request->job);
+}
+
 int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
 {
     srv_assert_loop();
@@ -135,7 +162,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
     if (request == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");
     }
-    srv_job_init(&request->job, run, done);
+    srv_job_init(&request->job, plan->attached != NULL ? run_pages : run, done);
     request->session = session;
     request->plan = *plan;
     request->id = call->id;
@@ -146,7 +173,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
     request->fds[1] = -1;
     acquire(plan);
     srv_session_enlist(session, request);
-    int status = srv_compute_push(&session->loop->compute, &session->lane, &request->job);
+    int status = enqueue(request);
     if (status != 0) {
         srv_session_unlist(session, request);
         release(plan);
@@ -172,8 +199,7 @@ void srv_request_cancel(struct srv_request *request)
 {
     srv_assert_loop();
     atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
-    if (request->method != PROTO_METHOD_FRAME_SUBMIT &&
-        srv_compute_remove(&request->session->loop->compute, &request->job)) {
+    if (request->method != PROTO_METHOD_FRAME_SUBMIT && dequeue(request)) {
         take_back(request);
     }
 }
@@ -183,7 +209,7 @@ void srv_request_abandon(struct srv_request *request)
     srv_assert_loop();
     PCCD_ASSERT(request->session->conn == NULL);
     atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
-    if (srv_compute_remove(&request->session->loop->compute, &request->job)) {
+    if (dequeue(request)) {
         take_back(request);
     }
 }

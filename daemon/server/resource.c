@@ -58,7 +58,14 @@ void srv_resource_drop(struct srv_resource *resource)
     if (--resource->refs == 0) {
         struct srv_session *session = resource->session;
         session->reap_count++;
-        srv_compute_push_reap(&session->loop->compute, &session->lane, &resource->reap);
+        if (resource->is_ring) {
+            srv_job_init(&resource->reap, resource->free_engine, resource->reap.done);
+            srv_compute_push_reap(&session->loop->pages, &session->page_lane,
+                                  &resource->reap);
+        } else {
+            srv_compute_push_reap(&session->loop->compute, &session->lane,
+                                  &resource->reap);
+        }
     }
 }
 

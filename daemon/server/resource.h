@@ -25,6 +25,8 @@ struct srv_session;
 struct srv_resource {
     struct srv_job reap; /* first: the job is the resource */
     srv_job_fn free_engine;
+    bool
+        is_ring; /* freed on the thread that makes rings; nothing of it is the engine's */
     struct srv_session *session;
     uint32_t refs; /* [loop] the session's table, and each request in flight */
 };

@@ -45,6 +45,7 @@ struct srv_ring *srv_ring_new(struct srv_session *session,
         return NULL;
     }
     srv_resource_init(&ring->resource, session, ring_free_memory, ring_free_rest);
+    ring->resource.is_ring = true;
     ring->upload = (struct proto_memory)PROTO_MEMORY_NONE;
     ring->results = (struct proto_memory)PROTO_MEMORY_NONE;
     ring->slot_count = sizes->slot_count;

@@ -45,6 +45,7 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
     session->loop = loop;
     session->conn = conn;
     session->lane.group = &session->user->jobs;
+    session->page_lane.group = &session->user->page_jobs;
     session->pid = peer->pid;
     session->id = ++loop->session_last;
     struct proto_error error = {0};
@@ -213,6 +214,7 @@ void srv_session_settle(struct srv_session *session)
     }
     struct srv_loop *loop = session->loop;
     PCCD_ASSERT(session->requests == NULL && session->lane.first == NULL);
+    PCCD_ASSERT(session->page_lane.first == NULL);
     PCCD_ASSERT(session->scenes.count == 0 && session->meshes.count == 0);
     if (session->prev != NULL) {
         session->prev->next = session->next;

@@ -66,6 +66,7 @@ struct srv_session {
     struct srv_ring *ring;       /* NULL: none attached */
     struct srv_laststep *last_step; /* NULL: none yet */
     struct srv_lane lane;
+    struct srv_lane page_lane;    /* of loop->pages: its rings, which nothing uses */
     struct srv_request *requests; /* in flight, newest first */
     uint32_t request_count;
     uint32_t submit_count; /* of these, steps */
