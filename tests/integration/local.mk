@@ -3,6 +3,7 @@
 integration_names = \
     tests/integration/test_int_allow \
     tests/integration/test_int_choice \
+    tests/integration/test_int_deadline \
     tests/integration/test_int_death \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
@@ -32,6 +33,10 @@ tests_integration_test_int_allow_LDADD = $(integration_libs)
 tests_integration_test_int_choice_SOURCES = tests/integration/test_int_choice.c
 tests_integration_test_int_choice_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_choice_LDADD = $(integration_libs)
+
+tests_integration_test_int_deadline_SOURCES = tests/integration/test_int_deadline.c
+tests_integration_test_int_deadline_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_deadline_LDADD = $(integration_libs)
 
 tests_integration_test_int_death_SOURCES = tests/integration/test_int_death.c
 tests_integration_test_int_death_CPPFLAGS = $(integration_cppflags)

@@ -1,0 +1,193 @@
+/* test_int_deadline.c - how soon a step ends when it must.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     deadlines and cancels at random moments of large steps, from the copy out of
+ *           the slot to the answer: how long after them the answer comes, that it says
+ *           what it is, and that the next step is right. DEADLINE_ROUNDS: how many of
+ *           each; with 1000 and more the distribution is worth reading.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "grid.h"
+#include "prng.h"
+
+#define SIDE       250u /* 124 002 triangles, 62 500 contacts a step */
+#define ROUNDS_MAX 100000u
+
+/* A machine where others build is late for reasons of its own. The aim is 2 ms. */
+#define GENEROUS_US 250000
+
+static struct test_grid grid;
+static struct pccd_client *client;
+static uint32_t rounds = 60;
+static int64_t late_us[ROUNDS_MAX];
+
+static int start(void **state)
+{
+    const char *text = getenv("DEADLINE_ROUNDS");
+
+    rounds = text != NULL ? (uint32_t)strtoul(text, NULL, 10) : rounds;
+    rounds = rounds > ROUNDS_MAX ? ROUNDS_MAX : rounds;
+    if (test_shared_start(state) != 0) {
+        return -1;
+    }
+    client = test_connect(test_shared.url);
+    return client != NULL ? test_grid_make(client, SIDE, &grid) : -1;
+}
+
+static int stop(void **state)
+{
+    pccd_close(client);
+    test_grid_free(&grid);
+    return test_shared_stop(state);
+}
+
+/* A step without a deadline, which must be right. Returns its time. */
+static uint64_t whole_step(void)
+{
+    uint64_t begin_us = test_now_us();
+    struct pccd_answer answer;
+    uint64_t step = 0;
+    uint64_t end_us;
+
+    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+    assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+    end_us = test_now_us();
+    assert_true(test_grid_is_right(&grid, &answer));
+    pccd_answer_release(client, &answer);
+    return end_us - begin_us;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    int64_t x = *(const int64_t *)a;
+    int64_t y = *(const int64_t *)b;
+
+    return (x > y) - (x < y);
+}
+
+static void report(const char *what, uint32_t count, uint64_t step_us)
+{
+    uint32_t in_time = 0;
+
+    qsort(late_us, count, sizeof(*late_us), by_value);
+    while (in_time < count && late_us[in_time] <= 2000) {
+        in_time++;
+    }
+    printf("# %s: %u of %u steps of %.1f ms within 2 ms; late by p50 %.2f, p90 %.2f, "
+           "p99 %.2f, at most %.2f ms\n",
+           what, in_time, count, (double)step_us / 1000,
+           (double)late_us[count / 2] / 1000, (double)late_us[count * 9 / 10] / 1000,
+           (double)late_us[count - 1 - count / 100] / 1000,
+           (double)late_us[count - 1] / 1000);
+}
+
+/* The median of a few. */
+static uint64_t usual_step(void)
+{
+    int64_t taken_us[9];
+
+    for (int i = 0; i < 9; i++) {
+        taken_us[i] = (int64_t)whole_step();
+    }
+    qsort(taken_us, 9, sizeof(*taken_us), by_value);
+    return (uint64_t)taken_us[4];
+}
+
+/* If it failed, a client that gives a step so much time and no more would get its answer
+ * later than it can use it, or not be told that it is not the whole, or have lost the
+ * motion. */
+static void deadline__answers_come_soon_after_it(void **state)
+{
+    uint64_t step_us = usual_step();
+    struct prng prng = {prng_seed()};
+    uint32_t count = 0;
+
+    (void)state;
+    for (uint32_t i = 0; i < rounds; i++) {
+        uint64_t budget_us = 1 + prng_below(&prng, step_us);
+        struct pccd_step_settings settings = {.deadline_ns = budget_us * 1000};
+        struct pccd_answer answer;
+        uint64_t begin_us;
+        uint64_t step = 0;
+
+        assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
+        begin_us = test_now_us(); /* the daemon counts from its arrival */
+        assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+        late_us[count] = (int64_t)(test_now_us() - begin_us) - (int64_t)budget_us;
+        if (answer.incomplete == PCCD_COMPLETE) {
+            assert_true(test_grid_is_right(&grid, &answer));
+        } else {
+            assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+            assert_true(answer.total < grid.vertex_count);
+            count++;
+        }
+        pccd_answer_release(client, &answer);
+        if (i % 4 == 0) {
+            (void)whole_step();
+        }
+    }
+    assert_true(count > 0);
+    report("deadline", count, step_us);
+    assert_true(late_us[count / 2] <= GENEROUS_US);
+}
+
+/* The same for a client that changes its mind. */
+static void cancel__answers_come_soon_after_it(void **state)
+{
+    uint64_t step_us = usual_step();
+    struct prng prng = {prng_seed()};
+    uint32_t count = 0;
+
+    (void)state;
+    for (uint32_t i = 0; i < rounds; i++) {
+        uint64_t pause_us = prng_below(&prng, step_us);
+        struct pccd_answer answer;
+        uint64_t begin_us;
+        uint64_t step = 0;
+        int rc;
+
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        begin_us = test_now_us();
+        while (test_now_us() - begin_us < pause_us) {
+        }
+        begin_us = test_now_us();
+        rc = pccd_cancel(client, step);
+        assert_true(rc == 0 || rc == PCCD_E_INVAL);
+        assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+        late_us[count] = (int64_t)(test_now_us() - begin_us);
+        if (answer.incomplete == PCCD_COMPLETE) {
+            assert_true(test_grid_is_right(&grid, &answer));
+        } else {
+            assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+            count++;
+        }
+        pccd_answer_release(client, &answer);
+        if (i % 4 == 0) {
+            (void)whole_step();
+        }
+    }
+    assert_true(count > 0);
+    report("cancel", count, step_us);
+    assert_true(late_us[count / 2] <= GENEROUS_US);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(deadline__answers_come_soon_after_it),
+        cmocka_unit_test(cancel__answers_come_soon_after_it),
+    };
+
+    return cmocka_run_group_tests_name("deadline", tests, start, stop);
+}
