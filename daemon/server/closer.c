@@ -26,7 +26,7 @@
 /* With so many to close the loop waits a little rather than take more: who sends them
  * fast could use them all up. Not again while none of them closes. */
 #define CALM_MAX 256u
-#define CALM_NS  10000000
+#define CALM_NS  100000000
 
 struct srv_closer {
     pthread_t thread;

@@ -18,7 +18,7 @@ struct srv_closer *srv_closer_new(void);
 /* Wait a second for what is left, then leave it to the end of the process. [loop] */
 void srv_closer_free(struct srv_closer *closer);
 
-/* Close `fd` soon. Waits a few milliseconds when there are many that do close. [loop] */
+/* Close `fd` soon. Waits while there are many that do close. [loop] */
 void srv_closer_push(struct srv_closer *closer, int fd);
 
 #endif

@@ -8,6 +8,7 @@
  * Threads:  [loop]
  */
 #include <errno.h>
+#include <malloc.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -67,6 +68,14 @@ static bool has_instruction_set(void)
     return false;
 }
 
+/* Large blocks go back to the system when they are freed: left to itself the C library
+ * keeps up to 64 MiB of them for each thread, and who has had them is long gone. */
+static void prepare_memory(void)
+{
+    (void)mallopt(M_MMAP_THRESHOLD, 256 << 10);
+    (void)mallopt(M_TRIM_THRESHOLD, 256 << 10);
+}
+
 static void ignore_signals(void)
 {
     struct sigaction ignore = {.sa_handler = SIG_IGN};
@@ -119,6 +128,7 @@ int main(int argc, char **argv)
     if (!has_instruction_set()) {
         return 1;
     }
+    prepare_memory();
     ignore_signals();
     umask(0077);
     srv_crash_install();

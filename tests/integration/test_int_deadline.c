@@ -24,6 +24,8 @@
 #define SIDE       250u /* 124 002 triangles, 62 500 contacts a step */
 #define ROUNDS_MAX 100000u
 
+#define RESULT_BYTES (16u << 20) /* for four whole answers */
+
 /* A machine where others build is late for reasons of its own. The aim is 2 ms. */
 #define GENEROUS_US 250000
 
@@ -35,14 +37,19 @@ static int64_t late_us[ROUNDS_MAX];
 static int start(void **state)
 {
     const char *text = getenv("DEADLINE_ROUNDS");
+    struct pccd_options options;
 
     rounds = text != NULL ? (uint32_t)strtoul(text, NULL, 10) : rounds;
     rounds = rounds > ROUNDS_MAX ? ROUNDS_MAX : rounds;
     if (test_shared_start(state) != 0) {
         return -1;
     }
-    client = test_connect(test_shared.url);
-    return client != NULL ? test_grid_make(client, SIDE, &grid) : -1;
+    pccd_options_init(&options);
+    options.url = test_shared.url;
+    options.timeout_ms = 60000;
+    options.result_bytes = RESULT_BYTES;
+    return pccd_connect(&options, &client) == 0 ? test_grid_make(client, SIDE, &grid)
+                                                : -1;
 }
 
 static int stop(void **state)
@@ -129,7 +136,7 @@ static void deadline__answers_come_soon_after_it(void **state)
             assert_true(test_grid_is_right(&grid, &answer));
         } else {
             assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
-            assert_true(answer.total < grid.vertex_count);
+            assert_true(answer.total <= grid.vertex_count);
             count++;
         }
         pccd_answer_release(client, &answer);

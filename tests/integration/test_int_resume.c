@@ -311,8 +311,8 @@ static void resume__comes_too_late_after_the_linger(void **state)
     lose(f);
     assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
     assert_int_equal(await_counter("sessions_waiting_now", 0), 0);
-    assert_int_equal(counter("meshes_now"), 0);
-    assert_int_equal(counter("shm_bytes_now"), 0);
+    assert_int_equal(await_counter("meshes_now", 0), 0);
+    assert_int_equal(await_counter("shm_bytes_now", 0), 0);
     assert_false(come_back(f));
     test_raw_close(&f->raw);
 }
