@@ -92,6 +92,19 @@ bench_wide_CPPFLAGS = $(bench_engine_cppflags)
 bench_wide_LDADD = $(bench_engine_libs)
 
 # The public header alone: what a client can see.
+# Needs a daemon of its own under a supervisor: make death DEATH_CLIENTS=1000 DEATH_KILLS=10
+check_PROGRAMS += bench/death
+bench_death_SOURCES = bench/death.c
+bench_death_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib \
+    -I$(top_srcdir)/proto -I$(top_srcdir)/tests/support
+bench_death_LDADD = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) $(LIBM)
+DEATH_CLIENTS = 1
+DEATH_KILLS = 100
+.PHONY: death
+death: bench/death$(EXEEXT) pccdd$(EXEEXT)
+	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS) -e
+	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS)
+
 bench_ipc_SOURCES = bench/ipc.c bench/report.c bench/report.h
 bench_ipc_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
 bench_ipc_LDADD = libpccd.la

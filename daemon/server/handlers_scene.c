@@ -66,7 +66,7 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
                                "%u scenes wait to be freed behind what is computed now",
                                session->scene_count - session->scenes.count);
     }
-    struct srv_scene *scene = srv_scene_new(session, &settings, session->scene_salt++);
+    struct srv_scene *scene = srv_scene_new(session, &settings);
     if (scene == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
     }
@@ -82,6 +82,7 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
         return proto_error_set(&call->error, status, "a session has at most %u scenes",
                                PROTO_SCENES_PER_CLIENT);
     }
+    srv_scene_name(scene, call->result.SCENE_CREATE.scene);
     return 0;
 }
 

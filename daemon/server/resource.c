@@ -187,17 +187,26 @@ static void scene_free_rest(struct srv_job *job)
 }
 
 struct srv_scene *srv_scene_new(struct srv_session *session,
-                                const struct eng_scene_settings *settings, uint32_t salt)
+                                const struct eng_scene_settings *settings)
 {
     struct srv_scene *scene = calloc(1, sizeof *scene);
     if (scene != NULL) {
         srv_resource_init(&scene->resource, session, scene_free_engine, scene_free_rest);
-        srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE, salt);
+        srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE, 0);
         scene->settings = *settings;
         session->loop->metrics.counters.scenes_now++;
         session->scene_count++;
     }
     return scene;
+}
+
+void srv_scene_name(struct srv_scene *scene, uint32_t handle)
+{
+    uint32_t generation = handle >> SRV_HANDLE_INDEX_BITS;
+    PCCD_ASSERT(scene->objects.used == 0);
+    srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE,
+                     srv_handle_index(handle) +
+                         (generation - 1) * PROTO_SCENES_PER_CLIENT);
 }
 
 int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine)

@@ -83,10 +83,13 @@ struct srv_scene {
     struct proto_FRAME_SUBMIT_result answer; /* but for the page */
 };
 
-/* `salt` makes the object handles of one session's scenes differ. NULL: no memory.
- * [loop] */
+/* NULL: no memory. [loop] */
 struct srv_scene *srv_scene_new(struct srv_session *session,
-                                const struct eng_scene_settings *settings, uint32_t salt);
+                                const struct eng_scene_settings *settings);
+/* The scene has got its handle: from it follow the first handles of its objects. Those of
+ * one session's scenes differ; those of a scene that is made again under the same handle
+ * are the same again. [loop] */
+void srv_scene_name(struct srv_scene *scene, uint32_t handle);
 int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine); /* [compute] */
 
 /* Room for an object with that handle. Returns 0 or PCCD_E_NOMEM. [compute] */

@@ -51,19 +51,18 @@ struct srv_session {
     uint64_t id;
     pid_t pid; /* of the client's process; 0: not known */
     enum srv_session_state state;
-    bool is_stranger;            /* REFUSED for who it is, not for want of a place */
-    bool is_ending;              /* must not wait for its client (linger.h) */
-    uint64_t token[2];           /* secret of a resumable session */
-    struct srv_replies *replies; /* NULL: the session cannot be resumed */
-    uint64_t lost_ns;            /* WAITING: since when */
-    uint32_t skip_count;         /* places of tables that wanted handles left empty */
-    bool counted;                /* charged as a client of its user */
-    bool attaching;              /* a ring is being created */
-    uint32_t version;            /* of the protocol, after hello */
-    uint32_t scene_salt;         /* scenes created: makes their object handles differ */
-    struct srv_handles scenes;   /* of struct srv_scene */
-    struct srv_handles meshes;   /* of struct srv_mesh */
-    struct srv_ring *ring;       /* NULL: none attached */
+    bool is_stranger;               /* REFUSED for who it is, not for want of a place */
+    bool is_ending;                 /* must not wait for its client (linger.h) */
+    uint64_t token[2];              /* secret of a resumable session */
+    struct srv_replies *replies;    /* NULL: the session cannot be resumed */
+    uint64_t lost_ns;               /* WAITING: since when */
+    uint32_t skip_count;            /* places of tables that wanted handles left empty */
+    bool counted;                   /* charged as a client of its user */
+    bool attaching;                 /* a ring is being created */
+    uint32_t version;               /* of the protocol, after hello */
+    struct srv_handles scenes;      /* of struct srv_scene */
+    struct srv_handles meshes;      /* of struct srv_mesh */
+    struct srv_ring *ring;          /* NULL: none attached */
     struct srv_laststep *last_step; /* NULL: none yet */
     struct srv_lane lane;
     struct srv_lane page_lane;    /* of loop->pages: its rings, which nothing uses */

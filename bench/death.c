@@ -1,0 +1,215 @@
+/* death.c - from kill -9 of the daemon to each client's next answer.
+ *
+ * Room:     bench. May include: pccd.h, tests/support.
+ * Does:     one process a client; each waits on its socket, sees the daemon go, and asks
+ *           for its next step at once. The daemon is pccdd --supervise. Prints p50, p99
+ *           and the longest over all clients and kills: from the kill to the answer, and
+ *           of it what telling the new daemon anew took. With -e nothing is
+ *           registered, and the answer is that to a ping.
+ * Threads:  one a process; times are handed over in shared memory.
+ */
+#include <poll.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "crossing.h"
+#include "daemon.h"
+
+#define CLIENTS_MAX 4096u
+#define KILLS_MAX   1000u /* below --crashes-max */
+#define SETTLE_MS   20u
+
+/* Of one client and kill. */
+struct sample {
+    uint64_t all_us;
+    uint64_t restore_us;
+};
+
+struct shared {
+    atomic_uint ready; /* clients that wait for the next kill */
+    atomic_bool failed;
+    _Atomic uint64_t killed_us;
+    atomic_int worker;
+    struct sample samples[]; /* [kills][clients] */
+};
+
+struct run {
+    unsigned clients;
+    unsigned kills;
+    bool empty;
+    struct shared *shared;
+    struct test_daemon daemon;
+};
+
+static bool ask(struct pccd_client *client, struct test_crossing *crossing, bool empty)
+{
+    return empty ? pccd_ping(client, NULL) == 0 : test_crossing_turn(crossing);
+}
+
+/* The life of a client, in a process of its own. */
+static int live(const struct run *run, unsigned number)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct test_crossing crossing;
+
+    pccd_options_init(&options);
+    options.url = run->daemon.url;
+    options.slot_count = 1;
+    options.slot_bytes = 4096;
+    options.result_bytes = 65536;
+    options.spin_us = 0; /* there are more clients than processors */
+    if (pccd_connect(&options, &client) != 0 ||
+        (!run->empty && test_crossing_make(client, &crossing) != 0)) {
+        fprintf(stderr, "client %u: %s\n", number, pccd_error_text(client));
+        return 1;
+    }
+    for (unsigned kill = 0; kill < run->kills; kill++) {
+        struct pollfd watched = {.fd = pccd_fd(client), .events = POLLIN};
+        struct sample *sample = &run->shared->samples[kill * run->clients + number];
+        struct pccd_link_info info;
+
+        if (!ask(client, &crossing, run->empty)) {
+            return 1;
+        }
+        atomic_store(&run->shared->worker, (int)pccd_daemon_pid(client));
+        atomic_fetch_add(&run->shared->ready, 1);
+        if (poll(&watched, 1, -1) < 0 || !ask(client, &crossing, run->empty)) {
+            fprintf(stderr, "client %u: %s\n", number, pccd_error_text(client));
+            return 1;
+        }
+        sample->all_us = test_now_us() - atomic_load(&run->shared->killed_us);
+        (void)pccd_link(client, &info);
+        sample->restore_us = info.restore_ns / 1000;
+    }
+    pccd_close(client);
+    return 0;
+}
+
+static int by_all(const void *a, const void *b)
+{
+    uint64_t x = ((const struct sample *)a)->all_us;
+    uint64_t y = ((const struct sample *)b)->all_us;
+
+    return (x > y) - (x < y);
+}
+
+static void report(const struct run *run)
+{
+    struct sample *samples = run->shared->samples;
+    size_t count = (size_t)run->clients * run->kills;
+    const struct {
+        const char *name;
+        size_t at;
+    } rows[] = {{"p50", count / 2}, {"p99", count - 1 - count / 100}, {"max", count - 1}};
+
+    qsort(samples, count, sizeof(*samples), by_all);
+    printf("kill -9 to the next answer, %u clients, %u kills, %s\n", run->clients,
+           run->kills, run->empty ? "nothing registered" : "two meshes each");
+    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
+        const struct sample *at = &samples[rows[i].at];
+
+        printf("%s %10.3f ms, of it telling anew %8.3f ms\n", rows[i].name,
+               (double)at->all_us * 1e-3, (double)at->restore_us * 1e-3);
+    }
+}
+
+/* Kill the worker whenever all clients wait for it. False: a client failed. */
+static bool kill_all(const struct run *run)
+{
+    for (unsigned kill_count = 0; kill_count < run->kills; kill_count++) {
+        while (atomic_load(&run->shared->ready) < run->clients * (kill_count + 1)) {
+            int status;
+            pid_t ended = waitpid(-1, &status, WNOHANG);
+
+            if (ended > 0 && ended != run->daemon.pid && status != 0) {
+                return false;
+            }
+            test_sleep_ms(1);
+        }
+        test_sleep_ms(SETTLE_MS); /* all of them sleep */
+        atomic_store(&run->shared->killed_us, test_now_us());
+        (void)kill((pid_t)atomic_load(&run->shared->worker), SIGKILL);
+    }
+    return true;
+}
+
+static int measure(struct run *run)
+{
+    const char *const options[] = {
+        "--supervise", "--crashes-max",     "1024",  "--clients-max",
+        "8192",        "--shm-max-mib",     "4096",  "--meshes-max",
+        "16384",       "--connections-max", "16384", NULL};
+    pid_t children[CLIENTS_MAX];
+    unsigned started = 0;
+    bool good = test_daemon_start(&run->daemon, options);
+
+    for (; good && started < run->clients; started++) {
+        children[started] = fork();
+        if (children[started] == 0) {
+            _exit(live(run, started));
+        }
+        good = children[started] > 0;
+    }
+    good = good && kill_all(run);
+    for (unsigned i = 0; i < started; i++) {
+        int status = 0;
+
+        if (!good) {
+            (void)kill(children[i], SIGKILL);
+        }
+        good =
+            waitpid(children[i], &status, 0) != children[i] ? good : good && status == 0;
+    }
+    if (good) {
+        report(run);
+    }
+    (void)test_daemon_end(&run->daemon, SIGTERM, 10000);
+    (void)test_daemon_finish(&run->daemon);
+    return good ? 0 : 1;
+}
+
+int main(int argc, char **argv)
+{
+    struct run run = {.clients = 1, .kills = 20};
+    int option;
+
+    while ((option = getopt(argc, argv, "c:k:e")) != -1) {
+        switch (option) {
+        case 'c':
+            run.clients = (unsigned)strtoul(optarg, NULL, 10);
+            break;
+        case 'k':
+            run.kills = (unsigned)strtoul(optarg, NULL, 10);
+            break;
+        case 'e':
+            run.empty = true;
+            break;
+        default:
+            run.clients = 0;
+        }
+    }
+    if (run.clients < 1 || run.clients > CLIENTS_MAX || run.kills < 1 ||
+        run.kills > KILLS_MAX) {
+        fprintf(stderr, "usage: PCCDD=PROGRAM %s [-c CLIENTS] [-k KILLS] [-e]\n",
+                argv[0]);
+        return 2;
+    }
+    size_t bytes = sizeof(*run.shared) +
+                   (size_t)run.clients * run.kills * sizeof(run.shared->samples[0]);
+    void *shared =
+        mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+
+    if (shared == MAP_FAILED) {
+        return 1;
+    }
+    run.shared = shared;
+    return measure(&run);
+}
