@@ -45,7 +45,7 @@ static int open_session(struct srv_call *call, uint32_t version)
     struct srv_session *session = call->session;
     const struct proto_HELLO_request *request = &call->params.HELLO;
     if (session->state == SRV_SESSION_REFUSED &&
-        (!srv_linger_evict(session->loop, session->user) ||
+        (session->is_stranger || !srv_linger_evict(session->loop, session->user) ||
          srv_session_admit(session, &call->error) != 0)) {
         return srv_dispatch_refuse_quota(call);
     }
@@ -70,7 +70,10 @@ int srv_on_HELLO(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    struct srv_session *older = srv_linger_find(loop, request, call->session->user);
+    struct srv_session *older =
+        call->session->is_stranger
+            ? NULL
+            : srv_linger_find(loop, request, call->session->user);
     if (older != NULL) {
         srv_linger_resume(older, call->session);
         call->session = older;
