@@ -10,6 +10,7 @@ include $(top_srcdir)/tests/truth/local.mk
 include $(top_srcdir)/tests/fault/local.mk
 include $(top_srcdir)/tests/fuzz/local.mk
 include $(top_srcdir)/tests/proto/local.mk
+include $(top_srcdir)/tests/model/local.mk
 include $(top_srcdir)/tests/abi/local.mk
 include $(top_srcdir)/tests/integration/local.mk
 include $(top_srcdir)/tests/zoo/local.mk

@@ -27,22 +27,34 @@ static int (*const handlers[PROTO_METHOD_COUNT])(struct srv_call *call) = {
 
 /* ---- answers ----------------------------------------------------------------------- */
 
-/* Send one answer. Takes fds over. A fatal error is the last thing the client hears. */
-static void send_answer(struct srv_session *session, uint32_t id, int method,
-                        const void *result, const struct proto_error *error,
-                        const int *fds, int fd_count)
+static void close_fds(const int *fds, int fd_count)
 {
-    struct srv_loop *loop = session->loop;
-    struct proto_encoder *encoder = loop->encoder;
+    for (int i = 0; i < fd_count; i++) {
+        close(fds[i]);
+    }
+}
+
+/* One answer into loop->encoder; kept, too, where it may have to be sent again. */
+static void encode(struct srv_session *session, uint32_t id, int method,
+                   const void *result, const struct proto_error *error)
+{
+    struct proto_encoder *encoder = session->loop->encoder;
     int status = error != NULL ? proto_encode_error(encoder, id, error)
                                : proto_encode_result(encoder, id, method, result);
     PCCD_ASSERT(status == 0); /* no answer of ours comes near the limit */
     if (session->replies != NULL && !(error != NULL && error->fatal)) {
         srv_replies_keep(session->replies, id, method, encoder);
     }
-    if (session->conn != NULL) {
-        srv_conn_send(session->conn, encoder, fds, fd_count);
-    }
+}
+
+/* Send one answer. Takes fds over. A fatal error is the last thing the client hears. */
+static void send_answer(struct srv_session *session, uint32_t id, int method,
+                        const void *result, const struct proto_error *error,
+                        const int *fds, int fd_count)
+{
+    struct srv_loop *loop = session->loop;
+    encode(session, id, method, result, error);
+    srv_conn_send(session->conn, loop->encoder, fds, fd_count);
     if (error == NULL) {
         return;
     }
@@ -51,7 +63,7 @@ static void send_answer(struct srv_session *session, uint32_t id, int method,
             method >= 0 && method < PROTO_MESSAGE_COUNT ? proto_messages[method].name
                                                         : "?",
             proto_status_name(error->code), error->text);
-    if (error->fatal && session->conn != NULL) {
+    if (error->fatal) {
         session->is_ending = true;
         srv_conn_finish(session->conn);
     }
@@ -81,15 +93,20 @@ void srv_dispatch_answer(struct srv_session *session, struct srv_request *reques
 {
     srv_assert_loop();
     int fd_count = request->status == 0 && request->fds[0] >= 0 ? 2 : 0;
+    const struct proto_error *error = request->status == 0 ? NULL : &request->error;
     if (session->state == SRV_SESSION_CLOSED) {
-        for (int i = 0; i < fd_count; i++) {
-            close(request->fds[i]);
-        }
+        close_fds(request->fds, fd_count);
         return;
     }
+    if (request->is_held) { /* sent when it is asked for again */
+        PCCD_ASSERT(session->replies != NULL);
+        close_fds(request->fds, fd_count);
+        encode(session, request->id, request->method, &request->result, error);
+        return;
+    }
+    PCCD_ASSERT(session->state == SRV_SESSION_OPEN);
     const struct question question = {request->arrival_ns, request->id, request->method};
-    answer(session, &question, &request->result,
-           request->status == 0 ? NULL : &request->error, request->fds, fd_count);
+    answer(session, &question, &request->result, error, request->fds, fd_count);
 }
 
 void srv_dispatch_violation(struct srv_session *session, int code, const char *text)
@@ -234,7 +251,9 @@ static bool repeat(struct srv_session *session, uint32_t id)
     if (session->replies == NULL || srv_replies_is_new(session->replies, id)) {
         return false;
     }
-    if (srv_session_request(session, id) != NULL) {
+    struct srv_request *request = srv_session_request(session, id);
+    if (request != NULL) {
+        request->is_held = false;
         return true;
     }
     if (!srv_replies_find(session->replies, id, loop->encoder)) {

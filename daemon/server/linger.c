@@ -93,6 +93,7 @@ void srv_linger_lost(struct srv_session *session)
         srv_session_detach(session);
         return;
     }
+    srv_session_hold(session);
     session->conn = NULL;
     session->state = SRV_SESSION_WAITING;
     session->lost_ns = srv_now_ns();
@@ -161,6 +162,7 @@ void srv_linger_resume(struct srv_session *session, struct srv_session *fresh)
     PCCD_ASSERT(conn != NULL && session != fresh);
     if (session->conn != NULL) {
         srv_conn_orphan(session->conn); /* its end has not been noticed yet */
+        srv_session_hold(session);
     }
     if (session->state == SRV_SESSION_WAITING) {
         loop->metrics.counters.sessions_waiting_now--;

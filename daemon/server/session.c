@@ -190,6 +190,14 @@ int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
     return status;
 }
 
+void srv_session_hold(struct srv_session *session)
+{
+    for (struct srv_request *request = session->requests; request != NULL;
+         request = request->next) {
+        request->is_held = true;
+    }
+}
+
 struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id)
 {
     struct srv_request *request = session->requests;

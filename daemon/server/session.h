@@ -96,6 +96,10 @@ void srv_session_unlist(struct srv_session *session, struct srv_request *request
 int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
                        void *item, uint32_t want, uint32_t *handle);
 
+/* The connection is lost: what is in flight is not answered over the next one unless it
+ * comes again, so that answers keep the order of the requests. */
+void srv_session_hold(struct srv_session *session);
+
 /* The request in flight with that message id, or NULL. */
 struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id);
 

@@ -229,6 +229,45 @@ static void resume__runs_what_is_said_twice_once(void **state)
     test_raw_close(&f->raw);
 }
 
+/* If it failed, the answer to a later step could come before that to an earlier one, and
+ * pages would be released in another order than they were written. */
+static void resume__answers_only_what_is_asked_again(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_FRAME_SUBMIT_request requests[2];
+    struct proto_FRAME_SUBMIT_result answers[2];
+    uint32_t ids[2];
+    char byte;
+    (void)state;
+    open_scene(f);
+    for (int round = 0; round < 10; round++) {
+        for (uint32_t i = 0; i < 2; i++) {
+            requests[i] = turn(f, i, i == 0 ? -1.0f : 1.0f);
+            ids[i] = test_raw_request(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &requests[i]);
+        }
+        lose(f);
+        assert_true(come_back(f));
+        test_sleep_ms(20); /* whatever is in flight is computed */
+        assert_true(recv(f->raw.socket, &byte, 1, MSG_DONTWAIT | MSG_PEEK) < 0);
+        for (uint32_t i = 0; i < 2; i++) {
+            say_again(f, ids[i], PROTO_METHOD_FRAME_SUBMIT, &requests[i]);
+        }
+        for (uint32_t i = 0; i < 2; i++) {
+            assert_int_equal(test_raw_receive(&f->raw), 0);
+            assert_int_equal(f->raw.envelope.id, ids[i]);
+            assert_int_equal(
+                proto_decode_body(&f->raw.envelope,
+                                  &proto_messages[PROTO_METHOD_FRAME_SUBMIT].result,
+                                  &answers[i], &f->raw.error),
+                0);
+            assert_int_equal(answers[i].total, 3);
+        }
+        assert_true(answers[1].release > answers[0].release);
+        atomic_store(&test_raw_upload(&f->raw)->result_head.value, answers[1].release);
+    }
+    test_raw_close(&f->raw);
+}
+
 /* If it failed, requests that are answered at once would be done twice. */
 static void resume__creates_once(void **state)
 {
@@ -420,6 +459,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         WITH(resume__goes_on_with_everything, setup),
         WITH(resume__runs_what_is_said_twice_once, setup),
+        WITH(resume__answers_only_what_is_asked_again, setup),
         WITH(resume__creates_once, setup),
         WITH(resume__needs_the_secret, setup),
         WITH(resume__takes_the_session_from_a_connection_that_stands, setup),
