@@ -52,8 +52,7 @@ struct srv_request {
     union srv_result result;
     struct proto_error error;
     int status;
-    bool
-        is_held; /* came over a connection that is lost: not answered until it comes again */
+    bool is_held; /* its connection was lost: not answered until it comes again */
     uint64_t upload_bytes;          /* copied out of slots */
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];                     /* to send with the answer and close; -1: none */
