@@ -22,12 +22,14 @@
 #include "log.h"
 #include "loop.h"
 #include "memory.h"
+#include "raw.h"
 #include "visitor.h"
 
 #define BACKLOG     64
 #define SHM_BYTES   (2u << 20)
 #define TRIANGLES   20000u
-#define WAIT_ROUNDS 20000 /* of a millisecond */
+#define WAIT_MS     120000 /* fuzzers run beside others, who have the processor first */
+#define WAIT_ROUNDS 20000  /* of a millisecond */
 
 static struct srv_options options;
 static char folder[] = "/tmp/pccd-fuzz-XXXXXX";
@@ -107,6 +109,7 @@ void fuzz_host_start(void)
     options.quota[SRV_QUOTA_TRIANGLES] = TRIANGLES;
     srv_log_set_level(SRV_LOG_ERROR);
     listen_there();
+    test_raw_wait_ms = WAIT_MS;
     FUZZ_CHECK(pthread_create(&server, NULL, serve, NULL) == 0);
     for (int i = 0; i < 3; i++) { /* what is made once */
         fuzz_visit(options.socket_path);

@@ -109,8 +109,12 @@ static bool is_explained(int status)
     case PCCD_E_LIMIT:
         return true;
     default:
-        return fuzz_scarcity_hits() > 0 &&
-               (status == PCCD_E_NOMEM || status == PCCD_E_DISCONNECTED);
+        if (fuzz_scarcity_hits() > 0 &&
+            (status == PCCD_E_NOMEM || status == PCCD_E_DISCONNECTED)) {
+            return true;
+        }
+        fprintf(stderr, "%s: %s\n", proto_status_name(status), raw.error.text);
+        return false;
     }
 }
 

@@ -16,8 +16,9 @@
 
 #include "seqpacket.h"
 
-#define WAIT_MS       10000
 #define DATAGRAMS_MAX 100000 /* messages skipped while waiting for one answer */
+
+int test_raw_wait_ms = 10000;
 
 /* A connected socket, or -1. */
 static int connect_socket(const char *socket_path)
@@ -120,7 +121,7 @@ static int receive_bytes(struct test_raw *raw, size_t *bytes, int fds[PROTO_FDS_
     struct pollfd watched = {.fd = raw->socket, .events = POLLIN};
     int rc;
 
-    if (poll(&watched, 1, WAIT_MS) <= 0) {
+    if (poll(&watched, 1, test_raw_wait_ms) <= 0) {
         return PCCD_E_TIMEOUT;
     }
     rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,

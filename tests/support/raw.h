@@ -42,7 +42,10 @@ bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd
 /* The same with one given descriptor, waiting for room 5 s at most. */
 bool test_raw_send_fd(struct test_raw *raw, const void *bytes, size_t count, int fd);
 
-/* Receive and decode one message. Returns 0, PCCD_E_TIMEOUT (nothing for 10 s),
+/* How long an answer may take: 10 s, unless a program needs more. */
+extern int test_raw_wait_ms;
+
+/* Receive and decode one message. Returns 0, PCCD_E_TIMEOUT (nothing for that long),
  * PCCD_E_DISCONNECTED or PCCD_E_BADMSG. */
 int test_raw_receive(struct test_raw *raw);
 
