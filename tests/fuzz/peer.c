@@ -144,8 +144,39 @@ void fuzz_peer_ask(struct fuzz_peer *peer, int method, struct fuzz_input *input)
     for (uint32_t i = 0; i < fields->count; i++) {
         take_field(peer, &fields->items[i], input, body + fields->items[i].offset);
     }
+    if (method == PROTO_METHOD_HELLO) {
+        peer->hello_id = peer->next_id;
+    }
     FUZZ_CHECK(proto_encode_request(&encoder, peer->next_id++, method, body) == 0);
     fuzz_peer_send(peer, encoder.data, encoder.bytes, 0);
+}
+
+static void say_hello_again(struct fuzz_peer *peer)
+{
+    static struct proto_encoder encoder;
+    const struct proto_HELLO_request hello = {
+        .version_min = PROTO_VERSION_MIN,
+        .version_max = PROTO_VERSION_MAX,
+        .resumable = true,
+        .resume_epoch = peer->welcome.epoch,
+        .resume_session = peer->welcome.session,
+        .token_hi = peer->welcome.token_hi,
+        .token_lo = peer->welcome.token_lo,
+    };
+    peer->hello_id = peer->next_id++;
+    FUZZ_CHECK(
+        proto_encode_request(&encoder, peer->hello_id, PROTO_METHOD_HELLO, &hello) == 0);
+    fuzz_peer_send(peer, encoder.data, encoder.bytes, 0);
+}
+
+void fuzz_peer_return(struct fuzz_peer *peer)
+{
+    close(peer->socket);
+    peer->socket = fuzz_host_connect();
+    peer->is_over = false;
+    say_hello_again(peer);
+    /* What was asked last may come again under its number. */
+    peer->next_id = peer->hello_id > 2 ? peer->hello_id - 2 : peer->next_id;
 }
 
 /* ---- answers ----------------------------------------------------------------------- */
@@ -177,6 +208,10 @@ static void check_message(struct fuzz_peer *peer, const void *data, size_t bytes
     }
     FUZZ_CHECK(envelope.kind == PROTO_RESPONSE);
     FUZZ_CHECK(!envelope.failed || envelope.error.text[0] != '\0');
+    if (!envelope.failed && envelope.id == peer->hello_id) {
+        (void)proto_decode_body(&envelope, &proto_messages[PROTO_METHOD_HELLO].result,
+                                &peer->welcome, &error);
+    }
     *is_ping = envelope.id == PING_ID;
     peer->answered++;
 }

@@ -17,8 +17,10 @@ struct fuzz_peer {
     int socket;   /* -1: none */
     bool is_over; /* the server has closed it */
     uint32_t next_id;
-    uint32_t answered; /* ids below it were asked for; this many were answered */
-    uint64_t release;  /* of the last answer with a page */
+    uint32_t answered;                 /* messages that were received and decoded */
+    uint64_t release;                  /* of the results */
+    uint32_t hello_id;                 /* of the last hello that was asked for */
+    struct proto_HELLO_result welcome; /* its answer, with the session's secret */
     struct proto_memory upload;
     struct proto_memory results;
     struct proto_decoder *decoder;
@@ -26,6 +28,8 @@ struct fuzz_peer {
 
 void fuzz_peer_open(struct fuzz_peer *peer);
 void fuzz_peer_close(struct fuzz_peer *peer);
+/* Lose the connection, come back over another, and ask for the session. */
+void fuzz_peer_return(struct fuzz_peer *peer);
 
 /* Any bytes, with that many descriptors. */
 void fuzz_peer_send(struct fuzz_peer *peer, const void *data, size_t bytes, int fd_count);

@@ -185,6 +185,15 @@ static void make_dispatch_seeds(void)
     settle();
     save("dispatch", "step");
     begin();
+    ASK(HELLO, 1, 1, 0, 1);
+    settle();
+    ASK(SCENE_CREATE, 0);
+    put_u8(6); /* come back */
+    ASK(SCENE_CREATE, 0);
+    settle();
+    ASK(BYE, 0);
+    save("dispatch", "resume");
+    begin();
     enter();
     ASK(MESH_REPLACE, HANDLE, 4, 2);
     ASK(MESH_COMMIT, HANDLE);

@@ -44,6 +44,8 @@ static void act(struct fuzz_peer *peer, struct fuzz_input *input)
     case 6:
         if (choice >= 240) {
             send_raw(peer, input, 1 + choice % 2);
+        } else {
+            fuzz_peer_return(peer);
         }
         break;
     default:
