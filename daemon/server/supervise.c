@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "activate.h"
@@ -18,6 +19,9 @@
 #include "log.h"
 #include "now.h"
 #include "pccd_types.h"
+
+#define FORK_TRIES    50
+#define FORK_PAUSE_MS 100
 
 struct supervisor {
     int listen_fd;
@@ -48,10 +52,30 @@ static void become_worker(const struct supervisor *supervisor, pid_t parent)
     _exit(1);
 }
 
+/* Wait before another try. Returns whether we were told to stop meanwhile. */
+static bool pause_before_fork(struct supervisor *supervisor)
+{
+    const struct timespec pause = {.tv_nsec = FORK_PAUSE_MS * 1000000l};
+    sigset_t stops;
+    sigemptyset(&stops);
+    sigaddset(&stops, SIGTERM);
+    sigaddset(&stops, SIGINT);
+    supervisor->stopping = sigtimedwait(&stops, NULL, &pause) > 0;
+    return supervisor->stopping;
+}
+
+/* A system that has no memory or no process number left may have one soon. */
 static int start_worker(struct supervisor *supervisor)
 {
     pid_t parent = getpid();
     pid_t child = fork();
+    for (int tries = 1; child < 0 && tries < FORK_TRIES; tries++) {
+        srv_log(SRV_LOG_WARN, 0, "fork: %s; trying again", strerror(errno));
+        if (pause_before_fork(supervisor)) {
+            return PCCD_E_SYSTEM;
+        }
+        child = fork();
+    }
     if (child == 0) {
         become_worker(supervisor, parent);
     }
