@@ -28,6 +28,7 @@
     X(eventfd)                                                                           \
     X(fcntl)                                                                             \
     X(flock)                                                                             \
+    X(fork)                                                                              \
     X(getrandom)                                                                         \
     X(getsockopt)                                                                        \
     X(listen)                                                                            \

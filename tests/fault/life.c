@@ -116,17 +116,23 @@ static bool attach(struct life *life, uint32_t slots)
     return false;
 }
 
+/* One chunk, in slot 0: written once, since what was asked may be done late. */
+static bool send_chunk(struct life *life, uint32_t mesh, uint32_t part, const void *items,
+                       uint32_t count)
+{
+    struct proto_MESH_DATA_request data = {.mesh = mesh, .part = part, .count = count};
+    memcpy(test_raw_payload(&life->raw, 0), items, count * sizeof(float[3]));
+    data.seq = test_raw_publish(&life->raw, 0);
+    return ask(life, PROTO_METHOD_MESH_DATA, &data, NULL);
+}
+
 static bool fill(struct life *life, uint32_t mesh, const float (*x)[3], uint32_t vertices,
                  const uint32_t (*triangles)[3], uint32_t count)
 {
     const struct proto_MESH_COMMIT_request commit = {mesh};
-    for (int tries = 0; again(life, PROTO_METHOD_MESH_DATA, tries); tries++) {
-        if (note(life, PROTO_METHOD_MESH_DATA,
-                 test_raw_fill(&life->raw, mesh, x, vertices, triangles, count))) {
-            return ask(life, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
-        }
-    }
-    return false;
+    return send_chunk(life, mesh, 0, x, vertices) &&
+           send_chunk(life, mesh, 1, triangles, count) &&
+           ask(life, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
 }
 
 static bool make_mesh(struct life *life, const float (*x)[3], uint32_t vertices,
@@ -174,10 +180,10 @@ struct belongings {
     uint32_t sheet;
 };
 
-/* Ask for the step from height z0 to z1: by its end alone the first time, since there the
- * sheet stands; by both ends when it may have moved already. */
-static int submit(struct life *life, const struct belongings *has, const float z[2],
-                  bool is_repeated, struct proto_FRAME_SUBMIT_request *request)
+/* Write the step from height z0 to z1 into slot 1: by its end alone the first time, since
+ * there the sheet stands; by both ends when it may have moved already. */
+static uint64_t write_step(struct life *life, const struct belongings *has,
+                           const float z[2], bool is_repeated)
 {
     const uint64_t bytes = sizeof(float[VERTICES][3]) + 4; /* a multiple of 8 */
     const struct proto_segment segment = {.object = has->sheet,
@@ -193,8 +199,11 @@ static int submit(struct life *life, const struct belongings *has, const float z
         sheet_positions(x, z[end]);
         memcpy(payload + sizeof(segment) + end * bytes, x, sizeof(x));
     }
-    request->slot = 1;
-    request->seq = test_raw_publish(&life->raw, 1);
+    return test_raw_publish(&life->raw, 1);
+}
+
+static int submit(struct life *life, const struct proto_FRAME_SUBMIT_request *request)
+{
     struct proto_FRAME_SUBMIT_result *answer = &life->steps[life->step_count];
     int status = test_raw_call(&life->raw, PROTO_METHOD_FRAME_SUBMIT, request, answer);
     if (status != 0) {
@@ -212,12 +221,17 @@ static bool step(struct life *life, const struct belongings *has, float z0, floa
     struct proto_FRAME_SUBMIT_request request = {.scene = has->scene,
                                                  .segments = 1,
                                                  .method = (uint32_t)method,
-                                                 .step = life->step_count + 1};
+                                                 .step = life->step_count + 1,
+                                                 .slot = 1};
     const float z[2] = {z0, z1};
     uint32_t refusals = life->refusals;
+    request.seq = write_step(life, has, z, false);
     for (int tries = 0; again(life, PROTO_METHOD_FRAME_SUBMIT, tries); tries++) {
-        if (note(life, PROTO_METHOD_FRAME_SUBMIT,
-                 submit(life, has, z, life->refusals > refusals, &request))) {
+        if (life->refusals > refusals) {
+            refusals = life->refusals;
+            request.seq = write_step(life, has, z, true);
+        }
+        if (note(life, PROTO_METHOD_FRAME_SUBMIT, submit(life, &request))) {
             const struct proto_FRAME_SUBMIT_result *answer =
                 &life->steps[life->step_count];
             if (answer->vf != VERTICES || answer->total != VERTICES) {

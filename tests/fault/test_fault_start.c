@@ -148,6 +148,41 @@ static void start__serves_or_says_why_not(void **state)
     print_message("# %llu faulty starts\n", (unsigned long long)tried);
 }
 
+/* The process that serves, as it says itself. */
+static pid_t worker_pid(void)
+{
+    static struct test_raw raw;
+    const struct proto_STATS_request request = {0};
+    struct proto_STATS_result stats;
+    assert_true(test_raw_open(&raw, place.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_STATS, &request, &stats), 0);
+    test_raw_close(&raw);
+    return (pid_t)stats.pid;
+}
+
+/* If this failed, a moment without memory after a crash would be the end of the service,
+ * though its socket could have been held until it is over. */
+static void start__of_a_worker_is_tried_again(void **state)
+{
+    static struct life life;
+    static const int errors[] = {EAGAIN, ENOMEM};
+    (void)state;
+    assert_true(test_daemon_restart(&place, (const char *const[]){"--supervise", NULL}));
+    for (size_t i = 0; i < 2; i++) {
+        pid_t worker = worker_pid();
+        assert_int_not_equal(worker, place.pid);
+        fault_order(keeper_page, FAULT_fork, 1, 3, errors[i]);
+        assert_int_equal(kill(worker, SIGKILL), 0);
+        test_sleep_ms(50);
+        life_run(&life, place.socket, LIFE_ONCE);
+        assert_string_equal(life.wrong, "");
+        assert_false(life.is_lost);
+        assert_int_equal(fault_recall(keeper_page), 3);
+    }
+    assert_int_equal(test_daemon_end(&place, SIGTERM, 10000), 0);
+}
+
 static int set_up(void **state)
 {
     (void)state;
@@ -168,6 +203,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(start__serves_or_says_why_not),
+        cmocka_unit_test(start__of_a_worker_is_tried_again),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

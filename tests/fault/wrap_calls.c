@@ -35,6 +35,7 @@ WRAP(int, epoll_wait, (int fd, struct epoll_event *events, int count, int timeou
      (fd, events, count, timeout_ms))
 WRAP(int, eventfd, (unsigned value, int flags), (value, flags))
 WRAP(int, flock, (int fd, int operation), (fd, operation))
+WRAP(pid_t, fork, (void), ())
 WRAP(ssize_t, getrandom, (void *at, size_t bytes, unsigned flags), (at, bytes, flags))
 WRAP(int, getsockopt, (int fd, int level, int name, void *value, socklen_t *bytes),
      (fd, level, name, value, bytes))
