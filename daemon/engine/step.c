@@ -103,14 +103,16 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
     const struct eng_method_calls *method = team->method;
     struct eng_worker *worker = team->workers[0];
     uint64_t begin_ns = eng_now_ns();
-    method->refit(team->scene);
+    method->refit(worker);
     uint64_t refit_ns = eng_now_ns();
     eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
     method->ready(worker);
     method->enter(worker);
-    method->perform_all(worker);
+    if (!eng_worker_should_stop(worker)) {
+        method->perform_all(worker);
+    }
     method->leave(worker);
     method->beside(worker);
     uint64_t end_ns = eng_now_ns();

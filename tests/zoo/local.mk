@@ -1,7 +1,11 @@
 # tests/zoo/local.mk - hostile clients beside an honest one.
 
-check_PROGRAMS += tests/zoo/test_zoo_animals
-TESTS += tests/zoo/test_zoo_animals
+check_PROGRAMS += tests/zoo/test_zoo_animals tests/zoo/test_zoo_idle
+TESTS += tests/zoo/test_zoo_animals tests/zoo/test_zoo_idle
+
+zoo_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
+    -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/zoo $(CMOCKA_CFLAGS)
+zoo_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
 
 tests_zoo_test_zoo_animals_SOURCES = \
     tests/zoo/animals.h \
@@ -13,11 +17,24 @@ tests_zoo_test_zoo_animals_SOURCES = \
     tests/zoo/keeper.c \
     tests/zoo/keeper.h \
     tests/zoo/test_zoo_animals.c
-tests_zoo_test_zoo_animals_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
-    -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/zoo $(CMOCKA_CFLAGS)
-tests_zoo_test_zoo_animals_LDADD = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
+tests_zoo_test_zoo_animals_CPPFLAGS = $(zoo_cppflags)
+tests_zoo_test_zoo_animals_LDADD = $(zoo_libs)
+
+tests_zoo_test_zoo_idle_SOURCES = tests/zoo/test_zoo_idle.c
+tests_zoo_test_zoo_idle_CPPFLAGS = $(zoo_cppflags)
+tests_zoo_test_zoo_idle_LDADD = $(zoo_libs)
 
 # All of it: seconds become minutes, and the figures are printed.
-.PHONY: zoo
+.PHONY: zoo idle deadlines
 zoo: tests/zoo/test_zoo_animals pccdd
 	@$(AM_TESTS_ENVIRONMENT) tests/zoo/test_zoo_animals --long
+
+IDLE_CLIENTS = 2000
+IDLE_SECONDS = 10
+idle: tests/zoo/test_zoo_idle pccdd
+	@$(AM_TESTS_ENVIRONMENT) IDLE_CLIENTS=$(IDLE_CLIENTS) IDLE_SECONDS=$(IDLE_SECONDS) \
+	    tests/zoo/test_zoo_idle
+
+DEADLINE_ROUNDS = 2000
+deadlines: tests/integration/test_int_deadline pccdd
+	@$(AM_TESTS_ENVIRONMENT) DEADLINE_ROUNDS=$(DEADLINE_ROUNDS) tests/integration/test_int_deadline

@@ -26,6 +26,22 @@ static void keep_earliest(struct eng_found *found, double bound)
     }
 }
 
+/* A step that was stopped is answered soon: of what a thread has found it keeps as many
+ * records as are merged in a millisecond. Which ones is as arbitrary as the moment. One
+ * that would be late with all of them is stopped here. Measured: 50 ns a record to merge
+ * with what else follows. */
+#define LATE_RECORDS  8192u
+#define NS_PER_RECORD 80u
+
+static void keep_in_time(struct eng_worker *worker, uint32_t threads)
+{
+    uint64_t count = worker->found.count;
+    if (count > LATE_RECORDS / threads &&
+        eng_worker_is_late(worker, count * NS_PER_RECORD)) {
+        eng_found_keep(&worker->found, LATE_RECORDS / threads);
+    }
+}
+
 static enum eng_verdict verdict_of(const struct eng_team *team, bool complete)
 {
     uint64_t proved = 0;
@@ -82,6 +98,7 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
         keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
     }
     uint64_t begin_ns = eng_now_ns();
+    keep_in_time(worker, team->count);
     eng_merge_survey(merge, team->count, worker->thread);
     end_part(worker, begin_ns);
     eng_worker_barrier(worker);
@@ -105,6 +122,11 @@ static int collect(struct eng_step_memory *memory, const struct eng_team *team,
     if (result->mode == ENG_MODE_FIRST && team->count == 1) {
         struct eng_worker *worker = team->workers[0];
         keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
+    }
+    if (team->count == 1) {
+        keep_in_time(team->workers[0], 1);
+        result->incomplete = (enum eng_incomplete)atomic_load_explicit(
+            &team->workers[0]->stop->reason, memory_order_relaxed);
     }
     int status = eng_merge_end(merge, &counts, hash);
     if (status != ENG_OK) {

@@ -116,6 +116,22 @@ void *eng_found_add(struct eng_found *found, const struct eng_pair *name)
     return record;
 }
 
+void eng_found_keep(struct eng_found *found, uint64_t count)
+{
+    uint64_t left = count;
+    if (found->count <= count) {
+        return;
+    }
+    for (struct eng_block *block = found->first; block; block = block->next) {
+        block->count = left < block->count ? (uint32_t)left : block->count;
+        left -= block->count;
+        if (block->count > 0) {
+            found->last = block;
+        }
+    }
+    found->count = count;
+}
+
 void eng_records_deinit(struct eng_records *records)
 {
     eng_free(records->data);

@@ -41,6 +41,9 @@ struct eng_records {
     uint64_t capacity_bytes;
 };
 
+/* Keep `count` records at most, those that were found first. */
+void eng_found_keep(struct eng_found *found, uint64_t count);
+
 void eng_records_deinit(struct eng_records *records);
 
 /* Room for `count` records of record_bytes each; ENG_E_NOMEM: as before. */

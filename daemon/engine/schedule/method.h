@@ -17,8 +17,9 @@ struct eng_method_calls {
     int (*prepare)(struct eng_team *team, const struct eng_step_settings *settings);
     /* The positions have moved on; no thread is at work yet. [compute] */
     void (*start)(struct eng_team *team, const struct eng_step_settings *settings);
-    /* All boxes, by one thread. [compute] */
-    void (*refit)(struct eng_scene *scene);
+    /* All boxes, by one thread. A step that is stopped may leave some as they were: then
+     * no task is done, and the next step makes them all. [compute] */
+    void (*refit)(struct eng_worker *worker);
     /* The same by all: true for the one that ended last, and sees every box. [team] */
     bool (*refit_by_team)(struct eng_team *team, struct eng_worker *worker);
     /* After the refit, while nobody traverses, by one thread. [team] */

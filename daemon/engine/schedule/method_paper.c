@@ -212,9 +212,14 @@ static void no_more(struct eng_worker *worker)
     (void)worker;
 }
 
+static void refit(struct eng_worker *worker)
+{
+    eng_refit(worker->scene);
+}
+
 const struct eng_method_calls eng_method_paper = {.prepare = prepare,
                                                   .start = start,
-                                                  .refit = eng_refit,
+                                                  .refit = refit,
                                                   .refit_by_team = eng_refit_by_team,
                                                   .ready = ready,
                                                   .beside = beside,

@@ -139,19 +139,33 @@ static void look_at_bound(struct eng_worker *worker)
     }
 }
 
+/* Set the stop if there is a reason, `ns` from now. */
+static void look_for_reason(struct eng_stop *stop, uint64_t ns)
+{
+    if (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) {
+        stop_for(stop, ENG_INCOMPLETE_CANCELLED);
+    } else if (stop->deadline_ns != 0 && eng_now_ns() + ns >= stop->deadline_ns) {
+        stop_for(stop, ENG_INCOMPLETE_DEADLINE);
+    }
+}
+
 bool eng_worker_should_stop(struct eng_worker *worker)
 {
     struct eng_stop *stop = worker->stop;
     look_at_bound(worker);
-    if (eng_stop_is_set(stop)) {
-        return true;
-    }
-    if (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) {
-        stop_for(stop, ENG_INCOMPLETE_CANCELLED);
-    } else if (stop->deadline_ns != 0 && eng_now_ns() >= stop->deadline_ns) {
-        stop_for(stop, ENG_INCOMPLETE_DEADLINE);
+    if (!eng_stop_is_set(stop)) {
+        look_for_reason(stop, 0);
     }
     return eng_stop_is_set(stop);
+}
+
+bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns)
+{
+    struct eng_stop *stop = worker->stop;
+    if (!eng_stop_is_set(stop)) {
+        look_for_reason(stop, ns);
+    }
+    return atomic_load_explicit(&stop->reason, memory_order_relaxed) != ENG_COMPLETE;
 }
 
 void eng_worker_tighten(struct eng_worker *worker, double time)

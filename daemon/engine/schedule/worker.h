@@ -127,6 +127,10 @@ void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settin
 /* Should the worker stop? Looks at the clock and at the cancel flag. */
 bool eng_worker_should_stop(struct eng_worker *worker);
 
+/* The same for one that is about to do what cannot be stopped and takes `ns`. True only
+ * for a deadline or a cancel. */
+bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns);
+
 /* When a slice of the trace begins; 0 without a trace, so that nobody asks the clock. */
 static inline uint64_t eng_worker_slice(const struct eng_worker *worker)
 {

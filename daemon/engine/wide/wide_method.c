@@ -181,9 +181,18 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
     (void)settings;
 }
 
-static void refit(struct eng_scene *scene)
+static void refit(struct eng_worker *worker)
 {
-    eng_wide_refit(&scene->wide, scene, false);
+    struct eng_wide *wide = &worker->scene->wide;
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        uint32_t count = eng_wide_refit_chunks(wide, kind);
+        for (uint32_t i = 0; i < count && !eng_worker_should_stop(worker); i++) {
+            eng_wide_refit_chunk(wide, worker->scene, kind, i, false);
+        }
+    }
+    if (!eng_stop_is_set(worker->stop)) {
+        eng_wide_refit_above(wide);
+    }
 }
 
 static void ready(struct eng_worker *worker)

@@ -17,27 +17,34 @@ static uint32_t next(atomic_uint *counter)
     return atomic_fetch_add_explicit(counter, 1, memory_order_relaxed);
 }
 
-static void vertices_by_team(struct eng_team *team, uint32_t chunks)
+/* Chunks of a step that is stopped count as done: nobody searches their boxes. */
+static void vertices_by_team(struct eng_team *team, struct eng_worker *worker,
+                             uint32_t chunks)
 {
     struct eng_refit_progress *progress = &team->refit;
     for (uint32_t i = next(&progress->next_vertices); i < chunks;
          i = next(&progress->next_vertices)) {
-        eng_wide_refit_chunk(&team->scene->wide, team->scene, ENG_WIDE_VERTICES, i,
-                             false);
+        if (!eng_worker_should_stop(worker)) {
+            eng_wide_refit_chunk(&team->scene->wide, team->scene, ENG_WIDE_VERTICES, i,
+                                 false);
+        }
         /* Release: pairs with the acquire of the wait. */
         atomic_fetch_add_explicit(&progress->vertices_done, 1, memory_order_acq_rel);
     }
 }
 
 /* Chunks of edges, then of faces, that this thread has done. */
-static uint32_t features_by_team(struct eng_team *team, uint32_t edges, uint32_t chunks)
+static uint32_t features_by_team(struct eng_team *team, struct eng_worker *worker,
+                                 uint32_t edges, uint32_t chunks)
 {
     uint32_t done = 0;
     for (uint32_t i = next(&team->refit.next_edges); i < chunks;
          i = next(&team->refit.next_edges)) {
-        eng_wide_refit_chunk(&team->scene->wide, team->scene,
-                             i < edges ? ENG_WIDE_EDGES : ENG_WIDE_FACES,
-                             i < edges ? i : i - edges, false);
+        if (!eng_worker_should_stop(worker)) {
+            eng_wide_refit_chunk(&team->scene->wide, team->scene,
+                                 i < edges ? ENG_WIDE_EDGES : ENG_WIDE_FACES,
+                                 i < edges ? i : i - edges, false);
+        }
         done++;
     }
     return done;
@@ -57,11 +64,11 @@ bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker)
     uint32_t edges = eng_wide_refit_chunks(wide, ENG_WIDE_EDGES);
     uint32_t all = edges + eng_wide_refit_chunks(wide, ENG_WIDE_FACES);
     uint64_t begin_ns = eng_now_ns();
-    vertices_by_team(team, vertices);
+    vertices_by_team(team, worker, vertices);
     record(worker, begin_ns);
     eng_worker_wait_for(worker, &team->refit.vertices_done, vertices);
     begin_ns = eng_now_ns();
-    uint32_t done = features_by_team(team, edges, all);
+    uint32_t done = features_by_team(team, worker, edges, all);
     bool is_last = false;
     if (done > 0) {
         /* Release what we did; the last one acquires what all did. */
@@ -69,7 +76,7 @@ bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker)
             atomic_fetch_add_explicit(&team->refit.rest_done, done, memory_order_acq_rel);
         is_last = before + done == all;
     }
-    if (is_last) {
+    if (is_last && !eng_stop_is_set(worker->stop)) {
         eng_wide_refit_above(wide);
     }
     record(worker, begin_ns);

@@ -1,0 +1,147 @@
+/* test_zoo_idle.c - a daemon that nobody asks anything does nothing.
+ *
+ * Room:     tests/zoo. May include: raw.h, daemon.h.
+ * Does:     many clients that have said hello and are silent; the context switches of all
+ *           threads of the daemon are counted over some seconds. IDLE_CLIENTS, and
+ *           IDLE_SECONDS.
+ * Threads:  one.
+ */
+#include <dirent.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "raw.h"
+
+#define CLIENTS_MAX 20000u
+#define THREADS_MAX 4096
+#define FDS_BESIDE  100u
+
+static unsigned long option(const char *name, unsigned long otherwise)
+{
+    const char *text = getenv(name);
+
+    return text != NULL ? strtoul(text, NULL, 10) : otherwise;
+}
+
+/* Times that one thread has been put to sleep or off its processor. */
+static uint64_t switches_of(const struct test_daemon *daemon, const char *thread)
+{
+    char path[320];
+    char line[256];
+    unsigned long long sum = 0;
+    FILE *file;
+
+    (void)snprintf(path, sizeof(path), "/proc/%ld/task/%s/status", (long)daemon->pid,
+                   thread);
+    file = fopen(path, "r");
+    while (file != NULL && fgets(line, sizeof(line), file) != NULL) {
+        unsigned long long count = 0;
+
+        if (sscanf(line, "voluntary_ctxt_switches: %llu", &count) == 1 ||
+            sscanf(line, "nonvoluntary_ctxt_switches: %llu", &count) == 1) {
+            sum += count;
+        }
+    }
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return sum;
+}
+
+/* Of all threads; *threads says how many there are. */
+static uint64_t switches(const struct test_daemon *daemon, unsigned *threads)
+{
+    char path[64];
+    uint64_t sum = 0;
+    DIR *entries;
+
+    *threads = 0;
+    (void)snprintf(path, sizeof(path), "/proc/%ld/task", (long)daemon->pid);
+    entries = opendir(path);
+    assert_non_null(entries);
+    for (int i = 0; i < THREADS_MAX; i++) {
+        const struct dirent *entry = readdir(entries);
+
+        if (entry == NULL) {
+            break;
+        }
+        if (entry->d_name[0] != '.') {
+            sum += switches_of(daemon, entry->d_name);
+            ++*threads;
+        }
+    }
+    (void)closedir(entries);
+    return sum;
+}
+
+/* As many clients as the test may have descriptors for. */
+static uint32_t client_count(void)
+{
+    struct rlimit limit;
+    uint32_t count = (uint32_t)option("IDLE_CLIENTS", 200);
+
+    count = count > CLIENTS_MAX ? CLIENTS_MAX : count;
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
+    if (limit.rlim_cur < count + FDS_BESIDE) {
+        count = (uint32_t)limit.rlim_cur - FDS_BESIDE;
+        printf("# only %u clients: no more descriptors\n", count);
+    }
+    return count;
+}
+
+/* If it failed, a machine with clients that do nothing would never come to rest. */
+static void idle__daemon_is_not_woken_by_silent_clients(void **state)
+{
+    static const char *const options[] = {"--clients-max", "20000", "--connections-max",
+                                          "20000", NULL};
+    uint32_t count = client_count();
+    unsigned seconds = (unsigned)option("IDLE_SECONDS", 2);
+    static struct test_raw raw;
+    struct test_daemon daemon;
+    unsigned threads = 0;
+    uint64_t before;
+    uint64_t woken;
+    int *sockets = calloc(count, sizeof(*sockets));
+
+    (void)state;
+    assert_non_null(sockets);
+    assert_true(test_daemon_start(&daemon, options));
+    for (uint32_t i = 0; i < count; i++) {
+        assert_true(test_raw_open(&raw, daemon.socket));
+        assert_int_equal(test_raw_hello(&raw), 0);
+        sockets[i] = dup(raw.socket); /* the rest of a peer is not needed any more */
+        assert_true(sockets[i] >= 0);
+        test_raw_close(&raw);
+    }
+    test_sleep_ms(1000); /* the last ones have been served */
+    before = switches(&daemon, &threads);
+    test_sleep_ms(seconds * 1000);
+    woken = switches(&daemon, &threads) - before;
+    printf("# idle with %u clients: %u threads, %llu context switches in %u s\n", count,
+           threads, (unsigned long long)woken, seconds);
+    assert_int_equal(woken, 0);
+    for (uint32_t i = 0; i < count; i++) {
+        (void)close(sockets[i]);
+    }
+    free(sockets);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(idle__daemon_is_not_woken_by_silent_clients),
+    };
+
+    return cmocka_run_group_tests_name("idle", tests, NULL, NULL);
+}
