@@ -69,9 +69,12 @@ static bool has_instruction_set(void)
 }
 
 /* Large blocks go back to the system when they are freed: left to itself the C library
- * keeps up to 64 MiB of them for each thread, and who has had them is long gone. */
+ * keeps up to 64 MiB of them for each thread, and who has had them is long gone. Small
+ * ones are all in one heap: what one thread has freed another can use, so that memory
+ * does not grow with the chances of who frees what when. Steps allocate nothing. */
 static void prepare_memory(void)
 {
+    (void)mallopt(M_ARENA_MAX, 1);
     (void)mallopt(M_MMAP_THRESHOLD, 256 << 10);
     (void)mallopt(M_TRIM_THRESHOLD, 256 << 10);
 }
