@@ -16,7 +16,7 @@
 #define PROTO_DEPTH_MAX 16u            /* nesting of MessagePack containers */
 #define PROTO_ELEMENTS_MAX 4096u       /* MessagePack objects in one message */
 #define PROTO_STR_MAX 255u             /* bytes of a string field */
-#define PROTO_MESSAGES_PER_TURN 64u    /* read from one client before the others' turn */
+#define PROTO_MESSAGES_PER_TURN 4u      /* read from one client before the others' turn */
 #define PROTO_REPLIES_QUEUED_MAX 16u   /* then the client is not read until it reads */
 #define PROTO_REPLIES_KEPT 32u         /* of a resumable session, to be sent again */
 #define PROTO_LINGER_S 5u              /* that such a session waits for its client */

@@ -32,6 +32,7 @@
 #include "session.h"
 
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
+#define LAST_TURNS      16     /* for what has come before a connection is closed */
 #define FORCE_MS        5000u  /* for a cancelled request to let go */
 
 /* ---- stopping ---------------------------------------------------------------------- */
@@ -60,7 +61,8 @@ static void close_conns(struct srv_loop *loop)
 {
     for (struct srv_conn *conn = loop->conns; conn != NULL;) {
         struct srv_conn *next = conn->next;
-        if (conn->state == SRV_CONN_OPEN) {
+        for (int i = 0; i < LAST_TURNS && conn->fd >= 0 && conn->state == SRV_CONN_OPEN;
+             i++) {
             srv_conn_read(conn);
         }
         if (conn->fd >= 0) {

@@ -101,7 +101,7 @@ bool zoo_open(struct zoo_den *den, const struct zoo_animal *animal, const char *
 
 unsigned zoo_close(struct zoo_den *den)
 {
-    uint64_t until_ms = test_now_ms() + END_MS;
+    uint64_t until_ms = test_now_ms() + END_MS + den->cages[0].pause_ms;
     unsigned acts = 0;
     bool right = none_failed(den);
 
