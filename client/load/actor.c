@@ -16,7 +16,10 @@
 #define RESULT_BYTES (256u << 10) /* the answers to LOAD_DEPTH_MAX steps take less */
 
 /* A step without an answer for so long is lost. */
-#define STALL_NS 60000000000ull
+#define STALL_NS 120000000000ull
+
+/* For a machine that is busy with other things, too. */
+#define PATIENCE_MS 60000
 
 /* Requests between two changes of a client that churns. */
 #define CHURN_EVERY 64u
@@ -90,6 +93,8 @@ static int connect_and_add(struct load_actor *actor, bool loud)
     options.slot_bytes = SLOT_BYTES;
     options.result_bytes = RESULT_BYTES;
     options.spin_us = 0; /* there are more clients than processors */
+    options.reconnect_ms = PATIENCE_MS;
+    options.timeout_ms = PATIENCE_MS;
     int rc = pccd_connect(&options, &actor->client);
     if (rc == 0) {
         actor->tally->opened++;
