@@ -24,7 +24,7 @@
 
 #define CLIENTS_MAX 4096u
 #define KILLS_MAX   1000u /* below --crashes-max */
-#define SETTLE_MS   20u
+#define SETTLE_MS   250u  /* all sleep, and a spare worker stands by */
 
 /* Of one client and kill. */
 struct sample {
@@ -43,6 +43,7 @@ struct shared {
 struct run {
     unsigned clients;
     unsigned kills;
+    unsigned settle_ms; /* before each kill */
     bool empty;
     struct shared *shared;
     struct test_daemon daemon;
@@ -134,7 +135,7 @@ static bool kill_all(const struct run *run)
             }
             test_sleep_ms(1);
         }
-        test_sleep_ms(SETTLE_MS); /* all of them sleep */
+        test_sleep_ms(run->settle_ms);
         atomic_store(&run->shared->killed_us, test_now_us());
         (void)kill((pid_t)atomic_load(&run->shared->worker), SIGKILL);
     }
@@ -178,16 +179,19 @@ static int measure(struct run *run)
 
 int main(int argc, char **argv)
 {
-    struct run run = {.clients = 1, .kills = 20};
+    struct run run = {.clients = 1, .kills = 20, .settle_ms = SETTLE_MS};
     int option;
 
-    while ((option = getopt(argc, argv, "c:k:e")) != -1) {
+    while ((option = getopt(argc, argv, "c:k:s:e")) != -1) {
         switch (option) {
         case 'c':
             run.clients = (unsigned)strtoul(optarg, NULL, 10);
             break;
         case 'k':
             run.kills = (unsigned)strtoul(optarg, NULL, 10);
+            break;
+        case 's':
+            run.settle_ms = (unsigned)strtoul(optarg, NULL, 10);
             break;
         case 'e':
             run.empty = true;
@@ -198,7 +202,7 @@ int main(int argc, char **argv)
     }
     if (run.clients < 1 || run.clients > CLIENTS_MAX || run.kills < 1 ||
         run.kills > KILLS_MAX) {
-        fprintf(stderr, "usage: PCCDD=PROGRAM %s [-c CLIENTS] [-k KILLS] [-e]\n",
+        fprintf(stderr, "usage: PCCDD=PROGRAM %s [-c CLIENTS] [-k KILLS] [-s MS] [-e]\n",
                 argv[0]);
         return 2;
     }

@@ -8,6 +8,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,4 +103,38 @@ int srv_activate_give(int fd)
     return setenv("LISTEN_PID", pid, 1) == 0 && setenv("LISTEN_FDS", "1", 1) == 0
                ? 0
                : PCCD_E_SYSTEM;
+}
+
+/* Beyond the descriptors that have fixed numbers. */
+#define STANDBY_FD_FLOOR 10
+#define STANDBY_NAME     "PCCD_STANDBY"
+
+int srv_standby_give(int fd)
+{
+    char number[32];
+    if (fd < 0) {
+        return 0;
+    }
+    int kept = fcntl(fd, F_DUPFD, STANDBY_FD_FLOOR); /* open across exec */
+    if (kept < 0) {
+        return PCCD_E_SYSTEM;
+    }
+    snprintf(number, sizeof number, "%d", kept);
+    return setenv(STANDBY_NAME, number, 1) == 0 ? 0 : PCCD_E_SYSTEM;
+}
+
+bool srv_standby(void)
+{
+    long fd = number_of(STANDBY_NAME);
+    char byte;
+    ssize_t got;
+    unsetenv(STANDBY_NAME);
+    if (fd < STANDBY_FD_FLOOR || fd > INT_MAX) {
+        return true;
+    }
+    do {
+        got = read((int)fd, &byte, 1);
+    } while (got < 0 && errno == EINTR);
+    close((int)fd);
+    return got == 1;
 }

@@ -23,4 +23,10 @@ int srv_activate(struct srv_options *options);
  * set. */
 int srv_activate_give(int fd);
 
+/* In a child, before exec: let it stand by until a byte can be read from `fd`; negative:
+ * not at all. Returns 0 or a status, errno set. */
+int srv_standby_give(int fd);
+/* Stand by, if this process was told to. False: nobody needs it any more. */
+bool srv_standby(void);
+
 #endif

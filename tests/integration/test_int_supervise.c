@@ -86,6 +86,34 @@ static void supervise__clients_reach_the_next_worker(void **state)
     assert_int_equal(test_daemon_end(&f->daemon, SIGTERM, END_MS), 0);
 }
 
+/* If it failed, clients would wait for a program to be loaded whenever one crashes. */
+static void supervise__has_a_spare_worker(void **state)
+{
+    struct fixture *f = *state;
+    char text[64];
+    pid_t first;
+    pid_t second;
+    (void)test_daemon_end(&f->daemon, SIGTERM, END_MS);
+    assert_true(test_daemon_restart(&f->daemon,
+                                    (const char *const[]){"--supervise", "--threads", "1",
+                                                          "--log-level", "debug", NULL}));
+    for (int round = 0; round < 3; round++) {
+        first = meet(f);
+        for (int i = 0; i < 1000 && !test_daemon_logged(&f->daemon, " stands by"); i++) {
+            test_sleep_ms(10);
+        }
+        test_sleep_ms(300); /* the next one is made a tenth of a second after a start */
+        assert_int_equal(kill(first, SIGKILL), 0);
+        see_it_end(f);
+        second = meet(f);
+        (void)snprintf(text, sizeof text, "process %ld stands by", (long)second);
+        assert_true(test_daemon_logged(&f->daemon, text));
+        test_raw_close(&f->raw);
+    }
+    assert_int_equal(test_daemon_end(&f->daemon, SIGTERM, END_MS), 0);
+    assert_int_equal(kill(second, 0), -1);
+}
+
 /* If nothing were said, nobody could find out why a daemon came back. */
 static void supervise__tells_what_a_worker_died_of(void **state)
 {
@@ -236,6 +264,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(supervise__clients_reach_the_next_worker, setup,
                                         teardown),
+        cmocka_unit_test_setup_teardown(supervise__has_a_spare_worker, setup, teardown),
         cmocka_unit_test_setup_teardown(supervise__tells_what_a_worker_died_of, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(supervise__gives_up_after_five_crashes, setup,
