@@ -47,6 +47,16 @@ void fuzz_peer_close(struct fuzz_peer *peer)
 
 static void take_answer(struct fuzz_peer *peer, bool *is_ping);
 
+/* Wait for an event, whatever alarm of the fuzzer rings meanwhile. */
+static void await(struct pollfd *watched)
+{
+    int count;
+    do {
+        count = poll(watched, 1, WAIT_MS);
+    } while (count < 0 && errno == EINTR);
+    FUZZ_CHECK(count > 0);
+}
+
 /* Send one datagram; take answers while the server does not take it. */
 void fuzz_peer_send(struct fuzz_peer *peer, const void *data, size_t bytes, int fd_count)
 {
@@ -57,7 +67,7 @@ void fuzz_peer_send(struct fuzz_peer *peer, const void *data, size_t bytes, int 
     }
     while (!peer->is_over) {
         struct pollfd watched = {.fd = peer->socket, .events = POLLOUT | POLLIN};
-        FUZZ_CHECK(poll(&watched, 1, WAIT_MS) > 0);
+        await(&watched);
         if ((watched.revents & POLLIN) != 0) {
             take_answer(peer, &is_ping);
         } else if ((watched.revents & (POLLHUP | POLLERR)) != 0) {
@@ -246,7 +256,7 @@ void fuzz_peer_settle(struct fuzz_peer *peer)
     fuzz_peer_send(peer, encoder.data, encoder.bytes, 0);
     while (!peer->is_over && !is_ping) {
         struct pollfd watched = {.fd = peer->socket, .events = POLLIN};
-        FUZZ_CHECK(poll(&watched, 1, WAIT_MS) > 0);
+        await(&watched);
         take_answer(peer, &is_ping);
         if (peer->answered == taken && fuzz_scarcity_hits() > 0) {
             return; /* it may have been this one that could not be decoded */

@@ -121,7 +121,10 @@ static int receive_bytes(struct test_raw *raw, size_t *bytes, int fds[PROTO_FDS_
     struct pollfd watched = {.fd = raw->socket, .events = POLLIN};
     int rc;
 
-    if (poll(&watched, 1, test_raw_wait_ms) <= 0) {
+    do { /* a fuzzer's alarm may ring */
+        rc = poll(&watched, 1, test_raw_wait_ms);
+    } while (rc < 0 && errno == EINTR);
+    if (rc <= 0) {
         return PCCD_E_TIMEOUT;
     }
     rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
