@@ -53,7 +53,8 @@ struct cli_call {
     uint32_t id;     /* of the message */
     uint32_t slot;   /* that comes back with the reply, or CLI_SLOT_NONE */
     uint64_t serial; /* in the order of their sending */
-    uint64_t step;   /* 0: not a step */
+    uint32_t daemons_ended; /* that had it first of all */
+    uint64_t step;          /* 0: not a step */
     union cli_params params;
     void *result;  /* where the reply is decoded to; NULL: `answer`, or nowhere */
     int status;    /* DONE: 0 or why it failed, then `text` says more */

@@ -108,7 +108,8 @@ int pccd_fd(const struct pccd_client *client);
  * is told again what this client had: meshes, scenes, objects under their old handles,
  * and where the objects were. Steps without an answer are submitted again; each is
  * answered once, with the same bytes. A step's deadline_ns begins anew then. After
- * reconnect_ms in vain, every call fails with E_DISCONNECTED. What does not come back:
+ * reconnect_ms in vain, every call fails with E_DISCONNECTED; so does a single request,
+ * and nothing else, over which three daemons have ended. What does not come back:
  * further pages of an answer that the lost daemon gave (pccd_fetch: E_STATE) and
  * recordings. A call may take longer than its timeout while another daemon is told.
  * Handles that are given afterwards may be others than the lost daemon would have given.

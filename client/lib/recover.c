@@ -25,6 +25,10 @@
 #include "restore.h"
 #include "rpc.h"
 
+/* Daemons that may end over one request. Fewer than `pccdd --supervise` bears in a short
+ * time: a request that ends every daemon must not take it from the other clients. */
+#define DAEMONS_MAX 3u
+
 #define HELLO_NS 100000000u /* for an answer to hello at least, whatever the deadline */
 
 /* ---- one try ----------------------------------------------------------------------- */
@@ -59,27 +63,43 @@ static bool is_upload(const struct cli_call *call)
            call->method == PROTO_METHOD_MESH_COMMIT;
 }
 
-/* Its caller starts over (mesh.c). */
-static void end_upload(struct pccd_client *client, struct cli_call *call)
+/* It gets no answer from any daemon. */
+static void end_call(struct pccd_client *client, struct cli_call *call, int status,
+                     const char *why)
 {
     if (call->slot != CLI_SLOT_NONE) {
         client->ring.slots[call->slot].state = CLI_SLOT_FREE;
     }
     call->held = false;
     call->page = 0;
-    call->status = PCCD_E_AGAIN;
-    (void)snprintf(call->text, sizeof(call->text), "%s: the daemon is another one",
-                   proto_messages[call->method].name);
+    call->status = status;
+    (void)snprintf(call->text, sizeof(call->text), "%s: %s",
+                   proto_messages[call->method].name, why);
     call->state = call->state == CLI_CALL_LOST ? CLI_CALL_FREE : CLI_CALL_DONE;
+}
+
+/* Requests are computed in their order, so that a daemon most likely ended over the first
+ * one that it left without an answer. */
+static void blame_first(struct pccd_client *client)
+{
+    struct cli_call *first = find_first_held(client);
+
+    if (first != NULL && !is_upload(first) && ++first->daemons_ended >= DAEMONS_MAX) {
+        end_call(client, first, PCCD_E_DISCONNECTED,
+                 "three daemons have ended before they answered it");
+    }
 }
 
 static int send_again(struct pccd_client *client, bool resumed)
 {
+    if (!resumed) {
+        blame_first(client);
+    }
     for (struct cli_call *call; (call = find_first_held(client)) != NULL;) {
         int rc;
 
-        if (!resumed && is_upload(call)) {
-            end_upload(client, call);
+        if (!resumed && is_upload(call)) { /* its caller starts over (mesh.c) */
+            end_call(client, call, PCCD_E_AGAIN, "the daemon is another one");
             continue;
         }
         rc = cli_call_resend(client, call, cli_deadline(client, -1));

@@ -351,6 +351,7 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
     made->id = client->next_id;
     made->slot = slot;
     made->step = 0;
+    made->daemons_ended = 0;
     made->result = NULL;
     made->status = 0;
     made->page = 0;
