@@ -274,6 +274,16 @@ void srv_listener_tell_ready(int fd)
     }
 }
 
+static uint32_t fd_count_of(const struct srv_options *options)
+{
+    return 2 * options->connections_max + FDS_BESIDE;
+}
+
+void srv_listener_make_room(const struct srv_options *options)
+{
+    srv_watch_widen(fd_count_of(options));
+}
+
 int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
 {
     const char *path = loop->options->socket_path;
@@ -284,7 +294,7 @@ int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
         return status;
     }
-    listener->fd_count = 2 * loop->options->connections_max + FDS_BESIDE;
+    listener->fd_count = fd_count_of(loop->options);
     if (srv_watch_reserve(&loop->uv, &listener->spare, fd, &listener->fd_count) != 0 ||
         uv_poll_init(&loop->uv, &listener->poll, fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: the socket cannot be watched", path);

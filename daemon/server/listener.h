@@ -40,6 +40,9 @@ int srv_listener_bind(const struct srv_options *options, int *fd);
  * nothing when it is negative. */
 void srv_listener_tell_ready(int fd);
 
+/* Make room for the descriptors of all connections. [main] before there is a thread. */
+void srv_listener_make_room(const struct srv_options *options);
+
 /* Listen on loop->options->listen_fd, or else on a new socket at socket_path. Returns 0
  * or a status; what was wrong is logged. */
 int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop);

@@ -20,6 +20,7 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include "activate.h"
 #include "closer.h"
 #include "conn.h"
 #include "dispatch.h"
@@ -297,7 +298,10 @@ static int serve(struct srv_loop *loop)
     }
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "the threads that compute cannot be started");
+    } else if (!srv_standby()) { /* with threads, which take the longest to start */
+        status = PCCD_E_SHUTDOWN;
     } else {
+        loop->start_ns = srv_now_ns();
         status = srv_listener_open(&loop->listener, loop); /* says itself what is wrong */
         if (status == 0) {
             status = srv_sandbox_enter(loop->options);
@@ -333,7 +337,6 @@ int srv_loop_run(const struct srv_options *options)
     }
     loop->options = options;
     loop->listener.fd = -1;
-    loop->start_ns = srv_now_ns();
     loop->epoch = make_epoch();
     choose_places(loop);
     srv_quota_init(&loop->quota, options->quota);

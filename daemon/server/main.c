@@ -138,8 +138,8 @@ int main(int argc, char **argv)
     if (srv_activate(&options) != 0) {
         return 1;
     }
-    if (options.listen_fd >= 0 && !srv_standby()) {
-        return 0;
+    if (options.listen_fd >= 0 || !options.supervise) { /* we serve */
+        srv_listener_make_room(&options);
     }
     if (options.listen_fd >= 0) {
         return srv_loop_run(&options); /* who gave us the socket answers for its path */

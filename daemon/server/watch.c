@@ -30,12 +30,26 @@ int srv_watch_start(uv_poll_t *poll, int fd, int events, uv_poll_cb on_poll)
     return PCCD_E_SYSTEM;
 }
 
-int srv_watch_reserve(uv_loop_t *loop, uv_poll_t *poll, int fd, uint32_t *count)
+/* At most as many descriptors as this process may have. */
+static uint32_t allowed(uint32_t count)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < *count) {
-        *count = (uint32_t)limit.rlim_cur;
+    return getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < count
+               ? (uint32_t)limit.rlim_cur
+               : count;
+}
+
+void srv_watch_widen(uint32_t count)
+{
+    int last = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, (int)allowed(count) - 1);
+    if (last >= 0) {
+        close(last);
     }
+}
+
+int srv_watch_reserve(uv_loop_t *loop, uv_poll_t *poll, int fd, uint32_t *count)
+{
+    *count = allowed(*count);
     /* The table grows to the largest number that is watched, and never shrinks. */
     int last = fcntl(fd, F_DUPFD_CLOEXEC, (int)*count - 1);
     if (last < 0 || uv_poll_init(loop, poll, last) != 0) {

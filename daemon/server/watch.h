@@ -12,6 +12,11 @@
 #include <stdint.h>
 #include <uv.h>
 
+/* Let the system's table have room for `count` descriptors, if it may. Before there is a
+ * second thread: then every growth waits until all processors have seen the old table
+ * out of use, some 10 ms. [main] */
+void srv_watch_widen(uint32_t count);
+
 /* Let libuv's table have room for descriptors below *count, or for as many as this
  * process may have: then *count is that number. `poll` is closed again before the loop
  * waits; `fd` is any descriptor that can be polled. Returns 0 or PCCD_E_SYSTEM. */
