@@ -15,6 +15,7 @@
  */
 #include "loop.h"
 
+#include <malloc.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/random.h>
@@ -179,11 +180,19 @@ void srv_loop_client_left(struct srv_loop *loop)
     }
 }
 
+/* What clients had lies scattered over the heap: freed, but not given back by itself. It
+ * takes about a millisecond. */
+#define CLOSED_PER_TRIM 256u
+
 void srv_loop_conn_closed(struct srv_loop *loop)
 {
     PCCD_ASSERT(loop->conn_count > 0);
     loop->conn_count--;
     srv_listener_room(&loop->listener);
+    if (loop->conn_count == 0 || ++loop->closed_since_trim == CLOSED_PER_TRIM) {
+        loop->closed_since_trim = 0;
+        (void)malloc_trim(0);
+    }
 }
 
 /* ---- starting ---------------------------------------------------------------------- */

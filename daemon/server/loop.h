@@ -56,6 +56,7 @@ struct srv_loop {
     struct proto_segment *segments; /* [compute] PROTO_SEGMENTS_MAX: the step's table */
     struct srv_conn *conns;         /* newest first */
     struct srv_session *sessions;   /* newest first, closed ones included */
+    uint32_t closed_since_trim;     /* connections */
     uint32_t conn_count;
     uint32_t client_count;  /* open sessions */
     uint32_t refused_count; /* sessions that wait to hear they are refused */
