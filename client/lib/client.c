@@ -169,6 +169,7 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
     options->no_autostart = asked->no_autostart;
     options->private_daemon = asked->private_daemon;
     options->no_keep = asked->no_keep;
+    options->daemons_max = asked->daemons_max;
     options->slot_bytes = asked->slot_bytes;
     if (asked->timeout_ms != 0) {
         options->timeout_ms = asked->timeout_ms;
@@ -197,6 +198,9 @@ static int choose_way(struct pccd_client *client, const struct pccd_options *opt
     link->no_autostart = options->no_autostart;
     link->patience_ns =
         options->reconnect_ms < 0 ? 0 : (uint64_t)options->reconnect_ms * 1000000u;
+    link->daemons_max = options->daemons_max == 0  ? CLI_DAEMONS_MAX
+                        : options->daemons_max < 0 ? UINT32_MAX
+                                                   : (uint32_t)options->daemons_max;
     if (options->name != NULL) {
         (void)snprintf(link->name, sizeof(link->name), "%s", options->name);
     }

@@ -29,10 +29,13 @@
 #include "seqpacket.h"
 #include "shm.h"
 
-#define CLI_CALLS        64u  /* requests in flight, or with answers that are not taken */
-#define CLI_STEPS        32u  /* of these, steps */
-#define CLI_PAGES        256u /* pages of records that are not released */
-#define CLI_TEXT_BYTES   512u
+#define CLI_CALLS      64u  /* requests in flight, or with answers that are not taken */
+#define CLI_STEPS      32u  /* of these, steps */
+#define CLI_PAGES      256u /* pages of records that are not released */
+#define CLI_TEXT_BYTES 512u
+/* Daemons that may end over one request. Fewer than `pccdd --supervise` bears within ten
+ * seconds: a request that ends every daemon must not take it from the other clients. */
+#define CLI_DAEMONS_MAX  4u
 #define CLI_SLOT_NONE    UINT32_MAX
 #define CLI_SOCKET_BYTES 108u /* of sockaddr_un.sun_path */
 #define CLI_NAME_BYTES   64u  /* of the client, for the daemon's log */
@@ -119,6 +122,7 @@ struct cli_link {
     char name[CLI_NAME_BYTES];
     char *daemon;         /* program; NULL: the default */
     uint64_t patience_ns; /* from the loss; 0: the loss is an error at once */
+    uint32_t daemons_max; /* that may end over one request */
     bool is_established;  /* pccd_connect has succeeded */
     bool is_down;         /* the connection is lost and not made again yet */
     bool is_recovering;   /* recover.c is at work */

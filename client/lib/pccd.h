@@ -85,6 +85,8 @@ struct pccd_options {
     int reconnect_ms;      /* how long to look for a daemon that was lost (see below);
                               0 = 10000; negative: not at all, its loss is an error */
     bool no_keep;          /* keep no copies for another daemon: saves their memory */
+    int daemons_max;       /* a request over which so many daemons have ended fails;
+                              0 = 4; negative: the next one gets it, whatever it does */
 };
 
 /* Options with every default filled in. */
@@ -109,7 +111,7 @@ int pccd_fd(const struct pccd_client *client);
  * and where the objects were. Steps without an answer are submitted again; each is
  * answered once, with the same bytes. A step's deadline_ns begins anew then. After
  * reconnect_ms in vain, every call fails with E_DISCONNECTED; so does a single request,
- * and nothing else, over which three daemons have ended. What does not come back:
+ * and nothing else, over which daemons_max daemons have ended. What does not come back:
  * further pages of an answer that the lost daemon gave (pccd_fetch: E_STATE) and
  * recordings. A call may take longer than its timeout while another daemon is told.
  * Handles that are given afterwards may be others than the lost daemon would have given.

@@ -25,10 +25,6 @@
 #include "restore.h"
 #include "rpc.h"
 
-/* Daemons that may end over one request. Fewer than `pccdd --supervise` bears in a short
- * time: a request that ends every daemon must not take it from the other clients. */
-#define DAEMONS_MAX 3u
-
 #define HELLO_NS 100000000u /* for an answer to hello at least, whatever the deadline */
 
 /* ---- one try ----------------------------------------------------------------------- */
@@ -84,9 +80,10 @@ static void blame_first(struct pccd_client *client)
 {
     struct cli_call *first = find_first_held(client);
 
-    if (first != NULL && !is_upload(first) && ++first->daemons_ended >= DAEMONS_MAX) {
+    if (first != NULL && !is_upload(first) &&
+        ++first->daemons_ended >= client->link.daemons_max) {
         end_call(client, first, PCCD_E_DISCONNECTED,
-                 "three daemons have ended before they answered it");
+                 "daemon after daemon has ended before it answered");
     }
 }
 

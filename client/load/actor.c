@@ -94,6 +94,7 @@ static int connect_and_add(struct load_actor *actor, bool loud)
     options.result_bytes = RESULT_BYTES;
     options.spin_us = 0; /* there are more clients than processors */
     options.reconnect_ms = PATIENCE_MS;
+    options.daemons_max = -1; /* they are killed by chance, not by what is asked */
     options.timeout_ms = PATIENCE_MS;
     int rc = pccd_connect(&options, &actor->client);
     if (rc == 0) {

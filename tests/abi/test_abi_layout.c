@@ -82,6 +82,7 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_options, spin_us, 64);
     AT(pccd_options, reconnect_ms, 68);
     AT(pccd_options, no_keep, 72);
+    AT(pccd_options, daemons_max, 76);
     SIZE(pccd_link_info, 40);
     AT(pccd_link_info, gap_ns, 24);
     SIZE(pccd_mesh_info, 40);
