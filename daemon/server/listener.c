@@ -307,7 +307,6 @@ int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
     listener->retry.data = listener;
     listener->fd = fd;
     keep_reserve(listener);
-    watch(listener, true);
     return 0;
 }
 

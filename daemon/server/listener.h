@@ -43,14 +43,14 @@ void srv_listener_tell_ready(int fd);
 /* Make room for the descriptors of all connections. [main] before there is a thread. */
 void srv_listener_make_room(const struct srv_options *options);
 
-/* Listen on loop->options->listen_fd, or else on a new socket at socket_path. Returns 0
- * or a status; what was wrong is logged. */
+/* Listen on loop->options->listen_fd, or else on a new socket at socket_path; nobody is
+ * accepted before srv_listener_room. Returns 0 or a status; what was wrong is logged. */
 int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop);
 
 /* Stop listening and remove the socket, if it is our own. */
 void srv_listener_close(struct srv_listener *listener);
 
-/* A connection has gone: there may be room again. */
+/* Accept while there is room: at the start, and when a connection has gone. */
 void srv_listener_room(struct srv_listener *listener);
 
 #endif

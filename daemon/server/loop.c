@@ -307,14 +307,16 @@ static int serve(struct srv_loop *loop)
     }
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "the threads that compute cannot be started");
-    } else if (!srv_standby()) { /* with threads, which take the longest to start */
-        status = PCCD_E_SHUTDOWN;
     } else {
-        loop->start_ns = srv_now_ns();
         status = srv_listener_open(&loop->listener, loop); /* says itself what is wrong */
-        if (status == 0) {
-            status = srv_sandbox_enter(loop->options);
-        }
+    }
+    if (status == 0) {
+        status = srv_sandbox_enter(loop->options);
+    }
+    /* A spare worker waits here, with all behind it that takes long: threads take 5 ms to
+     * start, and the kernel some 10 ms to take the sandbox's filter. */
+    if (status == 0 && !srv_standby()) {
+        status = PCCD_E_SHUTDOWN;
     }
     if (status != 0) {
         srv_listener_close(&loop->listener);
@@ -329,6 +331,8 @@ static int serve(struct srv_loop *loop)
         if (loop->options->listen_fd < 0) { /* else it listened before us */
             srv_listener_tell_ready(loop->options->ready_fd);
         }
+        loop->start_ns = srv_now_ns();
+        srv_listener_room(&loop->listener); /* from here on clients are taken over */
         watch_idle(loop, true);
     }
     uv_run(&loop->uv, UV_RUN_DEFAULT); /* until the last handle is closed */
