@@ -28,7 +28,10 @@ bench_peers_peers_CPPFLAGS = $(bench_engine_cppflags) $(PEERS_CPPFLAGS) \
     -I$(top_srcdir)/bench/peers
 bench_peers_peers_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_peers_peers_CXXFLAGS = $(PEERS_CXXFLAGS)
-bench_peers_peers_LDADD = $(bench_engine_libs) $(PEERS_LIBS)
+# Linked by the C compiler, which knows the OpenMP and the sanitizers that ours has been
+# compiled for; CXX may be another one's.
+bench_peers_peers_LINK = $(LINK) $(OPENMP_CFLAGS)
+bench_peers_peers_LDADD = $(bench_engine_libs) $(PEERS_LIBS) -lstdc++
 if HAVE_EMBREE
 bench_peers_peers_SOURCES += bench/peers/embree.cc
 endif
