@@ -46,6 +46,12 @@ struct srv_reply {
     uint8_t data[];
 };
 
+/* One that waits for room, as it came. */
+struct srv_message {
+    size_t bytes;
+    uint8_t data[];
+};
+
 static void on_poll(uv_poll_t *poll, int status, int events);
 static void on_timer(uv_timer_t *timer);
 
@@ -71,7 +77,7 @@ static void close_soon(struct srv_conn *conn)
 static void watch(struct srv_conn *conn)
 {
     int events = UV_DISCONNECT;
-    if (conn->state != SRV_CONN_FLUSHING &&
+    if (conn->state != SRV_CONN_FLUSHING && conn->put_off == NULL &&
         (conn->state != SRV_CONN_OPEN || conn->reply_count < PROTO_REPLIES_QUEUED_MAX)) {
         events |= UV_READABLE;
     }
@@ -82,6 +88,58 @@ static void watch(struct srv_conn *conn)
         conn->events = events;
         if (srv_watch_start(&conn->poll, conn->fd, events, on_poll) != 0) {
             close_soon(conn);
+        }
+    }
+}
+
+/* ---- what waits for room ----------------------------------------------------------- */
+
+int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(conn->put_off == NULL && bytes <= PROTO_MESSAGE_BYTES_MAX);
+    if (conn->put_off_turns == SRV_PUT_OFF_MAX) {
+        return PCCD_E_LIMIT;
+    }
+    struct srv_message *copy = malloc(sizeof *copy + bytes);
+    if (copy == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    copy->bytes = bytes;
+    memcpy(copy->data, message, bytes);
+    conn->put_off = copy;
+    conn->put_off_turns++;
+    conn->loop->put_off_count++;
+    return 0;
+}
+
+static struct srv_message *take_put_off(struct srv_conn *conn)
+{
+    struct srv_message *message = conn->put_off;
+    conn->loop->put_off_count -= message != NULL;
+    conn->put_off = NULL;
+    return message;
+}
+
+/* It may be put off once more, as another copy. */
+static void come_back(struct srv_conn *conn)
+{
+    struct srv_message *message = take_put_off(conn);
+    srv_dispatch(conn->session, message->data, message->bytes);
+    free(message);
+    watch(conn);
+}
+
+void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user)
+{
+    srv_assert_loop();
+    if (loop->put_off_count == 0) {
+        return;
+    }
+    for (struct srv_conn *conn = loop->conns; conn != NULL; conn = conn->next) {
+        if (conn->put_off != NULL && conn->state == SRV_CONN_OPEN &&
+            conn->session->user == user) {
+            uv_timer_start(&conn->timer, on_timer, 0, 0);
         }
     }
 }
@@ -128,6 +186,7 @@ void srv_conn_close(struct srv_conn *conn)
     while (conn->reply_count > 0) {
         drop_reply(conn);
     }
+    free(take_put_off(conn));
     if (conn->prev != NULL) {
         conn->prev->next = conn->next;
     } else {
@@ -167,6 +226,10 @@ void srv_conn_orphan(struct srv_conn *conn)
 static void on_timer(uv_timer_t *timer)
 {
     struct srv_conn *conn = timer->data;
+    if (conn->state == SRV_CONN_OPEN && conn->put_off != NULL) {
+        come_back(conn);
+        return;
+    }
     if (conn->state == SRV_CONN_OPEN) {
         srv_log(SRV_LOG_WARN, conn->session->id, "closing: no hello within %u s",
                 HELLO_MS / 1000);
@@ -324,12 +387,17 @@ static bool read_one(struct srv_conn *conn)
         return false;
     }
     loop->metrics.counters.messages++;
+    conn->put_off_turns = 0;
     srv_dispatch(conn->session, loop->buffer, bytes);
-    return conn->state == SRV_CONN_OPEN && conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
+    return conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
+           conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
 }
 
 void srv_conn_read(struct srv_conn *conn)
 {
+    if (conn->put_off != NULL) {
+        return;
+    }
     for (uint32_t i = 0; i < PROTO_MESSAGES_PER_TURN && read_one(conn); i++) {
     }
 }

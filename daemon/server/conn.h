@@ -28,6 +28,8 @@ enum srv_conn_state {
 };
 
 struct srv_peer;
+struct srv_message;
+struct srv_quota_user;
 struct srv_reply;
 
 struct srv_conn {
@@ -40,7 +42,9 @@ struct srv_conn {
     int events;          /* being watched for */
     uint32_t open_count; /* libuv handles not closed yet */
     uv_poll_t poll;
-    uv_timer_t timer; /* for hello, then for the peer's end */
+    uv_timer_t timer; /* for hello, then for what was put off, or the peer's end */
+    struct srv_message *put_off; /* NULL: none; nothing is read meanwhile */
+    uint32_t put_off_turns;      /* how often, the message that was read last */
     struct srv_reply *reply_first;
     struct srv_reply *reply_last;
     uint32_t reply_count;
@@ -64,6 +68,15 @@ void srv_conn_established(struct srv_conn *conn);
 
 /* Read what has arrived, as after an event. Must not be called from inside a handler. */
 void srv_conn_read(struct srv_conn *conn);
+
+/* A message comes back that often at most: sessions of its user may leave for ever. */
+#define SRV_PUT_OFF_MAX 64u
+
+/* Come back to the message that is being handled when a session of the user has left.
+ * Nothing else is read before it. Returns 0, PCCD_E_LIMIT or PCCD_E_NOMEM. */
+int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes);
+/* A session of the user has left: come back to what was put off, soon, never inside. */
+void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user);
 
 /* Its session goes on over another connection: close soon. [loop], also from inside the
  * handler of another connection's message. */

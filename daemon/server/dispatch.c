@@ -13,6 +13,7 @@
 #include "conn.h"
 #include "crash.h"
 #include "invariant.h"
+#include "linger.h"
 #include "loop.h"
 #include "now.h"
 #include "replies.h"
@@ -278,6 +279,25 @@ static int handle(struct srv_call *call, const struct proto_envelope *envelope)
     return status != 0 ? status : handlers[call->method](call);
 }
 
+/* The user's memory may be held by sessions that only wait for their clients, or are over
+ * and not freed yet. Then those that wait end, and the request comes again when they are
+ * gone. Each turn ends a session. */
+static int handle_in_turn(struct srv_call *call, const struct proto_envelope *envelope,
+                          const void *message, size_t bytes)
+{
+    struct srv_session *session = call->session;
+    int status = handle(call, envelope);
+    while (status == PCCD_E_QUOTA && !call->error.fatal &&
+           srv_linger_make_room(session)) {
+        if (session->user->leaving > 0) {
+            return srv_conn_put_off(session->conn, message, bytes) == 0 ? SRV_LATER
+                                                                        : status;
+        }
+        status = handle(call, envelope);
+    }
+    return status;
+}
+
 void srv_dispatch(struct srv_session *session, const void *message, size_t bytes)
 {
     srv_assert_loop();
@@ -310,7 +330,7 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
     }
     srv_crash_note(call.method < 0 ? "?" : proto_messages[call.method].name, session->id,
                    call.id);
-    status = handle(&call, &envelope);
+    status = handle_in_turn(&call, &envelope, message, bytes);
     srv_crash_note(NULL, 0, 0);
     session = call.session; /* hello may have found an older one */
     const struct question question = {call.arrival_ns, call.id, call.method};

@@ -13,7 +13,7 @@ void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *us
                          uint64_t limit)
 {
     srv_assert_compute();
-    uint64_t used = user->engine_bytes;
+    uint64_t used = atomic_load_explicit(&user->engine_bytes, memory_order_relaxed);
     *memory =
         (struct srv_enginemem){.user = user, .limit = limit, .before = eng_alloc_bytes()};
     memory->refused = eng_alloc_limit(memory->before + (used < limit ? limit - used : 0));
@@ -22,8 +22,11 @@ void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *us
 bool srv_enginemem_end(struct srv_enginemem *memory)
 {
     uint64_t now = eng_alloc_bytes();
-    PCCD_ASSERT(memory->user->engine_bytes + now >= memory->before);
-    memory->user->engine_bytes += now - memory->before; /* modulo 2^64: may be less */
+    uint64_t used =
+        atomic_load_explicit(&memory->user->engine_bytes, memory_order_relaxed);
+    PCCD_ASSERT(used + now >= memory->before);
+    atomic_store_explicit(&memory->user->engine_bytes, used + now - memory->before,
+                          memory_order_relaxed);
     return eng_alloc_limit(UINT64_MAX) != memory->refused;
 }
 

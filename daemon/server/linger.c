@@ -21,6 +21,11 @@
 
 #define TICK_MS 50u /* between looks at the sessions that wait */
 
+/* Of the engine for a triangle of a mesh while that is committed (three times the 56
+ * that stay), or of an object; on the safe side, as nothing depends on it but whether a
+ * session that waits makes room before a refusal or after it. */
+#define TRIANGLE_BYTES 512u
+
 void srv_linger_init(struct srv_loop *loop)
 {
     uv_timer_init(&loop->uv, &loop->linger.timer);
@@ -117,6 +122,33 @@ bool srv_linger_evict(struct srv_loop *loop, const struct srv_quota_user *user)
         end(oldest, "its user needs the place");
     }
     return oldest != NULL;
+}
+
+static bool one_waits(const struct srv_loop *loop, const struct srv_quota_user *user)
+{
+    const struct srv_session *at = loop->linger.count > 0 ? loop->sessions : NULL;
+    while (at != NULL && (at->state != SRV_SESSION_WAITING || at->user != user)) {
+        at = at->next;
+    }
+    return at != NULL;
+}
+
+bool srv_linger_make_room(const struct srv_session *session)
+{
+    struct srv_loop *loop = session->loop;
+    return !loop->quota.is_beyond &&
+           (session->user->leaving > 0 || srv_linger_evict(loop, session->user));
+}
+
+bool srv_linger_is_tight(const struct srv_session *session, uint64_t triangles)
+{
+    const struct srv_loop *loop = session->loop;
+    const struct srv_quota_user *user = session->user;
+    uint64_t limit = loop->options->engine_bytes_max;
+    uint64_t wanted =
+        triangles < limit / TRIANGLE_BYTES ? triangles * TRIANGLE_BYTES : limit;
+    uint64_t used = atomic_load_explicit(&user->engine_bytes, memory_order_relaxed);
+    return used > limit - wanted && (user->leaving > 0 || one_waits(loop, user));
 }
 
 void srv_linger_end_all(struct srv_loop *loop)

@@ -9,7 +9,7 @@
  * A waiting session keeps all it has, and stays charged for it; what it had in flight is
  * computed, and the answers are kept (replies.h). It ends after options->linger_s, as
  * soon as the process at the other end is seen to be gone, at shutdown, or when its user
- * needs the place for a new client.
+ * needs the place for a new client, or what it holds for another one.
  */
 #ifndef SRV_LINGER_H
 #define SRV_LINGER_H
@@ -50,6 +50,13 @@ void srv_linger_resume(struct srv_session *session, struct srv_session *fresh);
 
 /* End the one of the user's sessions that has waited longest. False: none waits. */
 bool srv_linger_evict(struct srv_loop *loop, const struct srv_quota_user *user);
+/* After a refusal for what the user has: whether there may be more room soon, because a
+ * session of the user is over and not freed yet, or because one waited and is ended now.
+ * A request that no user may have is no reason to end one. */
+bool srv_linger_make_room(const struct srv_session *session);
+/* Whether a mesh or object of so many triangles would hardly fit into what the engine may
+ * hold for the user, while sessions that wait, or are not freed yet, hold some of it. */
+bool srv_linger_is_tight(const struct srv_session *session, uint64_t triangles);
 /* End them all. */
 void srv_linger_end_all(struct srv_loop *loop);
 

@@ -79,6 +79,7 @@ static void on_stopper(uv_prepare_t *prepare)
 {
     struct srv_loop *loop = prepare->data;
     if (loop->phase == SRV_PHASE_DRAINING && loop->request_count == 0 &&
+        loop->put_off_count == 0 &&
         (loop->reply_count == 0 || loop->grace_over)) {
         loop->phase = SRV_PHASE_CLOSING;
         close_conns(loop);

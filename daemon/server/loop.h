@@ -62,6 +62,7 @@ struct srv_loop {
     uint32_t refused_count; /* sessions that wait to hear they are refused */
     uint32_t request_count; /* in flight, of all sessions */
     uint32_t reply_count;   /* queued, of all connections */
+    uint32_t put_off_count; /* messages that wait for room, of all connections */
     uint64_t session_last;  /* number of the newest session */
     uint64_t mesh_last;     /* number of the newest mesh */
     uint64_t step_last;     /* number of the newest step */

@@ -54,7 +54,7 @@ void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user)
     for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
         PCCD_ASSERT(user->used[kind] == 0);
     }
-    PCCD_ASSERT(user->engine_bytes == 0);
+    PCCD_ASSERT(user->leaving == 0 && user->engine_bytes == 0);
     struct srv_quota_user **link = &quota->users;
     while (*link != user) {
         link = &(*link)->next;
@@ -70,6 +70,7 @@ int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
     uint64_t limit = quota->limit[kind];
     PCCD_ASSERT(used <= limit);
     if (amount > limit - used) {
+        quota->is_beyond = amount > limit;
         return proto_error_set(error, PCCD_E_QUOTA,
                                "user %u has %llu %s, %llu more exceed the quota of %llu",
                                (unsigned)user->uid, (unsigned long long)used,

@@ -11,6 +11,8 @@
 #ifndef SRV_QUOTA_H
 #define SRV_QUOTA_H
 
+#include <stdatomic.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
 
@@ -28,17 +30,21 @@ enum srv_quota_kind {
 struct srv_quota_user {
     struct srv_quota_user *next;
     uid_t uid;
-    uint32_t refs; /* sessions */
+    uint32_t refs;    /* sessions */
+    uint32_t leaving; /* of these, over, and not freed yet */
     uint64_t used[SRV_QUOTA_COUNT];
     struct srv_group jobs;      /* of the user's sessions; the compute queue's */
     struct srv_group page_jobs; /* likewise, the pages queue's */
-    uint64_t engine_bytes; /* [compute] that the engine holds for the user's sessions */
+    /* That the engine holds for the user's sessions. Written on [compute]; the loop may
+     * read an older value. Relaxed, for nothing else is read because of it. */
+    _Atomic uint64_t engine_bytes;
 };
 
 struct srv_quota {
     uint64_t limit[SRV_QUOTA_COUNT]; /* per user */
     uint64_t total[SRV_QUOTA_COUNT]; /* over all users */
     struct srv_quota_user *users;    /* at most one per open session */
+    bool is_beyond; /* what was refused last is more than any user may have */
 };
 
 void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUNT]);

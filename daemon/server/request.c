@@ -13,6 +13,7 @@
 #include "dispatch.h"
 #include "enginemem.h"
 #include "invariant.h"
+#include "linger.h"
 #include "loop.h"
 #include "session.h"
 
@@ -130,6 +131,9 @@ static void done(struct srv_job *job)
         request->plan.finish(request);
     }
     session->loop->metrics.counters.upload_bytes += request->upload_bytes;
+    if (request->status == PCCD_E_QUOTA && session->state == SRV_SESSION_OPEN) {
+        (void)srv_linger_evict(session->loop, session->user); /* for the next try */
+    }
     srv_dispatch_answer(session, request);
     release(&request->plan);
     srv_session_unlist(session, request);

@@ -14,6 +14,7 @@
 #include "enginemem.h"
 #include "invariant.h"
 #include "limits.h"
+#include "linger.h"
 #include "loop.h"
 #include "memory.h"
 #include "meshes.h"
@@ -90,6 +91,19 @@ static void shape_free_rest(struct srv_job *job)
     srv_session_reaped(session);
 }
 
+/* The engine allocates later, on [compute], where no room can be made any more. */
+static int refuse_tight(struct srv_session *session, uint64_t triangles,
+                        struct proto_error *error)
+{
+    if (!srv_linger_is_tight(session, triangles)) {
+        return 0;
+    }
+    session->loop->quota.is_beyond = false;
+    return proto_error_set(error, PCCD_E_QUOTA,
+                           "user %u: the engine's memory is held by sessions that end",
+                           (unsigned)session->user->uid);
+}
+
 /* Charge for one mesh and its triangles, or for nothing. */
 static int charge_shape(struct srv_session *session, uint64_t triangles,
                         struct proto_error *error)
@@ -119,7 +133,10 @@ int srv_shape_admit(struct srv_session *session, uint32_t vertex_count,
                                PROTO_COUNT_MAX, vertex_count, triangle_count);
     }
     uint64_t triangles = srv_triangle_charge(vertex_count, triangle_count);
-    int status = charge_shape(session, triangles, error);
+    int status = refuse_tight(session, triangles, error);
+    if (status == 0) {
+        status = charge_shape(session, triangles, error);
+    }
     if (status != 0) {
         return status;
     }
@@ -261,8 +278,11 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *ob
     struct srv_loop *loop = session->loop;
     uint64_t charge =
         srv_triangle_charge(mesh->current->vertex_count, mesh->current->triangle_count);
-    int status =
-        srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge, error);
+    int status = refuse_tight(session, charge, error);
+    if (status == 0) {
+        status = srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_TRIANGLES,
+                                  charge, error);
+    }
     if (status != 0) {
         return status;
     }

@@ -127,6 +127,7 @@ void srv_session_detach(struct srv_session *session)
     loop->refused_count -= session->state == SRV_SESSION_REFUSED;
     session->conn = NULL;
     session->state = SRV_SESSION_CLOSED;
+    session->user->leaving++;
     if (session->counted) {
         srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1);
     }
@@ -236,8 +237,12 @@ void srv_session_settle(struct srv_session *session)
     srv_handles_deinit(&session->meshes);
     srv_laststep_set(&session->last_step, NULL);
     srv_replies_free(session->replies);
-    srv_quota_release(&loop->quota, session->user);
+    struct srv_quota_user *user = session->user;
     free(session);
+    PCCD_ASSERT(user->leaving > 0);
+    user->leaving--;
+    srv_conn_room(loop, user); /* whoever has waited for this refers to the user, too */
+    srv_quota_release(&loop->quota, user);
 }
 
 int srv_session_refuse_stranger(const struct srv_session *session,

@@ -7,11 +7,13 @@ integration_names = \
     tests/integration/test_int_death \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
+    tests/integration/test_int_orphan \
     tests/integration/test_int_peer \
     tests/integration/test_int_quota \
     tests/integration/test_int_replace \
     tests/integration/test_int_reconnect \
     tests/integration/test_int_resume \
+    tests/integration/test_int_room \
     tests/integration/test_int_sandbox \
     tests/integration/test_int_session \
     tests/integration/test_int_slot \
@@ -50,6 +52,10 @@ tests_integration_test_int_hostile_SOURCES = tests/integration/test_int_hostile.
 tests_integration_test_int_hostile_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_hostile_LDADD = $(integration_libs)
 
+tests_integration_test_int_orphan_SOURCES = tests/integration/test_int_orphan.c
+tests_integration_test_int_orphan_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_orphan_LDADD = $(integration_libs)
+
 tests_integration_test_int_peer_SOURCES = tests/integration/test_int_peer.c
 tests_integration_test_int_peer_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_peer_LDADD = $(integration_libs)
@@ -70,6 +76,10 @@ tests_integration_test_int_reconnect_LDADD = $(integration_libs)
 tests_integration_test_int_resume_SOURCES = tests/integration/test_int_resume.c
 tests_integration_test_int_resume_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_resume_LDADD = $(integration_libs)
+
+tests_integration_test_int_room_SOURCES = tests/integration/test_int_room.c
+tests_integration_test_int_room_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_room_LDADD = $(integration_libs)
 
 tests_integration_test_int_sandbox_SOURCES = tests/integration/test_int_sandbox.c
 tests_integration_test_int_sandbox_CPPFLAGS = $(integration_cppflags)

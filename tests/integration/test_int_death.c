@@ -100,6 +100,7 @@ static void death__of_clients_leaves_nothing_behind(void **state)
         child = fork();
         assert_true(child >= 0);
         if (child == 0) {
+            test_end_with_parent();
             work_until_killed(test_witness.daemon.url, fds[1], round);
         }
         (void)close(fds[1]);
@@ -417,6 +418,7 @@ static void private__daemon_goes_when_its_client_is_killed(void **state)
     if (child == 0) {
         struct pccd_client *client = NULL;
 
+        test_end_with_parent();
         if (connect_private(&client) != 0) {
             _exit(1);
         }

@@ -143,6 +143,7 @@ static void start_peer(script_fn script)
     child = fork();
     assert_true(child >= 0);
     if (child == 0) {
+        test_end_with_parent();
         peer.socket = accept(listener, NULL, NULL);
         peer.decoder = proto_decoder_new();
         if (peer.socket < 0 || peer.decoder == NULL) {

@@ -1,7 +1,9 @@
 /* daemon.c - a real pccdd for a test.
  *
  * Room:     tests/support. May include: daemon.h, the C library.
- * Does:     fork and exec, a pipe for "listening", a folder of its own under $TMPDIR.
+ * Does:     fork and exec, a pipe for "listening", a folder of its own under $TMPDIR. A
+ *           daemon is a process group: its supervisor may be gone while a worker is
+ *           stopped, which then has the end that it was told of before it.
  * Threads:  one test at a time.
  */
 #include "daemon.h"
@@ -48,6 +50,11 @@ void test_sleep_ms(unsigned ms)
     (void)nanosleep(&pause, NULL);
 }
 
+void test_end_with_parent(void)
+{
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+}
+
 /* In the child: become the daemon. */
 static void become_daemon(const struct test_daemon *daemon, const char *const *options,
                           int ready_fd)
@@ -57,8 +64,8 @@ static void become_daemon(const struct test_daemon *daemon, const char *const *o
     size_t count = 3;
     int log_fd = open(daemon->log, O_WRONLY | O_CREAT | O_APPEND, 0600);
 
-    (void)prctl(PR_SET_PDEATHSIG,
-                SIGKILL); /* a test that fails leaves no daemon behind */
+    (void)setpgid(0, 0);
+    test_end_with_parent();
     if (ready_fd >= 0) {
         arguments[count++] = "--ready-fd";
         arguments[count++] = "3";
@@ -72,10 +79,49 @@ static void become_daemon(const struct test_daemon *daemon, const char *const *o
     }
     arguments[count] = NULL;
     if (log_fd >= 0) {
+        (void)dup2(log_fd, 1); /* who reads what the test says shall see its end */
         (void)dup2(log_fd, 2);
     }
     execv(program, (char *const *)(uintptr_t)arguments);
     _exit(127);
+}
+
+/* In a child: when the test program ends, kill what is left of the daemon's group. The
+ * daemon alone would be killed by PDEATHSIG; not its workers. */
+static void guard_group(pid_t test, pid_t group)
+{
+    sigset_t end;
+    int number = 0;
+
+    sigemptyset(&end);
+    sigaddset(&end, SIGUSR1);
+    (void)sigprocmask(SIG_BLOCK, &end, NULL);
+    (void)prctl(PR_SET_PDEATHSIG, SIGUSR1);
+    (void)close_range(3, ~0u, 0); /* what the test closes shall be closed */
+    if (getppid() == test) {
+        (void)sigwait(&end, &number);
+    }
+    (void)kill(-group, SIGKILL);
+    _exit(0);
+}
+
+static void dismiss_guard(struct test_daemon *daemon)
+{
+    if (daemon->guard > 0) {
+        (void)kill(daemon->guard, SIGKILL);
+        (void)waitpid(daemon->guard, NULL, 0);
+    }
+    daemon->guard = 0;
+}
+
+/* Nothing of the daemon shall be left, stopped workers neither. */
+static void end_group(struct test_daemon *daemon)
+{
+    if (daemon->group > 0) {
+        (void)kill(-daemon->group, SIGKILL);
+    }
+    daemon->group = 0;
+    dismiss_guard(daemon);
 }
 
 static bool await_ready(int fd)
@@ -114,11 +160,19 @@ bool test_daemon_restart(struct test_daemon *daemon, const char *const *options)
         fprintf(stderr, "# PCCDD is not set, or there is no pipe\n");
         return false;
     }
+    pid_t test = getpid();
+    end_group(daemon);
     daemon->pid = fork();
     if (daemon->pid == 0) {
         become_daemon(daemon, options, ready_fds[1]);
     }
+    daemon->group = daemon->pid;
+    (void)setpgid(daemon->pid, daemon->pid); /* before the guard, whoever runs first */
     (void)close(ready_fds[1]);
+    daemon->guard = daemon->pid > 0 ? fork() : -1;
+    if (daemon->guard == 0) {
+        guard_group(test, daemon->group);
+    }
     ready = daemon->pid > 0 && await_ready(ready_fds[0]);
     (void)close(ready_fds[0]);
     if (!ready) {
@@ -196,7 +250,7 @@ int test_daemon_end(struct test_daemon *daemon, int signal, int timeout_ms)
     status = await_end(daemon->pid, timeout_ms);
     if (status < 0) {
         fprintf(stderr, "# the daemon does not end: killed\n");
-        (void)kill(daemon->pid, SIGKILL);
+        (void)kill(-daemon->pid, SIGKILL);
         (void)waitpid(daemon->pid, NULL, 0);
     }
     daemon->pid = 0;
@@ -250,6 +304,7 @@ bool test_daemon_finish(struct test_daemon *daemon)
             show_log(daemon);
         }
     }
+    end_group(daemon);
     if (daemon->directory[0] != '\0') {
         remove_directory(daemon->directory);
     }

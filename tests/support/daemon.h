@@ -2,7 +2,8 @@
  *
  * Room:     tests/support. May include: the C library.
  * Does:     start $PCCDD on a socket in a new folder and wait until it listens; stop it,
- *           kill it, read how it ended and what it logged.
+ *           kill it, read how it ended and what it logged. What it started ends with the
+ *           test, however that ends, even if it was stopped.
  * Threads:  one test at a time.
  */
 #ifndef TEST_DAEMON_H
@@ -14,7 +15,9 @@
 #include <sys/types.h>
 
 struct test_daemon {
-    pid_t pid; /* 0: not running */
+    pid_t pid;   /* 0: not running */
+    pid_t group; /* of it and its workers; 0: never started */
+    pid_t guard; /* ends the group with the test; 0: none */
     char directory[64];
     char socket[80];
     char url[88];
@@ -43,6 +46,10 @@ bool test_daemon_finish(struct test_daemon *daemon);
 
 /* Whether the log holds `text`. */
 bool test_daemon_logged(const struct test_daemon *daemon, const char *text);
+
+/* In a forked child: end when the test does, instead of keeping its output open. To be
+ * said again after a change of user, which takes it back. */
+void test_end_with_parent(void);
 
 /* CLOCK_MONOTONIC, milliseconds and microseconds. */
 uint64_t test_now_ms(void);

@@ -153,6 +153,7 @@ bool zoo_dies_in_the_middle(struct zoo_cage *cage)
 
     EXPECT(cage, child >= 0);
     if (child == 0) {
+        test_end_with_parent();
         die_copying(cage, delay_us);
     }
     EXPECT(cage, waitpid(child, &status, 0) == child);
