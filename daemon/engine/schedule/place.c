@@ -20,6 +20,7 @@ void eng_places_init(struct eng_places *places)
 {
     cpu_set_t set;
     places->count = 0;
+    (void)omp_get_max_threads();
     if (sched_getaffinity(0, sizeof set, &set) != 0) {
         return;
     }

@@ -18,7 +18,9 @@ struct eng_places {
     uint16_t cpu[ENG_PLACES_MAX];
 };
 
-/* The processors that the calling thread may use. Before it is placed. [any] */
+/* The processors that the calling thread may use. Before it is placed. The runtime sets
+ * itself up, too: libomp opens files at its first call, which a sandbox would forbid
+ * later. [any] */
 void eng_places_init(struct eng_places *places);
 
 /* Bind the calling thread, the `thread`-th of a team, to a processor of its own, unless
