@@ -20,8 +20,7 @@
 #include "log.h"
 #include "pccd_types.h"
 
-/* The number in a variable of the environment; -1: absent or not a number. */
-static long number_of(const char *name)
+long srv_number_of(const char *name)
 {
     const char *text = getenv(name);
     char *end = NULL;
@@ -63,8 +62,8 @@ static int take_path(int fd, struct srv_options *options)
 
 int srv_activate(struct srv_options *options)
 {
-    bool ours = number_of("LISTEN_PID") == (long)getpid();
-    long count = number_of("LISTEN_FDS");
+    bool ours = srv_number_of("LISTEN_PID") == (long)getpid();
+    long count = srv_number_of("LISTEN_FDS");
     /* Nobody we start may take them for its own. */
     unsetenv("LISTEN_PID");
     unsetenv("LISTEN_FDS");
@@ -125,7 +124,7 @@ int srv_standby_give(int fd)
 
 bool srv_standby(void)
 {
-    long fd = number_of(STANDBY_NAME);
+    long fd = srv_number_of(STANDBY_NAME);
     char byte;
     ssize_t got;
     unsetenv(STANDBY_NAME);

@@ -14,6 +14,9 @@
 
 #define SRV_ACTIVATE_FD 3
 
+/* The number in a variable of the environment; -1: absent or not a number. */
+long srv_number_of(const char *name);
+
 /* If this process was given a socket, set options->listen_fd and, from its address,
  * options->socket_path. Returns 0, also when there is none, or PCCD_E_INVAL: what is
  * wrong with it is logged. */

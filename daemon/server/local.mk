@@ -21,6 +21,7 @@ libserver_la_SOURCES = \
     daemon/server/handlers_watch.c \
     daemon/server/invariant.c daemon/server/invariant.h \
     daemon/server/laststep.c daemon/server/laststep.h \
+    daemon/server/lifeline.c daemon/server/lifeline.h \
     daemon/server/linger.c daemon/server/linger.h \
     daemon/server/listener.c daemon/server/listener.h \
     daemon/server/lockfile.c daemon/server/lockfile.h \

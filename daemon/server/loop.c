@@ -27,6 +27,7 @@
 #include "dispatch.h"
 #include "invariant.h"
 #include "kernel.h"
+#include "lifeline.h"
 #include "limits.h"
 #include "now.h"
 #include "pccd_types.h"
@@ -312,6 +313,7 @@ static int serve(struct srv_loop *loop)
         status = srv_listener_open(&loop->listener, loop); /* says itself what is wrong */
     }
     if (status == 0) {
+        srv_lifeline_raise(loop->listener.fd_count);
         status = srv_sandbox_enter(loop->options);
     }
     /* A spare worker waits here, with all behind it that takes long: threads take 5 ms to

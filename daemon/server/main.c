@@ -19,6 +19,7 @@
 #include "activate.h"
 #include "crash.h"
 #include "kernel.h"
+#include "lifeline.h"
 #include "listener.h"
 #include "lockfile.h"
 #include "log.h"
@@ -135,6 +136,7 @@ int main(int argc, char **argv)
     ignore_signals();
     umask(0077);
     srv_crash_install();
+    srv_lifeline_take();
     if (srv_activate(&options) != 0) {
         return 1;
     }
@@ -142,7 +144,11 @@ int main(int argc, char **argv)
         srv_listener_make_room(&options);
     }
     if (options.listen_fd >= 0) {
-        return srv_loop_run(&options); /* who gave us the socket answers for its path */
+        int exit_status = srv_loop_run(&options);
+        if (exit_status == 0) {
+            srv_lifeline_say_end();
+        }
+        return exit_status; /* who gave us the socket answers for its path */
     }
     if (srv_listener_prepare_folder(&options) != 0) {
         return 1;

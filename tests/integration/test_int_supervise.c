@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/ptrace.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -70,6 +71,21 @@ static int teardown(void **state)
     return 0;
 }
 
+static bool is_logged_soon(const struct fixture *f, const char *text)
+{
+    for (int i = 0; i < END_MS / 10 && !test_daemon_logged(&f->daemon, text); i++) {
+        test_sleep_ms(10);
+    }
+    return test_daemon_logged(&f->daemon, text);
+}
+
+static bool tells_the_end_of(const struct fixture *f, pid_t worker)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, "worker %ld was ended by signal 9", (long)worker);
+    return is_logged_soon(f, text);
+}
+
 /* If the socket went with the worker, a client that comes while the next one starts would
  * be refused. */
 static void supervise__clients_reach_the_next_worker(void **state)
@@ -99,9 +115,7 @@ static void supervise__has_a_spare_worker(void **state)
                                                           "--log-level", "debug", NULL}));
     for (int round = 0; round < 3; round++) {
         first = meet(f);
-        for (int i = 0; i < 1000 && !test_daemon_logged(&f->daemon, " stands by"); i++) {
-            test_sleep_ms(10);
-        }
+        assert_true(is_logged_soon(f, " stands by"));
         test_sleep_ms(300); /* the next one is made a tenth of a second after a start */
         assert_int_equal(kill(first, SIGKILL), 0);
         see_it_end(f);
@@ -125,7 +139,132 @@ static void supervise__tells_what_a_worker_died_of(void **state)
     test_raw_close(&f->raw);
     assert_true(test_daemon_logged(&f->daemon, "SIGABRT in process "));
     assert_true(test_daemon_logged(&f->daemon, "(loop), request none"));
-    assert_true(test_daemon_logged(&f->daemon, " was ended by signal 6 "));
+    assert_true(is_logged_soon(f, " was ended by signal 6 "));
+}
+
+/* Kill a worker so that its parent cannot see it end: a process that is traced is reaped
+ * by its tracer first. */
+static void kill_unseen(struct fixture *f, pid_t worker)
+{
+    if (ptrace(PTRACE_SEIZE, worker, NULL, NULL) != 0) {
+        print_message("ptrace: %s\n", strerror(errno));
+        skip();
+    }
+    assert_int_equal(kill(worker, SIGKILL), 0);
+    see_it_end(f);
+}
+
+static void let_it_be_seen(pid_t worker)
+{
+    int status = 0;
+    assert_int_equal(waitpid(worker, &status, __WALL), worker);
+    assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+}
+
+/* If the next worker began only when the last one is reaped, clients would wait until all
+ * sockets of a thousand others are closed; and if only one could be unreaped, a daemon
+ * that crashes twice in a row would stay away. */
+static void supervise__replaces_a_worker_before_it_is_gone(void **state)
+{
+    struct fixture *f = *state;
+    pid_t first = meet(f);
+    kill_unseen(f, first);
+    pid_t second = meet(f);
+    assert_int_not_equal(second, first);
+    kill_unseen(f, second);
+    pid_t third = meet(f);
+    assert_true(third != first && third != second);
+    assert_false(test_daemon_logged(&f->daemon, "was ended by signal"));
+    let_it_be_seen(second);
+    assert_true(tells_the_end_of(f, second));
+    let_it_be_seen(first);
+    assert_true(tells_the_end_of(f, first));
+    test_raw_close(&f->raw);
+    assert_int_equal(meet(f), third); /* neither was taken for it */
+    assert_int_equal(test_daemon_end(&f->daemon, SIGTERM, END_MS), 0);
+    see_it_end(f);
+}
+
+/* If crashes that are not reaped were not counted, it would start workers without end. */
+static void supervise__counts_workers_that_are_not_gone(void **state)
+{
+    struct fixture *f = *state;
+    pid_t workers[5];
+    for (int i = 0; i < 5; i++) {
+        workers[i] = meet(f);
+        kill_unseen(f, workers[i]);
+    }
+    test_sleep_ms(300);
+    assert_int_equal(kill(f->daemon.pid, 0), 0); /* it waits to say what the fifth was */
+    for (int i = 4; i >= 0; i--) {
+        let_it_be_seen(workers[i]);
+    }
+    int status = test_daemon_end(&f->daemon, 0, END_MS);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    assert_true(tells_the_end_of(f, workers[4]));
+    assert_true(test_daemon_logged(&f->daemon, "giving up: 5 crashes within 10 seconds"));
+}
+
+/* If the end of a worker that ends in order were taken for a crash, another one would be
+ * started, and serve nobody's order. */
+static void supervise__ends_when_its_worker_ends_in_order(void **state)
+{
+    struct fixture *f = *state;
+    char text[64];
+    (void)test_daemon_end(&f->daemon, SIGTERM, END_MS);
+    assert_true(test_daemon_restart(&f->daemon,
+                                    (const char *const[]){"--supervise", "--threads", "1",
+                                                          "--log-level", "debug", NULL}));
+    pid_t worker = meet(f);
+    assert_true(is_logged_soon(f, " stands by"));
+    assert_int_equal(kill(worker, SIGTERM), 0);
+    see_it_end(f);
+    assert_int_equal(test_daemon_end(&f->daemon, 0, END_MS), 0);
+    (void)snprintf(text, sizeof text, "process %ld listens on ", (long)worker);
+    assert_true(test_daemon_logged(&f->daemon, text));
+    assert_false(test_daemon_logged(&f->daemon, "worker "));
+}
+
+/* If a worker that is stopped were taken for one that is gone, two would serve. */
+static void supervise__waits_for_a_worker_that_is_stopped(void **state)
+{
+    struct fixture *f = *state;
+    pid_t worker = meet(f);
+    test_raw_close(&f->raw);
+    assert_int_equal(kill(worker, SIGSTOP), 0);
+    test_sleep_ms(300);
+    assert_int_equal(kill(worker, SIGCONT), 0);
+    assert_int_equal(meet(f), worker);
+    test_raw_close(&f->raw);
+}
+
+/* If a spare that has died were told to go on, nobody would serve. */
+static void supervise__does_without_a_spare_that_has_died(void **state)
+{
+    struct fixture *f = *state;
+    static char log[65536];
+    (void)test_daemon_end(&f->daemon, SIGTERM, END_MS);
+    assert_true(test_daemon_restart(&f->daemon,
+                                    (const char *const[]){"--supervise", "--threads", "1",
+                                                          "--log-level", "debug", NULL}));
+    pid_t worker = meet(f);
+    assert_true(is_logged_soon(f, " stands by"));
+    FILE *file = fopen(f->daemon.log, "r");
+    assert_non_null(file);
+    log[fread(log, 1, sizeof log - 1, file)] = '\0';
+    (void)fclose(file);
+    const char *at = strstr(log, " stands by");
+    while (at[-1] != ' ') {
+        at--;
+    }
+    pid_t spare = (pid_t)strtol(at, NULL, 10);
+    assert_int_equal(kill(spare, SIGKILL), 0);
+    assert_int_equal(kill(worker, SIGKILL), 0);
+    see_it_end(f);
+    pid_t next = meet(f);
+    assert_true(next != worker && next != spare);
+    test_raw_close(&f->raw);
+    assert_true(tells_the_end_of(f, worker));
 }
 
 /* If it went on for ever, a daemon that cannot start would burn a processor. */
@@ -267,6 +406,16 @@ int main(void)
         cmocka_unit_test_setup_teardown(supervise__has_a_spare_worker, setup, teardown),
         cmocka_unit_test_setup_teardown(supervise__tells_what_a_worker_died_of, setup,
                                         teardown),
+        cmocka_unit_test_setup_teardown(supervise__replaces_a_worker_before_it_is_gone,
+                                        setup, teardown),
+        cmocka_unit_test_setup_teardown(supervise__counts_workers_that_are_not_gone,
+                                        setup, teardown),
+        cmocka_unit_test_setup_teardown(supervise__ends_when_its_worker_ends_in_order,
+                                        setup, teardown),
+        cmocka_unit_test_setup_teardown(supervise__waits_for_a_worker_that_is_stopped,
+                                        setup, teardown),
+        cmocka_unit_test_setup_teardown(supervise__does_without_a_spare_that_has_died,
+                                        setup, teardown),
         cmocka_unit_test_setup_teardown(supervise__gives_up_after_five_crashes, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(supervise__bears_as_many_crashes_as_it_is_told,

@@ -1,0 +1,35 @@
+/* lifeline.h - a pipe that ends when a worker does, before it is gone.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     let a supervisor see the death of its worker as early as another one may take
+ *           over: when no thread of it runs any more, but before its sockets are closed,
+ *           which with a thousand clients takes some 50 ms, because each of them is woken
+ *           and takes the processor away.
+ * Does not: tell what it died of: its exit status does, later.
+ * Threads:  [main] of either process.
+ * Source:   Linux, kernel/exit.c: do_exit of each thread gives its memory (exit_mm) and
+ *           then its part in the table of descriptors (exit_files) up; the last one's
+ *           closes them all, so that by then no thread of the process is in user mode
+ *           nor ever will be. fs/file.c, close_files goes through them in ascending
+ *           order, but fput (fs/file_table.c) leaves each to exit_task_work, whose list
+ *           is a stack: the file with the highest number is let go of first. Measured on
+ *           6.18 with 1000 sockets: 0.3 ms after the signal the highest, 8 the lowest.
+ */
+#ifndef SRV_LIFELINE_H
+#define SRV_LIFELINE_H
+
+#include <stdint.h>
+
+/* In a child, before exec: let it hold `fd`, the end that is written to, open across
+ * exec; negative: none. Returns 0 or a status, errno set. */
+int srv_lifeline_give(int fd);
+
+/* Take over what this process was given, if it was; no program it starts inherits it. */
+void srv_lifeline_take(void);
+/* Under the highest number below `count` that this process may have: see above. */
+void srv_lifeline_raise(uint32_t count);
+
+/* This process is about to end in order: the end of the lifeline is no crash. */
+void srv_lifeline_say_end(void);
+
+#endif
