@@ -66,7 +66,8 @@ static void compare(struct load_actor *actor, const struct load_pending *pending
         *truth = found;
         return;
     }
-    load_tally_time(actor->tally, load_now_ns() - pending->sent_ns);
+    load_times_add(&actor->tally->latency, load_now_ns() - pending->sent_ns);
+    load_times_add(&actor->tally->inside, answer->times.queue + answer->times.step);
     if (actor->kind == LOAD_CHURN) { /* the hash knows the objects' numbers */
         memcpy(found.hash, truth->hash, sizeof found.hash);
     }

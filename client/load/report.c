@@ -43,14 +43,22 @@ static bool print_counts(const struct load_tally *crowd, const struct load_tally
     return adds_up && is_right;
 }
 
+static void print_histogram(const char *name, const struct load_times *times)
+{
+    printf("%-20s %12.1f  p50, us\n", name,
+           1e-3 * (double)load_times_quantile(times, 0.5));
+    printf("%-20s %12.1f  p99\n", "", 1e-3 * (double)load_times_quantile(times, 0.99));
+    printf("%-20s %12.1f  longest\n", "", 1e-3 * (double)times->longest_ns);
+}
+
+/* A process has many clients: an answer may wait in its socket while the process waits for
+ * something else, so that the latency is that of the crowd, too. */
 static void print_times(const struct load_tally *tally, double seconds)
 {
     printf("%-20s %12.0f  answers a second\n", "rate",
            seconds > 0 ? (double)tally->answered / seconds : 0);
-    printf("%-20s %12.1f  p50, us\n", "latency",
-           1e-3 * (double)load_tally_quantile(tally, 0.5));
-    printf("%-20s %12.1f  p99\n", "", 1e-3 * (double)load_tally_quantile(tally, 0.99));
-    printf("%-20s %12.1f  longest\n", "", 1e-3 * (double)tally->longest_ns);
+    print_histogram("latency", &tally->latency);
+    print_histogram("in the daemon", &tally->inside);
 }
 
 /* Everybody's answers in one number: two runs with the same seed and the same clients

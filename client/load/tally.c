@@ -25,10 +25,20 @@ static uint64_t end_of(unsigned bin)
     return (uint64_t)(9 + bin % 8) << (octave - 3);
 }
 
-void load_tally_time(struct load_tally *tally, uint64_t ns)
+void load_times_add(struct load_times *times, uint64_t ns)
 {
-    tally->bins[bin_of(ns)]++;
-    tally->longest_ns = ns > tally->longest_ns ? ns : tally->longest_ns;
+    times->bins[bin_of(ns)]++;
+    times->longest_ns = ns > times->longest_ns ? ns : times->longest_ns;
+}
+
+static void add_times(struct load_times *sum, const struct load_times *times)
+{
+    if (times->longest_ns > sum->longest_ns) {
+        sum->longest_ns = times->longest_ns;
+    }
+    for (unsigned i = 0; i < LOAD_BINS; i++) {
+        sum->bins[i] += times->bins[i];
+    }
 }
 
 void load_tally_add(struct load_tally *sum, const struct load_tally *tally)
@@ -37,25 +47,21 @@ void load_tally_add(struct load_tally *sum, const struct load_tally *tally)
     LOAD_COUNTS(LOAD_COUNT_ADD)
 #undef LOAD_COUNT_ADD
     sum->records += tally->records;
-    if (tally->longest_ns > sum->longest_ns) {
-        sum->longest_ns = tally->longest_ns;
-    }
-    for (unsigned i = 0; i < LOAD_BINS; i++) {
-        sum->bins[i] += tally->bins[i];
-    }
+    add_times(&sum->latency, &tally->latency);
+    add_times(&sum->inside, &tally->inside);
 }
 
-uint64_t load_tally_quantile(const struct load_tally *tally, double share)
+uint64_t load_times_quantile(const struct load_times *times, double share)
 {
     uint64_t all = 0;
     uint64_t below = 0;
     for (unsigned i = 0; i < LOAD_BINS; i++) {
-        all += tally->bins[i];
+        all += times->bins[i];
     }
     for (unsigned i = 0; i < LOAD_BINS; i++) {
-        below += tally->bins[i];
+        below += times->bins[i];
         if (all > 0 && (double)below >= share * (double)all) {
-            return end_of(i) < tally->longest_ns ? end_of(i) : tally->longest_ns;
+            return end_of(i) < times->longest_ns ? end_of(i) : times->longest_ns;
         }
     }
     return 0;

@@ -27,20 +27,25 @@
 
 #define LOAD_BINS 512u
 
+struct load_times {
+    uint64_t longest_ns;
+    uint64_t bins[LOAD_BINS];
+};
+
+void load_times_add(struct load_times *times, uint64_t ns);
+
+/* The upper end of the bin below which the share lies, nanoseconds; 0 without any. */
+uint64_t load_times_quantile(const struct load_times *times, double share);
+
 struct load_tally {
 #define LOAD_COUNT_FIELD(name, text) uint64_t name;
     LOAD_COUNTS(LOAD_COUNT_FIELD)
 #undef LOAD_COUNT_FIELD
-    uint64_t records; /* of the answers that were checked */
-    uint64_t longest_ns;
-    uint64_t bins[LOAD_BINS]; /* from commit to answer, of those that were checked */
+    uint64_t records;          /* of the answers that were checked */
+    struct load_times latency; /* from commit to answer, of those that were checked */
+    struct load_times inside;  /* of these, from arrival at the daemon to the answer */
 };
 
-void load_tally_time(struct load_tally *tally, uint64_t ns);
-
 void load_tally_add(struct load_tally *sum, const struct load_tally *tally);
-
-/* The upper end of the bin below which the share lies, nanoseconds; 0 without any. */
-uint64_t load_tally_quantile(const struct load_tally *tally, double share);
 
 #endif

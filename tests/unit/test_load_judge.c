@@ -183,13 +183,13 @@ static void tally__has_quantiles_to_an_eighth(void **state)
 {
     struct fixture *f = *state;
     for (uint64_t i = 1; i <= 1000; i++) {
-        load_tally_time(&f->tally, 1000 * i);
+        load_times_add(&f->tally.latency, 1000 * i);
     }
-    assert_in_range(load_tally_quantile(&f->tally, 0.5), 500000, 563000);
-    assert_in_range(load_tally_quantile(&f->tally, 0.99), 990000, 1000000);
-    assert_int_equal(f->tally.longest_ns, 1000000);
-    struct load_tally none = {0};
-    assert_int_equal(load_tally_quantile(&none, 0.5), 0);
+    assert_in_range(load_times_quantile(&f->tally.latency, 0.5), 500000, 563000);
+    assert_in_range(load_times_quantile(&f->tally.latency, 0.99), 990000, 1000000);
+    assert_int_equal(f->tally.latency.longest_ns, 1000000);
+    struct load_times none = {0};
+    assert_int_equal(load_times_quantile(&none, 0.5), 0);
 }
 
 /* 300 samples of three workers: each begins elsewhere, and takes what it needs in its
