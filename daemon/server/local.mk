@@ -5,6 +5,7 @@ libserver_la_SOURCES = \
     daemon/server/activate.c daemon/server/activate.h \
     daemon/server/allow.c daemon/server/allow.h \
     daemon/server/call.h \
+    daemon/server/bell.c daemon/server/bell.h \
     daemon/server/closer.c daemon/server/closer.h \
     daemon/server/compute.c daemon/server/compute.h \
     daemon/server/conn.c daemon/server/conn.h \

@@ -49,7 +49,9 @@ static void close_if_open(uv_handle_t *handle)
 
 static void close_handles(struct srv_loop *loop)
 {
-    close_if_open((uv_handle_t *)&loop->completions);
+    if (!uv_is_closing((uv_handle_t *)&loop->bell.poll)) {
+        srv_bell_close(&loop->bell);
+    }
     close_if_open((uv_handle_t *)&loop->sigterm);
     close_if_open((uv_handle_t *)&loop->sigint);
     close_if_open((uv_handle_t *)&loop->idle);
@@ -199,9 +201,9 @@ void srv_loop_conn_closed(struct srv_loop *loop)
 
 /* ---- starting ---------------------------------------------------------------------- */
 
-static void on_completions(uv_async_t *async)
+static void on_completions(void *context)
 {
-    struct srv_loop *loop = async->data;
+    struct srv_loop *loop = context;
     srv_compute_drain(&loop->compute);
     srv_compute_drain(&loop->pages);
 }
@@ -210,7 +212,7 @@ static void on_completions(uv_async_t *async)
 static void on_notify(void *context)
 {
     struct srv_loop *loop = context;
-    uv_async_send(&loop->completions); /* the one libuv call that any thread may make */
+    srv_bell_ring(&loop->bell);
 }
 
 /* Make the team before the first step wants it. [compute] */
@@ -259,8 +261,9 @@ static void deinit_buffers(struct srv_loop *loop)
  * those of memory and descriptors. */
 static int init_handles(struct srv_loop *loop)
 {
-    if (uv_async_init(&loop->uv, &loop->completions, on_completions) != 0) {
-        return PCCD_E_SYSTEM;
+    int status = srv_bell_init(&loop->bell, &loop->uv, on_completions, loop);
+    if (status != 0) {
+        return status;
     }
     uv_timer_init(&loop->uv, &loop->idle);
     uv_timer_init(&loop->uv, &loop->grace);
@@ -268,7 +271,6 @@ static int init_handles(struct srv_loop *loop)
     srv_linger_init(loop);
     uv_signal_init(&loop->uv, &loop->sigterm);
     uv_signal_init(&loop->uv, &loop->sigint);
-    loop->completions.data = loop;
     loop->idle.data = loop;
     loop->grace.data = loop;
     loop->stopper.data = loop;

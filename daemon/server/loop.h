@@ -13,6 +13,7 @@
 #include <stdint.h>
 #include <uv.h>
 
+#include "bell.h"
 #include "codec.h"
 #include "compute.h"
 #include "laststep.h"
@@ -69,8 +70,8 @@ struct srv_loop {
     uint64_t epoch;         /* of this start of the daemon */
     uint64_t start_ns;
     enum srv_phase phase;
-    bool grace_over; /* requests in flight have been cancelled */
-    uv_async_t completions;
+    bool grace_over;      /* requests in flight have been cancelled */
+    struct srv_bell bell; /* rung when a thread has finished jobs */
     uv_signal_t sigterm;
     uv_signal_t sigint;
     uv_timer_t idle;  /* until we go because nobody is here */
