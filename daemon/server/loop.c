@@ -19,6 +19,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/random.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "activate.h"
@@ -37,6 +38,7 @@
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
 #define LAST_TURNS      16     /* for what has come before a connection is closed */
 #define FORCE_MS        5000u  /* for a cancelled request to let go */
+#define PAGES_NICE      10     /* a tenth of what another thread gets beside it */
 
 /* ---- stopping ---------------------------------------------------------------------- */
 
@@ -223,6 +225,15 @@ static void on_enter(void *context)
                        loop->options->threads_max);
 }
 
+/* Rings are made and freed behind everything else that wants a processor: clients that
+ * come and go without end kept one busy, and the team of the steps shared it. Where the
+ * priority cannot be set they are made all the same. [pages] */
+static void on_enter_pages(void *context)
+{
+    (void)context;
+    (void)setpriority(PRIO_PROCESS, 0, PAGES_NICE); /* of this thread, on Linux */
+}
+
 /* Before any thread is bound or made: they inherit where this one may run. */
 static void choose_places(struct srv_loop *loop)
 {
@@ -306,7 +317,7 @@ static int serve(struct srv_loop *loop)
     status = srv_compute_start(&loop->compute, loop->options->queue_max, on_enter,
                                on_notify, loop);
     if (status == 0) {
-        status = srv_compute_start(&loop->pages, loop->options->queue_max, NULL,
+        status = srv_compute_start(&loop->pages, loop->options->queue_max, on_enter_pages,
                                    on_notify, loop);
     }
     if (status != 0) {

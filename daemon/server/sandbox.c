@@ -19,6 +19,7 @@
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 
 static const int allowed[] = {
     /* clients: taken over by accept4, not made */
@@ -100,6 +101,9 @@ static int allow_some(scmp_filter_ctx filter)
                                SCMP_A1(SCMP_CMP_EQ, FIONBIO, 0));
     status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(kill), 1,
                                SCMP_A1(SCMP_CMP_EQ, 0, 0)); /* no signal: does it live? */
+    status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(setpriority), 2,
+                               SCMP_A0(SCMP_CMP_EQ, PRIO_PROCESS, 0),
+                               SCMP_A1(SCMP_CMP_EQ, 0, 0)); /* the thread's own */
     status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(prctl), 1,
                                SCMP_A0(SCMP_CMP_EQ, PR_SET_NAME, 0));
     return status;
