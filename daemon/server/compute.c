@@ -102,6 +102,19 @@ static bool finish(struct srv_compute *compute, struct srv_job *job)
     return first;
 }
 
+/* Some of the job has been done: it is the first of its lane once more. Locked. */
+static void put_back(struct srv_compute *compute, struct srv_job *job)
+{
+    struct srv_lane *lane = job->lane;
+    job->state = SRV_JOB_QUEUED;
+    job->next = lane->first;
+    lane->first = job;
+    if (job->next == NULL) {
+        lane->last = job;
+    }
+    compute->queued++;
+}
+
 static void *compute_main(void *context)
 {
     struct srv_compute *compute = context;
@@ -120,12 +133,17 @@ static void *compute_main(void *context)
         }
         struct srv_job *job = take(compute);
         unlock(compute);
-        uint64_t begin_ns = srv_now_ns();
+        job->goes_on = false;
+        uint64_t begin_ns = srv_now_thread_ns();
         job->run(job);
-        uint64_t cost_ns = srv_now_ns() - begin_ns;
+        uint64_t cost_ns = srv_now_thread_ns() - begin_ns;
         lock(compute);
+        bool goes_on = job->goes_on;
+        if (goes_on) {
+            put_back(compute, job);
+        }
         settle(compute, job, cost_ns);
-        if (finish(compute, job)) {
+        if (!goes_on && finish(compute, job)) {
             unlock(compute);
             compute->notify(compute->context);
             lock(compute);

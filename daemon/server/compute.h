@@ -12,10 +12,12 @@
  * Within a lane the order is first in, first out. Users get equal shares of the thread's
  * time, and the sessions of a user equal shares of that user's, measured and not counted
  * in jobs (fairqueue.h): many jobs, or large ones, delay who asks for little by at most
- * the one that runs.
+ * the one that runs. What is measured is the time that the thread had of a processor: on
+ * a busy machine others take it away for milliseconds, for which no client is to wait
+ * behind as many jobs of all others.
  *
  *     IDLE --push--> QUEUED --taken--> RUNNING --finished--> DONE --drain--> IDLE
- *                      \--remove--> IDLE
+ *                      \--remove--> IDLE  \--goes on--> QUEUED
  */
 #ifndef SRV_COMPUTE_H
 #define SRV_COMPUTE_H
@@ -52,7 +54,9 @@ struct srv_lane {
     bool serving;
 };
 
-/* Links, lane and state belong to the queue's lock; the rest to whom the state says. */
+/* A long job may run in parts, and those of others come between them: after each part it
+ * is QUEUED again, the first of its lane, and can be removed.
+ * Links, lane and state belong to the queue's lock; the rest to whom the state says. */
 struct srv_job {
     struct srv_job *next;
     struct srv_lane *lane;
@@ -60,6 +64,8 @@ struct srv_job {
     srv_job_fn run;     /* [compute] */
     srv_job_fn done;    /* [loop]; may free the job */
     atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
+    bool
+        goes_on; /* [compute] set by `run`: a part is done, call it again; cleared before */
 };
 
 struct srv_compute {

@@ -86,7 +86,10 @@ static void run(struct srv_job *job)
         srv_enginemem_explain(&memory, request->plan.work(request), &request->error);
     srv_crash_note(NULL, 0, 0);
     PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
-    conclude(request);
+    PCCD_ASSERT(request->status == 0 || !job->goes_on);
+    if (!job->goes_on) {
+        conclude(request);
+    }
 }
 
 static void acquire(const struct srv_plan *plan)
@@ -194,7 +197,7 @@ static void take_back(struct srv_request *request)
 {
     request->status =
         proto_error_set(&request->error, PCCD_E_CANCELLED,
-                        "request %u was cancelled before it ran", request->id);
+                        "request %u was cancelled before it was done", request->id);
     conclude(request);
     done(&request->job);
 }

@@ -20,8 +20,8 @@ struct srv_tracing;
 
 /* What a handler asks for. References are taken for as long as the request lives. */
 struct srv_plan {
-    /* [compute]; returns 0 with request->result filled in, or a negative status with
-     * request->error set. */
+    /* [compute]; returns 0 with request->result filled in, or with job.goes_on set, to be
+     * called again; or a negative status with request->error set. */
     int (*work)(struct srv_request *request);
     /* [loop], may be NULL; after the work, or instead of it when the request was taken
      * back; request->status says how it went. */
@@ -54,6 +54,8 @@ struct srv_request {
     int status;
     bool is_held; /* its connection was lost: not answered until it comes again */
     uint64_t upload_bytes;          /* copied out of slots */
+    uint32_t items_done;            /* [compute] of a request that runs in parts */
+    const uint8_t *payload;         /* [compute] likewise, in its slot */
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];                     /* to send with the answer and close; -1: none */
 };

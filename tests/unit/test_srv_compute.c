@@ -15,6 +15,7 @@
 
 #include "compute.h"
 #include "invariant.h"
+#include "now.h"
 #include "pccd_types.h"
 
 #define CAPACITY 64u
@@ -40,6 +41,7 @@ struct named_job {
     struct fixture *fixture;
     int name;
     bool saw_cancel;
+    int parts;
 };
 
 static void on_enter(void *context)
@@ -72,8 +74,37 @@ static void done_named(struct srv_job *job)
     named->fixture->done[named->fixture->done_count++] = named->name;
 }
 
-/* Takes 10 ms. */
+static void work(uint64_t ns)
+{
+    uint64_t begin_ns = srv_now_thread_ns();
+    while (srv_now_thread_ns() - begin_ns < ns) {
+    }
+}
+
+/* Works for 10 ms. */
 static void run_long(struct srv_job *job)
+{
+    work(10000000);
+    run_named(job);
+}
+
+/* Works for 1 ms. */
+static void run_short(struct srv_job *job)
+{
+    work(1000000);
+    run_named(job);
+}
+
+/* Runs in four parts of a millisecond. */
+static void run_part(struct srv_job *job)
+{
+    struct named_job *named = (struct named_job *)job;
+    run_short(job);
+    job->goes_on = ++named->parts < 4;
+}
+
+/* Waits for 10 ms, as if another process had the processor. */
+static void run_late(struct srv_job *job)
 {
     const struct timespec pause = {0, 10000000};
     nanosleep(&pause, NULL);
@@ -109,6 +140,7 @@ static void name_job(struct named_job *named, struct fixture *fixture, int name,
     named->fixture = fixture;
     named->name = name;
     named->saw_cancel = false;
+    named->parts = 0;
 }
 
 static int set_up(void **state)
@@ -240,6 +272,84 @@ static void compute__what_a_job_took_is_charged_to_its_lane(void **state)
     }
 }
 
+/* Without it, where processors are short, a client would be made to wait because others
+ * had the processor while its job ran. */
+static void compute__what_a_job_waits_is_not_charged(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lanes[3];
+    struct named_job gate;
+    struct named_job jobs[4];
+    static const int expected[4] = {0, 2, 1, 3};
+    open_lanes(&fixture->group, lanes, 3);
+    block(fixture, &lanes[2], &gate);
+    for (int i = 0; i < 4; i++) {
+        name_job(&jobs[i], fixture, i, i == 0 ? run_late : run_short);
+        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 2], &jobs[i].job),
+                         0);
+    }
+    sem_post(&fixture->gate);
+    drain(fixture, 5);
+    srv_compute_stop(&fixture->compute);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(fixture->run[i], expected[i]);
+    }
+}
+
+/* Without it a large upload would hold up everybody for as long as it takes to copy; a
+ * part that ran before its turn, or after another job of its session, would be wrong,
+ * too. */
+static void compute__others_come_between_the_parts_of_a_job(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lanes[3];
+    struct named_job gate;
+    struct named_job jobs[3];
+    static const int expected[6] = {0, 2, 0, 0, 0, 1};
+    open_lanes(&fixture->group, lanes, 3);
+    block(fixture, &lanes[2], &gate);
+    for (int i = 0; i < 3; i++) {
+        name_job(&jobs[i], fixture, i, i == 0 ? run_part : run_named);
+        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 2], &jobs[i].job),
+                         0);
+    }
+    sem_post(&fixture->gate);
+    drain(fixture, 4);
+    srv_compute_stop(&fixture->compute);
+    assert_int_equal(fixture->run_count, 6);
+    for (int i = 0; i < 6; i++) {
+        assert_int_equal(fixture->run[i], expected[i]);
+    }
+    assert_int_equal(fixture->done[1], 2); /* done once, when the last part is */
+    assert_int_equal(fixture->done[2], 0);
+}
+
+/* If a job could not be taken back between its parts, a client that has gone would be
+ * worked for until the end. */
+static void compute__a_job_can_be_removed_between_its_parts(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lanes[2];
+    struct named_job gate;
+    struct named_job job;
+    open_lanes(&fixture->group, lanes, 2);
+    block(fixture, &lanes[1], &gate);
+    name_job(&job, fixture, 0, run_part);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lanes[0], &job.job), 0);
+    struct named_job second;
+    name_job(&second, fixture, -1, run_gate);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lanes[1], &second.job), 0);
+    sem_post(&fixture->gate);
+    sem_wait(&fixture->blocked); /* the second gate: behind the first part, by its cost */
+    assert_int_equal(fixture->run_count, 1);
+    assert_true(srv_compute_remove(&fixture->compute, &job.job));
+    assert_int_equal(srv_compute_queued(&fixture->compute), 0);
+    sem_post(&fixture->gate);
+    drain(fixture, 2);
+    srv_compute_stop(&fixture->compute);
+    assert_int_equal(fixture->run_count, 1);
+}
+
 /* An unbounded queue would let clients fill the memory; freeing must never be refused. */
 static void compute__queue_is_bounded_but_not_for_reaping(void **state)
 {
@@ -345,6 +455,9 @@ int main(void)
         TEST(compute__jobs_of_a_lane_run_in_order),
         TEST(compute__users_and_their_sessions_take_turns),
         TEST(compute__what_a_job_took_is_charged_to_its_lane),
+        TEST(compute__what_a_job_waits_is_not_charged),
+        TEST(compute__others_come_between_the_parts_of_a_job),
+        TEST(compute__a_job_can_be_removed_between_its_parts),
         TEST(compute__queue_is_bounded_but_not_for_reaping),
         TEST(compute__removed_jobs_do_not_run),
         TEST(compute__running_job_sees_its_cancel_flag),
