@@ -51,8 +51,8 @@ static void print_histogram(const char *name, const struct load_times *times)
     printf("%-20s %12.1f  longest\n", "", 1e-3 * (double)times->longest_ns);
 }
 
-/* A process has many clients: an answer may wait in its socket while the process waits for
- * something else, so that the latency is that of the crowd, too. */
+/* A process has many clients: an answer may wait in its socket while the process waits
+ * for something else, so that the latency is that of the crowd, too. */
 static void print_times(const struct load_tally *tally, double seconds)
 {
     printf("%-20s %12.0f  answers a second\n", "rate",

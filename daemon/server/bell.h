@@ -29,7 +29,7 @@ int srv_bell_init(struct srv_bell *bell, uv_loop_t *loop, void (*heard)(void *co
 /* What was written before is seen by `heard`. [any] */
 void srv_bell_ring(struct srv_bell *bell);
 
-/* Nobody rings any more. The memory may go when the loop has closed its handles. [loop] */
+/* Nobody rings any more. The memory may go when the loop has closed handles. [loop] */
 void srv_bell_close(struct srv_bell *bell);
 
 #endif

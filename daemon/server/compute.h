@@ -64,8 +64,7 @@ struct srv_job {
     srv_job_fn run;     /* [compute] */
     srv_job_fn done;    /* [loop]; may free the job */
     atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
-    bool
-        goes_on; /* [compute] set by `run`: a part is done, call it again; cleared before */
+    bool goes_on; /* [compute] set by `run`: a part is done; call it again */
 };
 
 struct srv_compute {
