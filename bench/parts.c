@@ -70,3 +70,9 @@ struct bench_cost bench_part_cost(enum part part, enum eng_isa isa)
         return (struct bench_cost){4 + 8, 4 / d};
     }
 }
+
+struct bench_cost bench_axes_cost(enum eng_isa isa)
+{
+    /* 4 extremes, 2 sums and 2 compares of 8 whole numbers; a mark is 32 bytes */
+    return (struct bench_cost){4 * 32 + 8, 8 * 8 / float_lanes(isa)};
+}

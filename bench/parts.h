@@ -26,7 +26,7 @@ enum part {
     PART_FILTER_EE,
     PART_BRACKET_VF, /* a candidate that the sieve leaves */
     PART_BRACKET_EE,
-    PART_TESTS_VF, /* a candidate: axes, sieve, solver */
+    PART_TESTS_VF, /* a candidate: sieve, its axes first; solver */
     PART_TESTS_EE,
     PART_WITHIN, /* a double */
     PART_WIDEN,  /* a float, to a double */
@@ -41,5 +41,9 @@ const char *bench_part_name(enum part part);
  * lanes at a time; loads, turning points round and what is done once a group are not
  * among them. */
 struct bench_cost bench_part_cost(enum part part, enum eng_isa isa);
+
+/* Of the axes of a pair of marks, which the sieve looks at first where boxes around whole
+ * motions are all that is known. */
+struct bench_cost bench_axes_cost(enum eng_isa isa);
 
 #endif

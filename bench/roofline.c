@@ -79,11 +79,10 @@ static double floor_of(enum part part, enum eng_isa isa, const struct outcome *o
 {
     if (part == PART_TESTS_VF || part == PART_TESTS_EE) {
         /* The kernels, on what reaches them. */
-        static const enum part parts[2][3] = {
-            {PART_APART_VF, PART_SIFT_VF, PART_BRACKET_VF},
-            {PART_APART_EE, PART_SIFT_EE, PART_BRACKET_EE}};
-        double ns = 0;
-        for (int i = 0; i < 3 && outcome->items[part] > 0; i++) {
+        static const enum part parts[2][2] = {{PART_SIFT_VF, PART_BRACKET_VF},
+                                              {PART_SIFT_EE, PART_BRACKET_EE}};
+        double ns = bench_floor_ns(bench_axes_cost(isa), speeds->ghz, speeds->near);
+        for (int i = 0; i < 2 && outcome->items[part] > 0; i++) {
             enum part one = parts[part == PART_TESTS_EE][i];
             ns += (double)outcome->items[one] / (double)outcome->items[part] *
                   floor_of(one, isa, outcome, speeds);
@@ -203,15 +202,16 @@ static void sum_hits(struct bench *bench, uint32_t hits)
 }
 
 /* What the sieve leaves of the first `count` pairs of bench->sifted. */
-static void sift(struct bench *bench, enum eng_kind kind, uint32_t count)
+static void sift(struct bench *bench, enum eng_kind kind, bool swept, uint32_t count)
 {
     struct eng_wide_chunk *sifted = &bench->sifted;
-    sifted->count =
-        bench->kernels->sift(kind, &bench->sieves[kind], sifted->a, sifted->b, count);
+    struct eng_sieve *sieve = &bench->sieves[kind];
+    sieve->swept = swept;
+    sifted->count = bench->kernels->sift(kind, sieve, sifted->a, sifted->b, count);
 }
 
-/* Axes, sieve and solver on the pairs of a chunk, which are those of plain swept boxes.
- * (In a step the moving boxes of the join stand for the axes.) */
+/* Sieve and solver on the pairs of a chunk, which are those of plain swept boxes. (In a
+ * step the moving boxes of the join stand for the sieve's axes.) */
 static void test_pairs(struct bench *bench, enum eng_kind kind,
                        const struct eng_wide_chunk *chunk)
 {
@@ -220,16 +220,11 @@ static void test_pairs(struct bench *bench, enum eng_kind kind,
     struct eng_batch *batch = &bench->batch;
     struct outcome *outcome = bench->outcome;
     uint64_t exact = bench->exact.queries;
-    uint32_t *pairs = bench->pairs;
     batch->from = ENG_FROM_BRACKET;
-    make_quads(bench, kind, chunk);
+    memcpy(bench->sifted.a, chunk->a, chunk->count * sizeof *chunk->a);
+    memcpy(bench->sifted.b, chunk->b, chunk->count * sizeof *chunk->b);
     uint64_t begin_ns = bench_now_ns();
-    uint32_t kept = bench->kernels->apart(kind, points, quads, chunk->count, pairs);
-    for (uint32_t i = 0; i < kept; i++) {
-        bench->sifted.a[i] = chunk->a[pairs[i]];
-        bench->sifted.b[i] = chunk->b[pairs[i]];
-    }
-    sift(bench, kind, kept);
+    sift(bench, kind, true, chunk->count);
     make_quads(bench, kind, &bench->sifted);
     uint32_t hits =
         eng_batch_test(bench->kernels, kind, points, quads, bench->sifted.count,
@@ -268,7 +263,7 @@ static void test_chunk(struct bench *bench, enum eng_kind kind,
     outcome->filtered += left;
     outcome->sum += mix(left, kept);
     begin_ns = bench_now_ns();
-    sift(bench, kind, kept);
+    sift(bench, kind, false, kept);
     count_part(bench, is_vf ? PART_SIFT_VF : PART_SIFT_EE, begin_ns, kept);
     make_quads(bench, kind, &bench->sifted);
     left = bench->sifted.count;

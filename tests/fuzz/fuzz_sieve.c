@@ -116,6 +116,7 @@ const char *fuzz_sieve_check(struct fuzz_sieve *sieve, struct prng *prng,
     float t_end = chunk->t_end < 1 ? nextafterf((float)chunk->t_end, 1) : 1;
     bool in_time = prng_below(prng, 4) == 0;
     bool cubic_first = prng_below(prng, 2);
+    bool swept = prng_below(prng, 2);
     uint32_t first = UINT32_MAX;
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
@@ -128,6 +129,7 @@ const char *fuzz_sieve_check(struct fuzz_sieve *sieve, struct prng *prng,
                                              sieve->corner[is_vf ? 2 : 3],
                                              is_vf ? sieve->corner[3] : NULL},
                                 .t_end = t_end,
+                                .swept = swept,
                                 .in_time = in_time,
                                 .cubic_first = cubic_first};
         uint32_t kept = sift(sieve, kernels, chunk->kind, &job);

@@ -231,6 +231,7 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
             .a_corner = {ground->corner[0], ground->corner[1]},
             .b_corner = {ground->corner[2], ground->corner[1], ground->corner[0]},
             .t_end = i % 5 == 0 ? 0.375f : 1,
+            .swept = i % 11 < 5,
             .in_time = i % 7 == 0,
             .cubic_first = i % 2 == 0};
         uint32_t count = PAIRS - i;

@@ -139,6 +139,7 @@ static void sieve__what_it_rejects_misses(void **state)
         put(&random, round % 2 ? ENG_EE : ENG_VF, round % 4 < 2 ? 0 : 28);
         struct eng_sieve sieve = sieve_of(t_end);
         sieve.cubic_first = round % 8 < 4;
+        sieve.swept = round % 16 < 8;
         uint32_t kept = sift(eng_kernels(), &sieve, PAIR_MAX);
         uint32_t misses = check(kept, t_end);
         rejected[round % 4 / 2] += t_end < 1 ? 0 : misses;
@@ -171,6 +172,7 @@ static void sieve__contacts_at_its_last_time_pass(void **state)
         }
         struct eng_sieve sieve = sieve_of(t_end);
         sieve.cubic_first = round % 4 < 2;
+        sieve.swept = round % 8 < 4;
         assert_int_equal(sift(eng_kernels(), &sieve, PAIR_MAX), PAIR_MAX);
     }
 }
@@ -196,6 +198,7 @@ static void sieve__keeps_the_same_pairs_by_every_set(void **state)
             struct eng_sieve sieve = sieve_of(t_end);
             sieve.cubic_first = round % 8 < 4;
             sieve.in_time = round % 5 == 0;
+            sieve.swept = round % 7 < 3;
             uint32_t n = sift(kernels, &sieve, count);
             if (isa == ENG_ISA_SCALAR) {
                 kept = n;
@@ -252,7 +255,52 @@ static void sieve__obvious_misses_are_rejected(void **state)
             assert_true(
                 eng_kernels()->place_points(ground.points, 4, &grid, ground.marks));
             struct eng_sieve sieve = sieve_of(1);
+            sieve.swept = n % 2;
             assert_int_equal(sift(eng_kernels(), &sieve, 1), 0);
+        }
+    }
+}
+
+/* b lies above a along one axis at t = 0 and one at t = 1, by so many units. All is so
+ * small on the grid that neither time nor cubic nor diagonals reject it. */
+static void put_apart(const struct eng_kernels *kernels, const uint32_t axis[2],
+                      const double gap[2])
+{
+    static const struct eng_grid grid = {{0, 0, 0}, 1};
+    for (uint32_t k = 0; k < 4 * PAIR_MAX; k++) {
+        bool is_b = k % 4 >= (ground.kind == ENG_VF ? 1 : 2);
+        struct eng_point *point = &ground.points[k];
+        for (uint32_t c = 0; c < 3; c++) {
+            double x = k >> c & 1;
+            point->x0[c] = c != axis[0] ? x : is_b ? gap[0] : 0;
+            point->x1[c] = c != axis[1] ? x : is_b ? gap[1] : 0;
+        }
+    }
+    assert_true(kernels->place_points(ground.points, 4 * PAIR_MAX, &grid, ground.marks));
+}
+
+/* If it failed: a pair would be lost that only rounding to the grid holds apart, or that
+ * is apart along one axis first and along another then; or none would be rejected. */
+static void sieve__swept_pairs_need_two_units_of_one_axis(void **state)
+{
+    static const double gaps[] = {1, 2, -1, -2};
+    (void)state;
+    struct kit_random random = {86};
+    for (uint32_t i = 0; i < 2 * 9 * 16; i++) {
+        const uint32_t axis[2] = {i / 2 % 3, i / 6 % 3};
+        const double gap[2] = {gaps[i / 18 % 4], gaps[i / 72]};
+        bool is_apart = axis[0] == axis[1] && gap[0] == gap[1] && fabs(gap[0]) == 2;
+        put(&random, i % 2 ? ENG_EE : ENG_VF, 0);
+        for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            if (kernels) {
+                put_apart(kernels, axis, gap);
+                struct eng_sieve sieve = sieve_of(1);
+                assert_int_equal(sift(kernels, &sieve, PAIR_MAX), PAIR_MAX);
+                sieve.swept = true;
+                assert_int_equal(sift(kernels, &sieve, PAIR_MAX),
+                                 is_apart ? 0 : PAIR_MAX);
+            }
         }
     }
 }
@@ -319,6 +367,7 @@ int main(void)
         cmocka_unit_test(sieve__contacts_at_its_last_time_pass),
         cmocka_unit_test(sieve__keeps_the_same_pairs_by_every_set),
         cmocka_unit_test(sieve__obvious_misses_are_rejected),
+        cmocka_unit_test(sieve__swept_pairs_need_two_units_of_one_axis),
         cmocka_unit_test(marks__are_the_nearest_whole_numbers),
         cmocka_unit_test(marks__beyond_the_grid_are_told),
     };

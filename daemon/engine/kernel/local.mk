@@ -5,6 +5,7 @@
 
 kernel_sources = \
     daemon/engine/kernel/apart.c \
+    daemon/engine/kernel/axes.h \
     daemon/engine/kernel/boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \

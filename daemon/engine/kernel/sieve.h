@@ -38,6 +38,7 @@ struct eng_sieve {
     const uint32_t *a_corner[2];
     const uint32_t *b_corner[3];
     float t_end;      /* <= 1: pairs that certainly do not meet up to then go, too */
+    bool swept;       /* the boxes around the pairs' whole motions overlap, no more */
     bool in_time;     /* the pairs share a time on all axes: eng_join.in_time */
     bool cubic_first; /* which of two tests goes first; the sieve's own, false before */
 };

@@ -7,7 +7,7 @@
  * Threads:  [any].
  * Source:   query.h; the margins are derived in BOUNDS.md.
  */
-#include "marks.h"
+#include "axes.h"
 #include "table.h"
 
 #define U24   0x1p-24f /* of floats, what u is of doubles */
@@ -207,8 +207,17 @@ ENG_INLINE uint32_t one_sided(const struct eng_g d[2][3], bool is_cut, eng_f t_e
 
 enum tests { CUBIC = 1, TIME = 2, DIAGONALS = 4 };
 
-/* Differences of the pairs a[n], b[n]; a group that is short of pairs repeats its
- * first. */
+/* A group that is short of pairs repeats its first. */
+ENG_INLINE void fill(const uint32_t *a, const uint32_t *b, uint32_t n,
+                     uint32_t full[2][ENG_F_LANES])
+{
+    for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
+        full[0][lane] = a[lane < n ? lane : 0];
+        full[1][lane] = b[lane < n ? lane : 0];
+    }
+}
+
+/* Differences of the pairs a[n], b[n]. */
 ENG_INLINE void load(enum eng_kind kind, const struct eng_sieve *sieve, const uint32_t *a,
                      const uint32_t *b, uint32_t n, struct eng_g d[2][3])
 {
@@ -217,11 +226,37 @@ ENG_INLINE void load(enum eng_kind kind, const struct eng_sieve *sieve, const ui
         return;
     }
     uint32_t full[2][ENG_F_LANES];
-    for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
-        full[0][lane] = a[lane < n ? lane : 0];
-        full[1][lane] = b[lane < n ? lane : 0];
-    }
+    fill(a, b, n, full);
     eng_marks_load(kind, sieve, full[0], full[1], d);
+}
+
+/* The pairs that no axis separates move to the front; returns how many. */
+ENG_INLINE uint32_t pass_axes(enum eng_kind kind, const struct eng_sieve *sieve,
+                              uint32_t *a, uint32_t *b, uint32_t count)
+{
+    struct eng_axes axes;
+    uint32_t kept = 0;
+    for (uint32_t first = 0; first < count; first += ENG_AXES_BYTES) {
+        uint32_t n = count - first < ENG_AXES_BYTES ? count - first : ENG_AXES_BYTES;
+        uint32_t *a_in = a + first;
+        uint32_t *b_in = b + first;
+        uint32_t i = 0;
+        for (; i + ENG_F_LANES <= n; i += ENG_F_LANES) {
+            eng_axes_look(kind, sieve, a_in + i, b_in + i, axes.below + i,
+                          axes.above + i);
+        }
+        if (i < n) {
+            uint32_t full[2][ENG_F_LANES];
+            fill(a_in + i, b_in + i, n - i, full);
+            eng_axes_look(kind, sieve, full[0], full[1], axes.below + i, axes.above + i);
+        }
+        for (i = 0; i < n; i += ENG_F_LANES) {
+            uint32_t out = eng_axes_apart(axes.below + i, axes.above + i);
+            uint32_t lanes = n - i < ENG_F_LANES ? (1u << (n - i)) - 1 : ENG_F_ALL;
+            kept += eng_keep_both(a + kept, b + kept, a_in + i, b_in + i, lanes & ~out);
+        }
+    }
+    return kept;
 }
 
 /* The pairs that none of `tests` rejects move to the front; returns how many. *gone: how
@@ -261,6 +296,9 @@ ENG_INLINE uint32_t sift(enum eng_kind kind, bool is_cut, struct eng_sieve *siev
     uint32_t second;
     uint32_t left;
     uint32_t kept;
+    if (sieve->swept) {
+        count = pass_axes(kind, sieve, a, b, count);
+    }
     if (sieve->in_time && !is_cut) {
         left = pass(kind, CUBIC, is_cut, sieve, a, b, count, &first);
         return pass(kind, DIAGONALS, is_cut, sieve, a, b, left, &second);
