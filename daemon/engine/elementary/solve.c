@@ -308,26 +308,40 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     return false;
 }
 
+static double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static double most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* Smallest and largest coordinate of points first .. last - 1. */
 static void bounds(const double (*x)[3], int first, int last, int axis, double *low,
                    double *high)
 {
     *low = *high = x[first][axis];
+#pragma GCC unroll 3
     for (int i = first + 1; i < last; i++) {
-        *low = x[i][axis] < *low ? x[i][axis] : *low;
-        *high = x[i][axis] > *high ? x[i][axis] : *high;
+        *low = least(*low, x[i][axis]);
+        *high = most(*high, x[i][axis]);
     }
 }
 
 /* Is one feature above the other along x, y or z at both ends, and so all the time? Of
  * the pairs whose swept boxes overlap most are told apart like this, by comparisons
- * alone. */
-static bool axis_separates(const struct eng_query *query, int split)
+ * alone. *size: no less than any coordinate of a difference between points of both. */
+static bool axis_separates(const struct eng_query *query, int split, double *size)
 {
     bool apart = false;
+    *size = 0;
+#pragma GCC unroll 3
     for (int axis = 0; axis < 3; axis++) {
         bool above = true;
         bool below = true;
+#pragma GCC unroll 2
         for (int end = 0; end < 2; end++) {
             double low[2];
             double high[2];
@@ -335,10 +349,51 @@ static bool axis_separates(const struct eng_query *query, int split)
             bounds(query->x[end], split, 4, axis, &low[1], &high[1]);
             above &= low[0] > high[1];
             below &= high[0] < low[1];
+            *size = most(*size, most(high[0] - low[1], high[1] - low[0]));
         }
         apart |= above | below;
     }
     return apart;
+}
+
+/* Is one feature above the other along x +- y, y +- z or z +- x at both ends? Of what the
+ * axes leave more than half ends here, at a third of the time of the cubic. */
+static bool diagonal_separates(const struct eng_query *query, int split, double size)
+{
+    const double margin = 8 * ENG_U * size;
+    for (int axis = 0; axis < 3; axis++) {
+        int next = (axis + 1) % 3;
+        double low[2] = {INFINITY, INFINITY};
+        double high[2] = {-INFINITY, -INFINITY};
+#pragma GCC unroll 2
+        for (int end = 0; end < 2; end++) {
+            const double(*x)[3] = query->x[end];
+#pragma GCC unroll 2
+            for (int a = 0; a < split; a++) {
+#pragma GCC unroll 3
+                for (int b = split; b < 4; b++) {
+                    double first = x[b][axis] - x[a][axis];
+                    double second = x[b][next] - x[a][next];
+                    low[0] = least(low[0], first + second);
+                    high[0] = most(high[0], first + second);
+                    low[1] = least(low[1], first - second);
+                    high[1] = most(high[1], first - second);
+                }
+            }
+        }
+        if (low[0] > margin || low[1] > margin || high[0] < -margin ||
+            high[1] < -margin) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The certain rejections that take the least time. */
+static bool separates(const struct eng_query *query, int split)
+{
+    double size;
+    return axis_separates(query, split, &size) || diagonal_separates(query, split, size);
 }
 
 bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
@@ -350,7 +405,7 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
     uint32_t index;
     uint32_t unsure;
     struct eng_bracketed out = {.index = &index, .hits = hit, .unsure = &unsure};
-    if (query->kind == ENG_VF ? axis_separates(query, 1) : axis_separates(query, 2)) {
+    if (query->kind == ENG_VF ? separates(query, 1) : separates(query, 2)) {
         return false;
     }
     for (int i = 0; i < 4; i++) {
