@@ -5,7 +5,8 @@
  *           for its next step at once. The daemon is pccdd --supervise. Prints p50, p99
  *           and the longest over all clients and kills: from the kill to the answer, and
  *           of it what telling the new daemon anew took. With -e nothing is
- *           registered, and the answer is that to a ping.
+ *           registered, and the answer is that to a ping. After each kill a bare process
+ *           is killed, too (bareend.h): what of the times is the machine's.
  * Threads:  one a process; times are handed over in shared memory.
  */
 #include <poll.h>
@@ -19,6 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bareend.h"
 #include "crossing.h"
 #include "daemon.h"
 
@@ -33,8 +35,8 @@ struct sample {
 };
 
 struct shared {
-    atomic_uint ready; /* clients that wait for the next kill */
-    atomic_bool failed;
+    atomic_uint ready; /* clients that wait for a kill, counted once for each */
+    atomic_bool is_over;
     _Atomic uint64_t killed_us;
     atomic_int worker;
     struct sample samples[]; /* [kills][clients] */
@@ -46,12 +48,19 @@ struct run {
     unsigned settle_ms; /* before each kill */
     bool empty;
     struct shared *shared;
+    uint64_t *floor_us; /* [kills][clients]: a bare process's end */
     struct test_daemon daemon;
 };
 
 static bool ask(struct pccd_client *client, struct test_crossing *crossing, bool empty)
 {
     return empty ? pccd_ping(client, NULL) == 0 : test_crossing_turn(crossing);
+}
+
+static void be_ready(const struct run *run, const struct pccd_client *client)
+{
+    atomic_store(&run->shared->worker, (int)pccd_daemon_pid(client));
+    atomic_fetch_add(&run->shared->ready, 1);
 }
 
 /* The life of a client, in a process of its own. */
@@ -63,25 +72,21 @@ static int live(const struct run *run, unsigned number)
 
     pccd_options_init(&options);
     options.url = run->daemon.url;
-    options.slot_count = 1;
     options.slot_bytes = 4096;
     options.result_bytes = 65536;
     options.spin_us = 0; /* there are more clients than processors */
     if (pccd_connect(&options, &client) != 0 ||
-        (!run->empty && test_crossing_make(client, &crossing) != 0)) {
+        (!run->empty && test_crossing_make(client, &crossing) != 0) ||
+        !ask(client, &crossing, run->empty)) {
         fprintf(stderr, "client %u: %s\n", number, pccd_error_text(client));
         return 1;
     }
+    be_ready(run, client);
     for (unsigned kill = 0; kill < run->kills; kill++) {
         struct pollfd watched = {.fd = pccd_fd(client), .events = POLLIN};
         struct sample *sample = &run->shared->samples[kill * run->clients + number];
         struct pccd_link_info info;
 
-        if (!ask(client, &crossing, run->empty)) {
-            return 1;
-        }
-        atomic_store(&run->shared->worker, (int)pccd_daemon_pid(client));
-        atomic_fetch_add(&run->shared->ready, 1);
         if (poll(&watched, 1, -1) < 0 || !ask(client, &crossing, run->empty)) {
             fprintf(stderr, "client %u: %s\n", number, pccd_error_text(client));
             return 1;
@@ -89,6 +94,10 @@ static int live(const struct run *run, unsigned number)
         sample->all_us = test_now_us() - atomic_load(&run->shared->killed_us);
         (void)pccd_link(client, &info);
         sample->restore_us = info.restore_ns / 1000;
+        be_ready(run, client);
+    }
+    while (!atomic_load(&run->shared->is_over)) { /* ending takes others' time, too */
+        test_sleep_ms(500);
     }
     pccd_close(client);
     return 0;
@@ -98,6 +107,14 @@ static int by_all(const void *a, const void *b)
 {
     uint64_t x = ((const struct sample *)a)->all_us;
     uint64_t y = ((const struct sample *)b)->all_us;
+
+    return (x > y) - (x < y);
+}
+
+static int by_us(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a;
+    uint64_t y = *(const uint64_t *)b;
 
     return (x > y) - (x < y);
 }
@@ -112,33 +129,53 @@ static void report(const struct run *run)
     } rows[] = {{"p50", count / 2}, {"p99", count - 1 - count / 100}, {"max", count - 1}};
 
     qsort(samples, count, sizeof(*samples), by_all);
+    qsort(run->floor_us, count, sizeof(*run->floor_us), by_us);
     printf("kill -9 to the next answer, %u clients, %u kills, %s\n", run->clients,
            run->kills, run->empty ? "nothing registered" : "two meshes each");
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
         const struct sample *at = &samples[rows[i].at];
+        uint64_t floor_us = run->floor_us[rows[i].at];
 
-        printf("%s %10.3f ms, of it telling anew %8.3f ms\n", rows[i].name,
-               (double)at->all_us * 1e-3, (double)at->restore_us * 1e-3);
+        printf("%s %10.3f ms, of it telling anew %8.3f ms; end of a bare process seen "
+               "after %8.3f ms (1 : %.1f)\n",
+               rows[i].name, (double)at->all_us * 1e-3, (double)at->restore_us * 1e-3,
+               (double)floor_us * 1e-3,
+               (double)at->all_us / (double)(floor_us > 0 ? floor_us : 1));
     }
 }
 
-/* Kill the worker whenever all clients wait for it. False: a client failed. */
+/* Wait until `count` clients in all have been ready. False: one failed. */
+static bool await_ready(const struct run *run, unsigned count)
+{
+    while (atomic_load(&run->shared->ready) < count) {
+        int status;
+        pid_t ended = waitpid(-1, &status, WNOHANG);
+
+        if (ended > 0 && ended != run->daemon.pid && status != 0) {
+            return false;
+        }
+        test_sleep_ms(20); /* looking at all children takes the clients' time */
+    }
+    return true;
+}
+
+/* Kill the worker whenever all clients wait for it, and a bare process afterwards. False:
+ * a client failed. */
 static bool kill_all(const struct run *run)
 {
-    for (unsigned kill_count = 0; kill_count < run->kills; kill_count++) {
-        while (atomic_load(&run->shared->ready) < run->clients * (kill_count + 1)) {
-            int status;
-            pid_t ended = waitpid(-1, &status, WNOHANG);
-
-            if (ended > 0 && ended != run->daemon.pid && status != 0) {
-                return false;
-            }
-            test_sleep_ms(1);
+    for (unsigned turn = 0; turn < run->kills; turn++) {
+        if (!await_ready(run, run->clients * (turn + 1))) {
+            return false;
         }
         test_sleep_ms(run->settle_ms);
         atomic_store(&run->shared->killed_us, test_now_us());
         (void)kill((pid_t)atomic_load(&run->shared->worker), SIGKILL);
+        if (!await_ready(run, run->clients * (turn + 2)) ||
+            !bareend_turn(run->clients, run->floor_us + turn * run->clients)) {
+            return false;
+        }
     }
+    atomic_store(&run->shared->is_over, true);
     return true;
 }
 
@@ -211,9 +248,12 @@ int main(int argc, char **argv)
     void *shared =
         mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
 
-    if (shared == MAP_FAILED) {
+    run.floor_us = calloc((size_t)run.clients * run.kills, sizeof(*run.floor_us));
+    if (shared == MAP_FAILED || run.floor_us == NULL) {
         return 1;
     }
     run.shared = shared;
-    return measure(&run);
+    int status = measure(&run);
+    free(run.floor_us);
+    return status;
 }

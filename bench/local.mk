@@ -94,7 +94,7 @@ bench_wide_LDADD = $(bench_engine_libs)
 # The public header alone: what a client can see.
 # Needs a daemon of its own under a supervisor: make death DEATH_CLIENTS=1000 DEATH_KILLS=10
 check_PROGRAMS += bench/death
-bench_death_SOURCES = bench/death.c
+bench_death_SOURCES = bench/bareend.c bench/bareend.h bench/death.c
 bench_death_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib \
     -I$(top_srcdir)/proto -I$(top_srcdir)/tests/support
 bench_death_LDADD = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) $(LIBM)

@@ -1,0 +1,21 @@
+/* bareend.h - how long until the end of a bare process is seen.
+ *
+ * Room:     bench. May include: the C library.
+ * Does:     what killing a daemon costs the machine at least: a process of one thread
+ *           that has touched 16 MiB and holds one end of a socketpair for each of those
+ *           who watch, a process each, is killed with -9, and they see the end of file.
+ * Threads:  one a process; times are handed over in shared memory.
+ */
+#ifndef BENCH_BAREEND_H
+#define BENCH_BAREEND_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define BAREEND_WATCHERS_MAX 4096u
+
+/* Do it once. us[watchers]: from the kill to each one's end of file, microseconds.
+ * False: processes or descriptors could not be had. */
+bool bareend_turn(unsigned watchers, uint64_t *us);
+
+#endif
