@@ -120,12 +120,14 @@ struct cli_link {
     bool no_autostart;
     char path[CLI_SOCKET_BYTES]; /* of its socket */
     char name[CLI_NAME_BYTES];
-    char *daemon;         /* program; NULL: the default */
-    uint64_t patience_ns; /* from the loss; 0: the loss is an error at once */
-    uint32_t daemons_max; /* that may end over one request */
-    bool is_established;  /* pccd_connect has succeeded */
-    bool is_down;         /* the connection is lost and not made again yet */
-    bool is_recovering;   /* recover.c is at work */
+    char *daemon;           /* program; NULL: the default */
+    uint64_t patience_ns;   /* from the loss; 0: the loss is an error at once */
+    uint32_t daemons_max;   /* that may end over one request */
+    uint64_t told_anew;     /* daemons that have been told of all that is kept */
+    uint32_t uploads_ended; /* daemons, over the mesh that is being registered */
+    bool is_established;    /* pccd_connect has succeeded */
+    bool is_down;           /* the connection is lost and not made again yet */
+    bool is_recovering;     /* recover.c is at work */
     uint64_t lost_ns;
     uint64_t retry_ns; /* not before */
     uint64_t pause_ns; /* after the next failure */
@@ -161,6 +163,7 @@ struct pccd_client {
     uint32_t next_id;
     uint64_t next_serial;
     uint64_t next_step;
+    bool has_sent;          /* and not looked for answers since */
     int fds[PROTO_FDS_MAX]; /* that came with the answer to shm.attach; -1: none */
     struct cli_child child;
     struct cli_ring ring;

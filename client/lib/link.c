@@ -295,3 +295,10 @@ void cli_link_bye(struct pccd_client *client)
                          NULL, 0);
     }
 }
+
+void cli_link_forget(struct pccd_client *client)
+{
+    cli_link_bye(client);
+    client->link.session = 0;
+    client->link.token[0] = client->link.token[1] = 0;
+}

@@ -23,6 +23,8 @@ int cli_link_again(struct pccd_client *client, uint64_t deadline_ns, bool *resum
 
 /* Say that nobody comes back. */
 void cli_link_bye(struct pccd_client *client);
+/* The same, and that the next connection begins another session. */
+void cli_link_forget(struct pccd_client *client);
 
 void cli_sleep_ns(uint64_t ns);
 

@@ -1,6 +1,6 @@
 /* mesh.c - meshes: upload in chunks, commit, edges.
  *
- * Room:     client/lib. May include: mesh.h, attach.h, keep.h, page.h, rpc.h.
+ * Room:     client/lib. May include: mesh.h, attach.h, flight.h, keep.h, page.h, rpc.h.
  * Does:     copy vertices and triangles into slots, several in flight, and have the
  *           daemon derive the rest.
  * Does not: check the data: the daemon does, once, on its own copy.
@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "attach.h"
+#include "flight.h"
 #include "mesh.h"
 #include "page.h"
 #include "rpc.h"
@@ -29,42 +30,22 @@ struct upload {
     uint32_t count;
 };
 
-/* Chunks in flight; each is finished in the order it was sent. */
-struct chunks {
-    struct cli_call *calls[PROTO_SLOTS_MAX];
-    uint32_t first; /* free-running */
-    uint32_t end;
-};
-
 static size_t vertex_bytes(enum pccd_format format)
 {
     return format == PCCD_FORMAT_F64 ? 3 * sizeof(double) : 3 * sizeof(float);
 }
 
-static int finish_oldest(struct pccd_client *client, struct chunks *chunks,
-                         uint64_t deadline_ns)
+static int send_chunk(struct cli_flight *flight, const struct upload *upload,
+                      uint32_t first, uint32_t count)
 {
-    struct cli_call *call = chunks->calls[chunks->first % PROTO_SLOTS_MAX];
-    int rc = cli_call_wait(client, call, deadline_ns);
-
-    if (rc != 0) {
-        return rc;
-    }
-    chunks->first++;
-    return cli_call_finish(client, call);
-}
-
-static int send_chunk(struct pccd_client *client, const struct upload *upload,
-                      uint32_t first, uint32_t count, struct chunks *chunks,
-                      uint64_t deadline_ns)
-{
+    struct pccd_client *client = flight->client;
     struct proto_MESH_DATA_request request = {.mesh = upload->mesh,
                                               .part = upload->part,
                                               .format = upload->format,
                                               .first = first,
                                               .count = count};
     uint32_t slot = 0;
-    int rc = cli_slot_begin(client, deadline_ns, &slot);
+    int rc = cli_slot_begin(client, cli_deadline(client, -1), &slot);
 
     if (rc != 0) {
         return rc;
@@ -74,56 +55,41 @@ static int send_chunk(struct pccd_client *client, const struct upload *upload,
            (size_t)count * upload->item_bytes);
     request.slot = slot;
     request.seq = cli_slot_publish(client, slot);
-    rc = cli_call_send(client, PROTO_METHOD_MESH_DATA, &request, slot, deadline_ns,
-                       &chunks->calls[chunks->end % PROTO_SLOTS_MAX]);
+    rc = cli_flight_send(flight, PROTO_METHOD_MESH_DATA, &request, slot, NULL);
     if (rc != 0) {
         cli_slot_abort(client, slot);
-        return rc;
     }
-    chunks->end++;
-    return 0;
+    return rc;
 }
 
-/* Every chunk that is sent is also finished or dropped here. The deadline moves on with
- * every chunk that is answered: a large mesh may take long, a silent daemon may not. */
-static int send_array(struct pccd_client *client, const struct upload *upload)
+static int send_array(struct cli_flight *flight, const struct upload *upload)
 {
+    const struct cli_ring *ring = &flight->client->ring;
     uint64_t slot_bytes =
-        client->ring.slot_stride < CHUNK_BYTES ? client->ring.slot_stride : CHUNK_BYTES;
+        ring->slot_stride < CHUNK_BYTES ? ring->slot_stride : CHUNK_BYTES;
     uint32_t chunk = (uint32_t)(slot_bytes / upload->item_bytes);
-    struct chunks chunks = {.first = 0, .end = 0};
     int rc = 0;
 
     for (uint32_t first = 0; rc == 0 && first < upload->count;) {
         uint32_t count = upload->count - first < chunk ? upload->count - first : chunk;
 
-        if (chunks.end - chunks.first == client->ring.slot_count) {
-            rc = finish_oldest(client, &chunks, cli_deadline(client, -1));
-        }
-        if (rc == 0) {
-            rc = send_chunk(client, upload, first, count, &chunks,
-                            cli_deadline(client, -1));
-        }
+        rc = send_chunk(flight, upload, first, count);
         first += count;
-    }
-    while (rc == 0 && chunks.first != chunks.end) {
-        rc = finish_oldest(client, &chunks, cli_deadline(client, -1));
-    }
-    while (chunks.first != chunks.end) {
-        cli_call_drop(client, chunks.calls[chunks.first++ % PROTO_SLOTS_MAX]);
     }
     return rc;
 }
 
-/* Upload and commit a mesh that the daemon has announced. */
+/* Upload and commit a mesh that the daemon has announced. What has not arrived whole is
+ * not committed. */
 static int fill_mesh(struct pccd_client *client, const struct upload arrays[2],
                      struct proto_MESH_COMMIT_result *result)
 {
     struct proto_MESH_COMMIT_request request = {.mesh = arrays[0].mesh};
-    int rc = send_array(client, &arrays[0]);
+    struct cli_flight flight = {.client = client};
+    int rc = cli_flight_end(&flight, send_array(&flight, &arrays[0]));
 
     if (rc == 0) {
-        rc = send_array(client, &arrays[1]);
+        rc = cli_flight_end(&flight, send_array(&flight, &arrays[1]));
     }
     if (rc == 0) {
         rc = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
@@ -182,11 +148,11 @@ static void arrays_of(uint32_t mesh, const void *x, enum pccd_format format,
 }
 
 /* Announce, upload and commit; arrays[].mesh is set to the new handle. */
-static int make_mesh(struct pccd_client *client, struct upload arrays[2], uint32_t want,
+static int make_mesh(struct pccd_client *client, struct upload arrays[2],
                      struct proto_MESH_COMMIT_result *result)
 {
-    struct proto_MESH_CREATE_request request = {
-        .vertex_count = arrays[0].count, .triangle_count = arrays[1].count, .want = want};
+    struct proto_MESH_CREATE_request request = {.vertex_count = arrays[0].count,
+                                                .triangle_count = arrays[1].count};
     struct proto_MESH_CREATE_result created;
     struct proto_MESH_DESTROY_request destroy;
     char text[CLI_TEXT_BYTES];
@@ -209,20 +175,29 @@ static int make_mesh(struct pccd_client *client, struct upload arrays[2], uint32
     return cli_fail(client, rc, "%s", text);
 }
 
-int cli_mesh_make(struct pccd_client *client, const struct cli_kept_mesh *copy,
+int cli_mesh_send(struct cli_flight *flight, const struct cli_kept_mesh *copy,
                   uint32_t want, uint32_t *handle)
 {
-    struct proto_MESH_COMMIT_result unused;
+    struct pccd_client *client = flight->client;
+    struct proto_MESH_CREATE_request create = {.vertex_count = copy->vertex_count,
+                                               .triangle_count = copy->triangle_count,
+                                               .want = want};
+    struct proto_MESH_CREATE_result created = {.mesh = want};
+    struct proto_MESH_COMMIT_request commit;
     struct upload arrays[2];
-    int rc;
+    int rc = want != 0 ? cli_flight_send(flight, PROTO_METHOD_MESH_CREATE, &create,
+                                         CLI_SLOT_NONE, NULL)
+                       : cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &create,
+                                       &created, cli_deadline(client, -1));
 
-    arrays_of(0, copy->x, (enum pccd_format)copy->format, copy->vertex_count,
+    *handle = commit.mesh = created.mesh;
+    arrays_of(created.mesh, copy->x, (enum pccd_format)copy->format, copy->vertex_count,
               (const uint32_t(*)[3])copy->triangles, copy->triangle_count, arrays);
-    rc = make_mesh(client, arrays, want, &unused);
-    if (rc == 0) {
-        *handle = arrays[0].mesh;
-    }
-    return rc;
+    rc = rc != 0 ? rc : send_array(flight, &arrays[0]);
+    rc = rc != 0 ? rc : send_array(flight, &arrays[1]);
+    return rc != 0 ? rc
+                   : cli_flight_send(flight, PROTO_METHOD_MESH_COMMIT, &commit,
+                                     CLI_SLOT_NONE, NULL);
 }
 
 /* Announce other contents for a mesh, upload and commit them. */
@@ -253,14 +228,9 @@ static int replace_mesh(struct pccd_client *client, const struct upload arrays[2
     return 0;
 }
 
-/* Sessions that began anew because a daemon was lost. */
-static uint64_t told_anew(const struct pccd_client *client)
-{
-    return client->link.info.reconnects - client->link.info.resumed;
-}
-
 /* Create a mesh (*mesh = 0) or replace one, and keep a copy. When another daemon took
- * over on the way, all is sent to that one from the beginning. */
+ * over on the way, all is sent to that one from the beginning; but a mesh over which
+ * daemons end is as any request is (recover.c). */
 static int register_mesh(struct pccd_client *client, struct upload arrays[2],
                          uint32_t *mesh, struct pccd_mesh_info *info)
 {
@@ -278,11 +248,17 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
                             "no memory for a copy of the mesh (options.no_keep)");
         }
     }
+    client->link.uploads_ended = 0;
     do {
-        before = told_anew(client);
-        rc = *mesh == 0 ? make_mesh(client, arrays, 0, &result)
+        before = client->link.told_anew;
+        rc = *mesh == 0 ? make_mesh(client, arrays, &result)
                         : replace_mesh(client, arrays, &result);
-    } while (rc != 0 && !client->dead && told_anew(client) != before);
+    } while (rc != 0 && !client->dead && client->link.told_anew != before &&
+             client->link.uploads_ended < client->link.daemons_max);
+    if (rc != 0 && client->link.uploads_ended >= client->link.daemons_max) {
+        rc = cli_fail(client, PCCD_E_DISCONNECTED,
+                      "mesh: daemon after daemon has ended before it was registered");
+    }
     if (rc != 0) {
         cli_keep_copy_free(copy);
         return rc;

@@ -6,6 +6,7 @@
  * Does not: know what the methods mean, but for the pages that some replies bring.
  * Threads:  [owner].
  */
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -187,11 +188,12 @@ int cli_receive(struct pccd_client *client)
     if (client->link.is_down) {
         return PCCD_E_AGAIN;
     }
+    errno = 0;
     rc = proto_receive(client->socket, client->message, sizeof(client->message), &bytes,
                        client->fds, &fd_count);
     /* A peer that closed with our messages unread is a reset first; what it had said
      * before can still be read after it. */
-    if (rc == PCCD_E_DISCONNECTED) {
+    if (rc == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
         rc = proto_receive(client->socket, client->message, sizeof(client->message),
                            &bytes, client->fds, &fd_count);
     }

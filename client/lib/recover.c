@@ -80,26 +80,32 @@ static void blame_first(struct pccd_client *client)
 {
     struct cli_call *first = find_first_held(client);
 
-    if (first != NULL && !is_upload(first) &&
-        ++first->daemons_ended >= client->link.daemons_max) {
+    if (first != NULL && is_upload(first)) {
+        client->link.uploads_ended++; /* its caller starts over, or gives up (mesh.c) */
+    } else if (first != NULL && ++first->daemons_ended >= client->link.daemons_max) {
         end_call(client, first, PCCD_E_DISCONNECTED,
                  "daemon after daemon has ended before it answered");
     }
 }
 
-static int send_again(struct pccd_client *client, bool resumed)
+/* Parts of a mesh are nothing to a daemon that was not told of it: whoever sends them
+ * starts over (mesh.c). */
+static void end_uploads(struct pccd_client *client)
 {
-    if (!resumed) {
-        blame_first(client);
-    }
-    for (struct cli_call *call; (call = find_first_held(client)) != NULL;) {
-        int rc;
+    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+        struct cli_call *call = &client->calls[i];
 
-        if (!resumed && is_upload(call)) { /* its caller starts over (mesh.c) */
+        if (is_unanswered(call) && call->held && is_upload(call)) {
             end_call(client, call, PCCD_E_AGAIN, "the daemon is another one");
-            continue;
         }
-        rc = cli_call_resend(client, call, cli_deadline(client, -1));
+    }
+}
+
+static int send_again(struct pccd_client *client)
+{
+    for (struct cli_call *call; (call = find_first_held(client)) != NULL;) {
+        int rc = cli_call_resend(client, call, cli_deadline(client, -1));
+
         if (rc != 0) {
             return rc;
         }
@@ -133,7 +139,15 @@ static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *re
         return cli_fail(client, PCCD_E_STATE,
                         "the session is over, and nothing was kept to begin another");
     }
-    return cli_restore(client);
+    rc = cli_restore(client);
+    if (rc != 0) {
+        cli_link_forget(client); /* or the next try would go on with half of all */
+        return rc;
+    }
+    client->link.told_anew++;
+    blame_first(client);
+    end_uploads(client);
+    return 0;
 }
 
 static int try_once(struct pccd_client *client, uint64_t deadline_ns)
@@ -149,7 +163,7 @@ static int try_once(struct pccd_client *client, uint64_t deadline_ns)
     cli_fds_close(client);
     rc = open_again(client, deadline_ns, &resumed);
     if (rc == 0) {
-        rc = send_again(client, resumed);
+        rc = send_again(client);
     }
     link->is_recovering = false;
     hold_all(client, rc != 0);

@@ -1,6 +1,7 @@
 /* restore.c - tell another daemon what the last one knew.
  *
- * Room:     client/lib. May include: restore.h, attach.h, keep.h, mesh.h, page.h, rpc.h.
+ * Room:     client/lib. May include: restore.h, attach.h, flight.h, keep.h, mesh.h,
+ *           page.h, rpc.h.
  * Does:     everything goes through the slots of the new ring, which are all free. Then
  *           the slots of the old one are copied over, and the new memory is mapped where
  *           the old one was: pointers that the user has into it stay valid.
@@ -14,6 +15,7 @@
 #include <sys/mman.h>
 
 #include "attach.h"
+#include "flight.h"
 #include "keep.h"
 #include "mesh.h"
 #include "page.h"
@@ -24,20 +26,18 @@
 
 /* ---- meshes and scenes ------------------------------------------------------------- */
 
-static int restore_meshes(struct pccd_client *client, bool destroyed)
+static int restore_meshes(struct cli_flight *flight, bool destroyed)
 {
-    for (struct cli_kept_mesh *mesh = client->kept_meshes; mesh != NULL;
-         mesh = mesh->next) {
-        if (mesh->is_destroyed == destroyed) {
-            int rc = cli_mesh_make(client, mesh, destroyed ? 0 : mesh->handle,
-                                   &mesh->made_handle);
+    int rc = 0;
 
-            if (rc != 0) {
-                return rc;
-            }
+    for (struct cli_kept_mesh *mesh = flight->client->kept_meshes;
+         rc == 0 && mesh != NULL; mesh = mesh->next) {
+        if (mesh->is_destroyed == destroyed) {
+            rc = cli_mesh_send(flight, mesh, destroyed ? 0 : mesh->handle,
+                               &mesh->made_handle);
         }
     }
-    return 0;
+    return rc;
 }
 
 /* Those that were destroyed while objects were made of them go again. */
@@ -58,24 +58,20 @@ static int destroy_again(struct pccd_client *client)
     return 0;
 }
 
-static int restore_scene(struct pccd_client *client, const struct cli_kept_scene *scene)
+static int restore_scene(struct cli_flight *flight, const struct cli_kept_scene *scene)
 {
     struct proto_SCENE_CREATE_request create = scene->settings;
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_result added;
     int rc;
 
     create.want = scene->handle;
-    rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, &create, &created,
-                       cli_deadline(client, -1));
+    rc = cli_flight_send(flight, PROTO_METHOD_SCENE_CREATE, &create, CLI_SLOT_NONE, NULL);
     for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
         const struct cli_kept_object *object = &scene->objects[i];
         struct proto_SCENE_ADD_request add = {.scene = scene->handle,
                                               .mesh = object->mesh->made_handle,
                                               .want = object->handle};
 
-        rc = cli_call_sync(client, PROTO_METHOD_SCENE_ADD, &add, &added,
-                           cli_deadline(client, -1));
+        rc = cli_flight_send(flight, PROTO_METHOD_SCENE_ADD, &add, CLI_SLOT_NONE, NULL);
     }
     return rc;
 }
@@ -84,7 +80,7 @@ static int restore_scene(struct pccd_client *client, const struct cli_kept_scene
 
 /* A step that is being written, with the table at its start and the positions behind. */
 struct batch {
-    struct pccd_client *client;
+    struct cli_flight *flight;
     uint32_t scene;
     uint32_t slot; /* CLI_SLOT_NONE: none is begun */
     uint32_t segment_count;
@@ -93,7 +89,7 @@ struct batch {
 
 static int flush(struct batch *batch)
 {
-    struct pccd_client *client = batch->client;
+    struct pccd_client *client = batch->flight->client;
     struct proto_FRAME_SUBMIT_request request = {.scene = batch->scene,
                                                  .slot = batch->slot,
                                                  .segments = batch->segment_count,
@@ -105,10 +101,11 @@ static int flush(struct batch *batch)
         return 0;
     }
     request.seq = cli_slot_publish(client, batch->slot);
-    rc = cli_call_sync(client, PROTO_METHOD_FRAME_SUBMIT, &request, NULL,
-                       cli_deadline(client, -1));
-    /* Answered or not, the next one is written to a slot that is free. */
-    cli_slot_abort(client, batch->slot);
+    rc = cli_flight_send(batch->flight, PROTO_METHOD_FRAME_SUBMIT, &request, batch->slot,
+                         NULL);
+    if (rc != 0) {
+        cli_slot_abort(client, batch->slot);
+    }
     batch->slot = CLI_SLOT_NONE;
     return rc;
 }
@@ -117,26 +114,27 @@ static int flush(struct batch *batch)
 static int add(struct batch *batch, struct proto_segment segment, const void *source,
                size_t bytes)
 {
+    struct pccd_client *client = batch->flight->client;
     uint8_t *payload;
     int rc;
 
     if (batch->slot != CLI_SLOT_NONE &&
         (batch->segment_count == SEGMENTS ||
-         batch->used + bytes > batch->client->ring.slot_stride)) {
+         batch->used + bytes > client->ring.slot_stride)) {
         rc = flush(batch);
         if (rc != 0) {
             return rc;
         }
     }
     if (batch->slot == CLI_SLOT_NONE) {
-        rc = cli_slot_begin(batch->client, cli_deadline(batch->client, -1), &batch->slot);
+        rc = cli_slot_begin(client, cli_deadline(client, -1), &batch->slot);
         if (rc != 0) {
             return rc;
         }
         batch->segment_count = 0;
         batch->used = SEGMENTS * sizeof(segment);
     }
-    payload = cli_slot_payload(batch->client, batch->slot);
+    payload = cli_slot_payload(client, batch->slot);
     segment.offset0 = segment.offset1 = batch->used;
     memcpy(payload + batch->segment_count++ * sizeof(segment), &segment, sizeof(segment));
     memcpy(payload + batch->used, source, bytes);
@@ -149,7 +147,7 @@ static int add_vertices(struct batch *batch, const struct cli_kept_object *objec
     const size_t vertex_bytes =
         object->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
     const uint64_t room =
-        batch->client->ring.slot_stride - SEGMENTS * sizeof(struct proto_segment);
+        batch->flight->client->ring.slot_stride - SEGMENTS * sizeof(struct proto_segment);
     const uint32_t vertex_count = object->mesh->vertex_count;
     const uint32_t most = room / vertex_bytes < vertex_count
                               ? (uint32_t)(room / vertex_bytes)
@@ -170,11 +168,11 @@ static int add_vertices(struct batch *batch, const struct cli_kept_object *objec
     return rc;
 }
 
-static int restore_positions(struct pccd_client *client,
+static int restore_positions(struct cli_flight *flight,
                              const struct cli_kept_scene *scene)
 {
     struct batch batch = {
-        .client = client, .scene = scene->handle, .slot = CLI_SLOT_NONE};
+        .flight = flight, .scene = scene->handle, .slot = CLI_SLOT_NONE};
     int rc = 0;
 
     for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
@@ -233,16 +231,20 @@ static int carry_over(struct pccd_client *client, struct cli_ring *old)
     return 0;
 }
 
+/* No answer is waited for that nothing depends on: a thousand clients of a daemon that
+ * has crashed wait for each round trip of each other. */
 static int restore_all(struct pccd_client *client)
 {
-    int rc = restore_meshes(client, false);
+    struct cli_flight flight = {.client = client, .is_careful = client->link.tries > 1};
+    int rc = restore_meshes(&flight, false);
 
-    rc = rc != 0 ? rc : restore_meshes(client, true);
+    rc = rc != 0 ? rc : restore_meshes(&flight, true);
     for (const struct cli_kept_scene *scene = client->kept_scenes;
          rc == 0 && scene != NULL; scene = scene->next) {
-        rc = restore_scene(client, scene);
-        rc = rc != 0 ? rc : restore_positions(client, scene);
+        rc = restore_scene(&flight, scene);
+        rc = rc != 0 ? rc : restore_positions(&flight, scene);
     }
+    rc = cli_flight_end(&flight, rc);
     return rc != 0 ? rc : destroy_again(client);
 }
 

@@ -211,14 +211,16 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
 {
     struct proto_upload *upload = client->ring.upload.base;
     uint64_t done_seen = upload != NULL ? atomic_load(&upload->done_seq.value) : 0;
-    int rc = cli_receive(client);
+    bool spins = upload != NULL && client->spin_us > 0 && compute_inflight(client) > 0;
+    /* What has just been asked is not answered yet: who will wait need not look. */
+    int rc =
+        client->has_sent && !spins && !client->dead ? PCCD_E_AGAIN : cli_receive(client);
 
+    client->has_sent = false;
     if (client->link.is_down) {
         return cli_recover(client, deadline_ns);
     }
-
-    if (rc == PCCD_E_AGAIN && upload != NULL && client->spin_us > 0 &&
-        compute_inflight(client) > 0) {
+    if (rc == PCCD_E_AGAIN && spins) {
         rc = spin(client, upload, done_seen, deadline_ns);
     }
     if (rc != PCCD_E_AGAIN || client->link.is_down) {
@@ -226,17 +228,17 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     }
     /* Pairs with the daemon's store to done_seq and load of client_wait: one of the two
      * sides sees the other's, so a reply that is left out because nobody waits is never
-     * one that somebody waits for. */
+     * one that somebody waits for. One that was sent before is seen by poll. */
     if (upload != NULL) {
         atomic_store(&upload->client_wait.value, 1);
     }
     do {
-        rc = cli_receive(client);
-        if (rc == PCCD_E_AGAIN && !client->link.is_down &&
-            wait_socket(client, POLLIN, deadline_ns) != 0 && !client->link.is_down) {
-            rc = client->dead ? PCCD_E_DISCONNECTED
-                              : cli_fail(client, PCCD_E_TIMEOUT,
-                                         "the daemon at %s does not answer", client->url);
+        rc = wait_socket(client, POLLIN, deadline_ns);
+        if (rc == 0) {
+            rc = cli_receive(client);
+        } else if (rc == PCCD_E_TIMEOUT) {
+            rc = cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s does not answer",
+                          client->url);
         }
     } while (rc == PCCD_E_AGAIN && !client->link.is_down);
     if (upload != NULL) {
@@ -266,6 +268,7 @@ static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
                             NULL, 0);
 
         if (rc == 0) {
+            client->has_sent = true;
             return 0;
         }
         if (rc != PCCD_E_AGAIN) {
@@ -309,14 +312,28 @@ int cli_call_resend(struct pccd_client *client, struct cli_call *call,
     return rc;
 }
 
-/* A daemon keeps so many answers for the case that they are lost on their way. */
+static uint32_t steps_inflight(const struct pccd_client *client)
+{
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+        const struct cli_call *call = &client->calls[i];
+
+        count += is_inflight(client, call) && call->method == PROTO_METHOD_FRAME_SUBMIT;
+    }
+    return count;
+}
+
+/* A daemon keeps so many answers for the case that they are lost on their way, and takes
+ * so many steps. */
 static bool is_full(const struct pccd_client *client, int method)
 {
     uint32_t inflight_max =
         client->ring.inflight_max > 0 ? client->ring.inflight_max : PROTO_INFLIGHT_MAX;
 
     return cli_call_inflight(client) >= PROTO_REPLIES_KEPT ||
-           (is_compute(method) && compute_inflight(client) >= inflight_max);
+           (method == PROTO_METHOD_FRAME_SUBMIT &&
+            steps_inflight(client) >= inflight_max);
 }
 
 int cli_call_send(struct pccd_client *client, int method, const void *request,

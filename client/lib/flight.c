@@ -1,0 +1,72 @@
+/* flight.c - requests that are sent one behind the other, and waited for together.
+ *
+ * Room:     client/lib. See flight.h.
+ * Does:     answers are taken in the order of the requests, so that the first failure is
+ *           the one that counts.
+ * Threads:  [owner].
+ */
+#include "flight.h"
+
+#include "page.h"
+
+static bool is_computed(int method)
+{
+    return (proto_messages[method].flags & PROTO_F_COMPUTE) != 0;
+}
+
+static bool is_full(const struct cli_flight *flight, int method)
+{
+    uint32_t count = flight->end - flight->first;
+
+    return count >= (flight->is_careful ? 1 : CLI_FLIGHT_MAX) ||
+           (is_computed(method) && flight->computed >= CLI_FLIGHT_COMPUTED);
+}
+
+static int finish_oldest(struct cli_flight *flight)
+{
+    struct pccd_client *client = flight->client;
+    struct cli_call *call = flight->calls[flight->first % CLI_FLIGHT_MAX];
+    int rc = cli_call_wait(client, call, cli_deadline(client, -1));
+
+    if (rc != 0) {
+        return rc;
+    }
+    flight->first++;
+    flight->computed -= is_computed(call->method);
+    cli_page_release(client, call->page);
+    return cli_call_finish(client, call);
+}
+
+int cli_flight_send(struct cli_flight *flight, int method, const void *request,
+                    uint32_t slot, void *result)
+{
+    struct pccd_client *client = flight->client;
+    struct cli_call *call = NULL;
+    int rc = 0;
+
+    while (rc == 0 && is_full(flight, method)) {
+        rc = finish_oldest(flight);
+    }
+    if (rc == 0) {
+        rc =
+            cli_call_send(client, method, request, slot, cli_deadline(client, -1), &call);
+    }
+    if (rc != 0) {
+        return rc;
+    }
+    call->result = result;
+    flight->computed += is_computed(method);
+    flight->calls[flight->end++ % CLI_FLIGHT_MAX] = call;
+    return 0;
+}
+
+int cli_flight_end(struct cli_flight *flight, int rc)
+{
+    while (rc == 0 && flight->first != flight->end) {
+        rc = finish_oldest(flight);
+    }
+    while (flight->first != flight->end) {
+        cli_call_drop(flight->client, flight->calls[flight->first++ % CLI_FLIGHT_MAX]);
+    }
+    return rc;
+}

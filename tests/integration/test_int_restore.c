@@ -1,0 +1,227 @@
+/* test_int_restore.c - what another daemon is told, and daemons that end meanwhile.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     many meshes through few slots, a queue that is full, kills while a daemon is
+ *           told, and a mesh over which every daemon ends.
+ * Threads:  one; children are forked to kill.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "messages.h"
+#include "raw.h"
+
+#define CROSSINGS 8u
+
+static struct test_daemon daemon_;
+static struct test_crossing crossings[CROSSINGS];
+
+/* A supervised daemon whose queue holds `queue` requests. */
+static void start(const char *queue)
+{
+    const char *const options[] = {"--supervise", "--threads",   "1",   "--crashes-max",
+                                   "1000",        "--queue-max", queue, NULL};
+
+    assert_true(test_daemon_start(&daemon_, options));
+}
+
+static void stop(struct pccd_client *client)
+{
+    pccd_close(client);
+    (void)test_daemon_end(&daemon_, SIGTERM, 10000);
+    (void)test_daemon_finish(&daemon_);
+}
+
+static struct pccd_client *connect_with(uint32_t slots, uint64_t slot_bytes)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    pccd_options_init(&options);
+    options.url = daemon_.url;
+    options.slot_count = slots;
+    options.slot_bytes = slot_bytes;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    return client;
+}
+
+static void make_crossings(struct pccd_client *client)
+{
+    for (unsigned i = 0; i < CROSSINGS; i++) {
+        assert_int_equal(test_crossing_make(client, &crossings[i]), 0);
+    }
+    /* Meshes without a name, of which objects are left, are told in another way. */
+    assert_int_equal(pccd_mesh_destroy(client, crossings[1].mesh), 0);
+    assert_int_equal(pccd_mesh_destroy(client, crossings[2].floor_mesh), 0);
+}
+
+static void turn_crossings(void)
+{
+    for (unsigned i = 0; i < CROSSINGS; i++) {
+        assert_true(test_crossing_turn(&crossings[i]));
+    }
+}
+
+static struct pccd_link_info link_of(const struct pccd_client *client)
+{
+    struct pccd_link_info info;
+
+    assert_int_equal(pccd_link(client, &info), 0);
+    return info;
+}
+
+/* If requests that are sent one behind the other mixed their slots, handles or order, a
+ * scene would come back wrong, or not at all. */
+static void restore__brings_many_meshes_back_through_any_ring(void **state)
+{
+    static const uint32_t slots[] = {1, 3, 16};
+
+    (void)state;
+    start("4096");
+    for (size_t i = 0; i < sizeof(slots) / sizeof(slots[0]); i++) {
+        struct pccd_client *client = connect_with(slots[i], 4096);
+
+        make_crossings(client);
+        for (uint64_t round = 1; round <= 3; round++) {
+            turn_crossings();
+            assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+            turn_crossings();
+            assert_int_equal(link_of(client).reconnects, round);
+        }
+        pccd_close(client);
+    }
+    stop(NULL);
+}
+
+/* If a refusal for want of room ended it, clients that come back all at once would be
+ * lost; if what was refused were left out, they would go on with half a scene. */
+static void restore__goes_on_after_a_refusal_for_want_of_room(void **state)
+{
+    struct pccd_client *client;
+
+    (void)state;
+    start("1");
+    client = connect_with(4, 4096);
+    make_crossings(client);
+    for (uint64_t round = 1; round <= 5; round++) {
+        turn_crossings();
+        assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+        turn_crossings();
+        assert_int_equal(link_of(client).reconnects, round);
+    }
+    stop(client);
+}
+
+/* In a child: kill every worker some milliseconds after it has begun to serve. */
+static pid_t kill_workers(const char *socket_path, unsigned least_ms, unsigned count)
+{
+    pid_t killer = fork();
+
+    assert_true(killer >= 0);
+    if (killer == 0) {
+        for (unsigned i = 0; i < count; i++) {
+            struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
+            struct proto_HELLO_result result;
+            struct test_raw raw;
+
+            while (!test_raw_open(&raw, socket_path)) {
+                test_sleep_ms(1);
+            }
+            if (test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, &result) == 0) {
+                test_sleep_ms(least_ms + i % 4);
+                (void)kill((pid_t)result.pid, SIGKILL);
+                while (test_raw_receive(&raw) == 0) {
+                    ;
+                }
+            }
+            test_raw_close(&raw);
+        }
+        _exit(0);
+    }
+    return killer;
+}
+
+/* If a daemon that ends while it is told left anything behind, in the client or in what
+ * the next one is told, scenes would be wrong later. */
+static void restore__begins_anew_when_the_daemon_ends_meanwhile(void **state)
+{
+    struct pccd_client *client;
+
+    (void)state;
+    start("4096");
+    client = connect_with(2, 4096);
+    make_crossings(client);
+    for (unsigned round = 0; round < 4; round++) {
+        pid_t killer = kill_workers(daemon_.socket, round % 2, 8);
+
+        for (int ended = 0; ended == 0; ended = waitpid(killer, NULL, WNOHANG)) {
+            turn_crossings();
+        }
+    }
+    turn_crossings();
+    assert_true(link_of(client).reconnects >= 4);
+    stop(client);
+}
+
+/* If it failed, a mesh over which the daemon crashes would be sent to one daemon after
+ * the other, until the supervisor gives up and all other clients are without. */
+static void restore__gives_up_a_mesh_that_ends_every_daemon(void **state)
+{
+    enum { VERTICES = 600000 };
+    float(*x)[3] = calloc(VERTICES, sizeof(*x));
+    uint32_t(*triangles)[3] = calloc(VERTICES, sizeof(*triangles));
+    struct pccd_client *client;
+    uint32_t mesh = 0;
+    pid_t killer;
+    int rc;
+
+    (void)state;
+    assert_true(x != NULL && triangles != NULL);
+    for (uint32_t i = 0; i < VERTICES; i++) {
+        x[i][0] = (float)i;
+        triangles[i][0] = i;
+        triangles[i][1] = (i + 1) % VERTICES;
+        triangles[i][2] = (i + 2) % VERTICES;
+    }
+    start("4096");
+    client = connect_with(4, 4096); /* slow: thousands of chunks, always some in flight */
+    killer = kill_workers(daemon_.socket, 4, 60);
+    rc = pccd_mesh_create(client, x, PCCD_FORMAT_F32, VERTICES, triangles, VERTICES,
+                          &mesh, NULL);
+    assert_int_equal(kill(killer, SIGKILL), 0);
+    assert_int_equal(waitpid(killer, NULL, 0), killer);
+    assert_int_equal(rc, PCCD_E_DISCONNECTED);
+    assert_non_null(strstr(pccd_error_text(client), "daemon after daemon"));
+    assert_int_equal(mesh, 0);
+    assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, VERTICES, triangles,
+                                      VERTICES, &mesh, NULL),
+                     0); /* that one is not to blame any more */
+    make_crossings(client);
+    turn_crossings();
+    free(x);
+    free(triangles);
+    stop(client);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(restore__brings_many_meshes_back_through_any_ring),
+        cmocka_unit_test(restore__goes_on_after_a_refusal_for_want_of_room),
+        cmocka_unit_test(restore__begins_anew_when_the_daemon_ends_meanwhile),
+        cmocka_unit_test(restore__gives_up_a_mesh_that_ends_every_daemon),
+    };
+
+    return cmocka_run_group_tests_name("int_restore", tests, NULL, NULL);
+}
