@@ -79,13 +79,13 @@ static struct note *note_of_thread(void)
     return &notes[srv_thread_is_loop() ? 0 : 1];
 }
 
-static void report(int signal)
+static void report(const char *what)
 {
     struct line line = {.length = 0};
     void *frames[FRAMES_MAX];
     const struct note *current = note_of_thread();
     add_text(&line, "pccdd " PACKAGE_VERSION ": ");
-    add_text(&line, name_of(signal));
+    add_text(&line, what);
     add_text(&line, " in process ");
     add_number(&line, (uint64_t)getpid());
     add_text(&line, ", thread ");
@@ -111,9 +111,21 @@ static void report(int signal)
 static void on_fatal(int signal)
 {
     if (!atomic_flag_test_and_set(&reporting)) {
-        report(signal);
+        report(name_of(signal));
     }
     raise(signal);
+}
+
+/* We exit by the main thread. What called this from another one has said why; to go on
+ * with exit would take everything away under the threads that still run. */
+static void on_exit_called(void)
+{
+    if (gettid() != getpid()) {
+        if (!atomic_flag_test_and_set(&reporting)) {
+            report("exit, called by a library,");
+        }
+        _exit(1);
+    }
 }
 
 void srv_crash_thread(void)
@@ -143,4 +155,5 @@ void srv_crash_install(void)
     for (size_t i = 0; i < sizeof fatal / sizeof fatal[0]; i++) {
         sigaction(fatal[i], &action, NULL);
     }
+    (void)atexit(on_exit_called);
 }

@@ -2,7 +2,8 @@
  *
  * Room:     server. May include: the C library.
  * Does:     on a fatal signal write version, thread, request and a backtrace to standard
- *           error, then die of that signal.
+ *           error, then die of that signal. The same where a library ends the process:
+ *           OpenMP's runtime does so when it gets no memory or no thread.
  * Does not: try to go on, allocate or lock.
  * Threads:  [any].
  */
@@ -11,8 +12,8 @@
 
 #include <stdint.h>
 
-/* Handle SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT and SIGSYS; the calling thread gets a
- * stack for it. Once, at the start. */
+/* Handle SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT and SIGSYS, and exit by any thread but
+ * the main one; the calling thread gets a stack for it. Once, at the start. */
 void srv_crash_install(void);
 
 /* A stack for the handler, also where the thread's own has overflowed. */

@@ -40,6 +40,7 @@ libserver_la_SOURCES = \
     daemon/server/ringio.c daemon/server/ringio.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
     daemon/server/supervise.c daemon/server/supervise.h \
+    daemon/server/threads.c daemon/server/threads.h \
     daemon/server/tracing.c daemon/server/tracing.h \
     daemon/server/session.c daemon/server/session.h \
     daemon/server/watch.c daemon/server/watch.h \

@@ -373,7 +373,7 @@ int srv_loop_run(const struct srv_options *options)
     if (status == 0) {
         status = serve(loop);
     } else {
-        srv_log(SRV_LOG_ERROR, 0, "no memory for the buffers");
+        srv_log(SRV_LOG_ERROR, 0, "no memory for the buffers, or no thread");
     }
     int failed = uv_loop_close(&loop->uv);
     PCCD_ASSERT(failed == 0);

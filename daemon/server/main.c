@@ -26,6 +26,7 @@
 #include "loop.h"
 #include "options.h"
 #include "supervise.h"
+#include "threads.h"
 
 /* libgomp reads its environment in a constructor, so setting it here is too late for this
  * image. Waiting threads spin 2000 times, then sleep: more burns a core and collapses
@@ -142,6 +143,7 @@ int main(int argc, char **argv)
     }
     if (options.listen_fd >= 0 || !options.supervise) { /* we serve */
         srv_listener_make_room(&options);
+        options.threads_max = srv_threads_granted(options.threads_max);
     }
     if (options.listen_fd >= 0) {
         int exit_status = srv_loop_run(&options);

@@ -44,7 +44,8 @@ FAULT_TESTS = \
     tests/fault/test_fault_calls \
     tests/fault/test_fault_limits \
     tests/fault/test_fault_memory \
-    tests/fault/test_fault_start
+    tests/fault/test_fault_start \
+    tests/fault/test_fault_threads
 check_PROGRAMS += $(FAULT_TESTS)
 TESTS += $(FAULT_TESTS)
 
@@ -63,6 +64,10 @@ tests_fault_test_fault_limits_LDADD = $(fault_libs)
 tests_fault_test_fault_start_SOURCES = tests/fault/test_fault_start.c
 tests_fault_test_fault_start_CPPFLAGS = $(fault_cppflags)
 tests_fault_test_fault_start_LDADD = $(fault_libs)
+
+tests_fault_test_fault_threads_SOURCES = tests/fault/test_fault_threads.c
+tests_fault_test_fault_threads_CPPFLAGS = $(fault_cppflags)
+tests_fault_test_fault_threads_LDADD = $(fault_libs)
 
 # Every fault; make check tries a sample of the slower ones.
 FAULT_EVERY = 1

@@ -168,16 +168,20 @@ static void start__of_a_worker_is_tried_again(void **state)
     static struct life life;
     static const int errors[] = {EAGAIN, ENOMEM};
     (void)state;
-    assert_true(test_daemon_restart(&place, (const char *const[]){"--supervise", NULL}));
+    assert_true(test_daemon_restart(
+        &place, (const char *const[]){"--supervise", "--crashes-max", "64", NULL}));
     for (size_t i = 0; i < 2; i++) {
-        pid_t worker = worker_pid();
-        assert_int_not_equal(worker, place.pid);
         fault_order(keeper_page, FAULT_fork, 1, 3, errors[i]);
-        assert_int_equal(kill(worker, SIGKILL), 0);
-        test_sleep_ms(50);
-        life_run(&life, place.socket, LIFE_ONCE);
-        assert_string_equal(life.wrong, "");
-        assert_false(life.is_lost);
+        /* The next worker may stand by already: no fork then, before the one after it. */
+        for (int tries = 0; tries < 20 && atomic_load(&keeper_page->hits) < 3; tries++) {
+            pid_t worker = worker_pid();
+            assert_int_not_equal(worker, place.pid);
+            assert_int_equal(kill(worker, SIGKILL), 0);
+            test_sleep_ms(50);
+            life_run(&life, place.socket, LIFE_ONCE);
+            assert_string_equal(life.wrong, "");
+            assert_false(life.is_lost);
+        }
         assert_int_equal(fault_recall(keeper_page), 3);
     }
     assert_int_equal(test_daemon_end(&place, SIGTERM, 10000), 0);

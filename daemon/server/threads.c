@@ -1,0 +1,55 @@
+/* threads.c - how many threads the system grants.
+ *
+ * Room:     server. See threads.h.
+ * Does:     make them all, idle, and end them again: some ten microseconds each.
+ * Does not: keep them: whoever takes them in between wins.
+ * Threads:  [loop]
+ */
+#include "threads.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <string.h>
+
+#include "invariant.h"
+#include "log.h"
+#include "worker.h"
+
+#define OWN_COUNT 3u /* the compute thread, that of pages and that of descriptors */
+
+/* Live until the gate opens. */
+static void *await(void *gate)
+{
+    pthread_mutex_lock(gate);
+    pthread_mutex_unlock(gate);
+    return NULL;
+}
+
+uint32_t srv_threads_granted(uint32_t wanted)
+{
+    static pthread_t threads[ENG_THREADS_MAX + OWN_COUNT];
+    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+    PCCD_ASSERT(wanted >= 1);
+    if (wanted > ENG_THREADS_MAX) {
+        wanted = ENG_THREADS_MAX; /* more the engine does not use */
+    }
+    uint32_t all = wanted - 1 + OWN_COUNT; /* the compute thread is one of the team */
+    uint32_t count = 0;
+    int failed = 0;
+    pthread_mutex_lock(&gate);
+    while (count < all && failed == 0) {
+        failed = pthread_create(&threads[count], NULL, await, &gate);
+        count += failed == 0;
+    }
+    pthread_mutex_unlock(&gate);
+    for (uint32_t i = 0; i < count; i++) {
+        pthread_join(threads[i], NULL);
+    }
+    if (count == all) {
+        return wanted;
+    }
+    uint32_t granted = count > OWN_COUNT ? count - OWN_COUNT + 1 : 1;
+    srv_log(SRV_LOG_WARN, 0, "%u threads instead of %u: %s", granted, wanted,
+            strerror(failed));
+    return granted;
+}
