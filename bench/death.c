@@ -26,6 +26,7 @@
 
 #define CLIENTS_MAX 4096u
 #define KILLS_MAX   1000u /* below --crashes-max */
+#define SCENES_MAX  64u   /* of a client */
 #define SETTLE_MS   250u  /* all sleep, and a spare worker stands by */
 
 /* Of one client and kill. */
@@ -46,15 +47,29 @@ struct run {
     unsigned clients;
     unsigned kills;
     unsigned settle_ms; /* before each kill */
-    bool empty;
+    unsigned scenes;    /* of each client, with two meshes each; 0: ping only */
     struct shared *shared;
     uint64_t *floor_us; /* [kills][clients]: a bare process's end */
     struct test_daemon daemon;
 };
 
-static bool ask(struct pccd_client *client, struct test_crossing *crossing, bool empty)
+static bool make(const struct run *run, struct pccd_client *client,
+                 struct test_crossing crossings[SCENES_MAX])
 {
-    return empty ? pccd_ping(client, NULL) == 0 : test_crossing_turn(crossing);
+    for (unsigned i = 0; i < run->scenes; i++) {
+        if (test_crossing_make(client, &crossings[i]) != 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A step of the first scene, or a ping where there is none. */
+static bool ask(const struct run *run, struct pccd_client *client,
+                struct test_crossing crossings[SCENES_MAX])
+{
+    return run->scenes == 0 ? pccd_ping(client, NULL) == 0
+                            : test_crossing_turn(&crossings[0]);
 }
 
 static void be_ready(const struct run *run, const struct pccd_client *client)
@@ -68,16 +83,15 @@ static int live(const struct run *run, unsigned number)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
-    struct test_crossing crossing;
+    struct test_crossing crossings[SCENES_MAX];
 
     pccd_options_init(&options);
     options.url = run->daemon.url;
     options.slot_bytes = 4096;
     options.result_bytes = 65536;
     options.spin_us = 0; /* there are more clients than processors */
-    if (pccd_connect(&options, &client) != 0 ||
-        (!run->empty && test_crossing_make(client, &crossing) != 0) ||
-        !ask(client, &crossing, run->empty)) {
+    if (pccd_connect(&options, &client) != 0 || !make(run, client, crossings) ||
+        !ask(run, client, crossings)) {
         fprintf(stderr, "client %u: %s\n", number, pccd_error_text(client));
         return 1;
     }
@@ -87,7 +101,7 @@ static int live(const struct run *run, unsigned number)
         struct sample *sample = &run->shared->samples[kill * run->clients + number];
         struct pccd_link_info info;
 
-        if (poll(&watched, 1, -1) < 0 || !ask(client, &crossing, run->empty)) {
+        if (poll(&watched, 1, -1) < 0 || !ask(run, client, crossings)) {
             fprintf(stderr, "client %u: %s\n", number, pccd_error_text(client));
             return 1;
         }
@@ -130,8 +144,8 @@ static void report(const struct run *run)
 
     qsort(samples, count, sizeof(*samples), by_all);
     qsort(run->floor_us, count, sizeof(*run->floor_us), by_us);
-    printf("kill -9 to the next answer, %u clients, %u kills, %s\n", run->clients,
-           run->kills, run->empty ? "nothing registered" : "two meshes each");
+    printf("kill -9 to the next answer, %u clients, %u kills, %u meshes each\n",
+           run->clients, run->kills, 2 * run->scenes);
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
         const struct sample *at = &samples[rows[i].at];
         uint64_t floor_us = run->floor_us[rows[i].at];
@@ -216,10 +230,10 @@ static int measure(struct run *run)
 
 int main(int argc, char **argv)
 {
-    struct run run = {.clients = 1, .kills = 20, .settle_ms = SETTLE_MS};
+    struct run run = {.clients = 1, .kills = 20, .scenes = 1, .settle_ms = SETTLE_MS};
     int option;
 
-    while ((option = getopt(argc, argv, "c:k:s:e")) != -1) {
+    while ((option = getopt(argc, argv, "c:k:s:m:e")) != -1) {
         switch (option) {
         case 'c':
             run.clients = (unsigned)strtoul(optarg, NULL, 10);
@@ -230,16 +244,21 @@ int main(int argc, char **argv)
         case 's':
             run.settle_ms = (unsigned)strtoul(optarg, NULL, 10);
             break;
+        case 'm':
+            run.scenes = (unsigned)strtoul(optarg, NULL, 10) / 2;
+            break;
         case 'e':
-            run.empty = true;
+            run.scenes = 0;
             break;
         default:
             run.clients = 0;
         }
     }
     if (run.clients < 1 || run.clients > CLIENTS_MAX || run.kills < 1 ||
-        run.kills > KILLS_MAX) {
-        fprintf(stderr, "usage: PCCDD=PROGRAM %s [-c CLIENTS] [-k KILLS] [-s MS] [-e]\n",
+        run.kills > KILLS_MAX || run.scenes > SCENES_MAX) {
+        fprintf(stderr,
+                "usage: PCCDD=PROGRAM %s [-c CLIENTS] [-k KILLS] [-s MS] [-m MESHES] "
+                "[-e]\n",
                 argv[0]);
         return 2;
     }
