@@ -168,6 +168,8 @@ struct pccd_client {
     struct cli_child child;
     struct cli_ring ring;
     struct cli_call calls[CLI_CALLS];
+    uint32_t
+        calls_end; /* of those that have ever been used: the others are not looked at */
     struct cli_page pages[CLI_PAGES]; /* a ring: serial modulo CLI_PAGES */
     uint64_t page_first;              /* serial of the oldest unreleased page */
     uint64_t page_end;                /* serial of the next page */

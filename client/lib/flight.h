@@ -12,9 +12,9 @@
 #include "rpc.h"
 
 #define CLI_FLIGHT_MAX 16u /* as many as wait at the daemon before it reads no more */
-/* Of these, computed: two thousand clients that come back at once must find room in the
- * daemon's queue, which takes 4096 unless it is told otherwise. */
-#define CLI_FLIGHT_COMPUTED 2u
+/* Of these, computed: four thousand clients that come back at once find room in the
+ * daemon's queue, which takes 32768 unless it is told otherwise. */
+#define CLI_FLIGHT_COMPUTED 8u
 
 struct cli_flight {
     struct pccd_client *client;

@@ -17,7 +17,7 @@
 /* The call that an answer is for. */
 static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
 {
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
         if (call->id == id && !call->held &&

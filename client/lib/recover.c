@@ -39,7 +39,7 @@ static struct cli_call *find_first_held(struct pccd_client *client)
 {
     struct cli_call *first = NULL;
 
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
         if (is_unanswered(call) && call->held &&
@@ -92,7 +92,7 @@ static void blame_first(struct pccd_client *client)
  * starts over (mesh.c). */
 static void end_uploads(struct pccd_client *client)
 {
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
         if (is_unanswered(call) && call->held && is_upload(call)) {
@@ -117,7 +117,7 @@ static int send_again(struct pccd_client *client)
 /* Forget what this file has sent; hold the rest. */
 static void hold_all(struct pccd_client *client, bool rest)
 {
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
         if (is_unanswered(call) && call->recovery) {

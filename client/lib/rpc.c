@@ -33,7 +33,7 @@ int cli_die(struct pccd_client *client)
 {
     client->dead = true;
     client->link.is_down = false;
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
         call->held = false;
@@ -59,7 +59,7 @@ int cli_die(struct pccd_client *client)
 /* Hold what has no answer, for another connection; what recover.c sent itself fails. */
 static void hold_calls(struct pccd_client *client)
 {
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
         bool sent = call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
 
@@ -129,7 +129,7 @@ uint32_t cli_call_inflight(const struct pccd_client *client)
 {
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         count += is_inflight(client, &client->calls[i]);
     }
     return count;
@@ -144,7 +144,7 @@ static uint32_t compute_inflight(const struct pccd_client *client)
 {
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         const struct cli_call *call = &client->calls[i];
 
         count += is_inflight(client, call) && is_compute(call->method);
@@ -251,12 +251,12 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
 
 static struct cli_call *free_call(struct pccd_client *client)
 {
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         if (client->calls[i].state == CLI_CALL_FREE) {
             return &client->calls[i];
         }
     }
-    return NULL;
+    return client->calls_end < CLI_CALLS ? &client->calls[client->calls_end++] : NULL;
 }
 
 /* Send the encoded message. While the socket takes nothing the replies must be read: the
@@ -316,7 +316,7 @@ static uint32_t steps_inflight(const struct pccd_client *client)
 {
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         const struct cli_call *call = &client->calls[i];
 
         count += is_inflight(client, call) && call->method == PROTO_METHOD_FRAME_SUBMIT;

@@ -22,7 +22,7 @@ int cli_step_check(struct pccd_client *client)
 {
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         const struct cli_call *call = &client->calls[i];
 
         count += call->step != 0 &&
@@ -184,7 +184,7 @@ static int take_answer(struct pccd_client *client, struct cli_call *call,
 
 static struct cli_call *find_step(struct pccd_client *client, uint64_t step)
 {
-    for (uint32_t i = 0; step != 0 && i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; step != 0 && i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
         if (call->step == step &&
@@ -199,7 +199,7 @@ static struct cli_call *find_oldest_done(struct pccd_client *client)
 {
     struct cli_call *oldest = NULL;
 
-    for (uint32_t i = 0; i < CLI_CALLS; i++) {
+    for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
         if (call->step != 0 && call->state == CLI_CALL_DONE &&

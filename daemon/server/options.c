@@ -86,7 +86,7 @@ static const struct argp_option option_table[] = {
     {"inflight-max", OPT_INFLIGHT, "N", 0,
      "steps of one client at a time, 1..16 (default 16)", 2},
     {"queue-max", OPT_QUEUE, "N", 0,
-     "requests of all clients that wait to be computed (default 4096)", 2},
+     "requests of all clients that wait to be computed (default 32768)", 2},
     {"allow-uid", OPT_ALLOW_UID, "USER", 0,
      "let this user be a client, besides root and the daemon's own; may be repeated "
      "(default: whoever can reach the socket)",
@@ -286,7 +286,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
         .threads_max = cpu_count(),
         .connections_max = 1024,
         .inflight_max = PROTO_INFLIGHT_MAX,
-        .queue_max = 4096,
+        .queue_max = 32768,
         .contacts_max = PROTO_CONTACTS_PER_STEP,
         .quota = {[SRV_QUOTA_CLIENTS] = PROTO_CLIENTS_PER_UID,
                   [SRV_QUOTA_SHM_BYTES] = PROTO_SHM_BYTES_PER_UID,
