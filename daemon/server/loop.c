@@ -19,7 +19,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/random.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "activate.h"
@@ -32,13 +31,13 @@
 #include "limits.h"
 #include "now.h"
 #include "pccd_types.h"
+#include "priority.h"
 #include "sandbox.h"
 #include "session.h"
 
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
 #define LAST_TURNS      16     /* for what has come before a connection is closed */
 #define FORCE_MS        5000u  /* for a cancelled request to let go */
-#define PAGES_NICE      10     /* a tenth of what another thread gets beside it */
 
 /* ---- stopping ---------------------------------------------------------------------- */
 
@@ -225,13 +224,12 @@ static void on_enter(void *context)
                        loop->options->threads_max);
 }
 
-/* Rings are made and freed behind everything else that wants a processor: clients that
- * come and go without end kept one busy, and the team of the steps shared it. Where the
- * priority cannot be set they are made all the same. [pages] */
+/* Clients that come and go without end kept a processor busy with their rings, and the
+ * team of the steps shared it. [pages] */
 static void on_enter_pages(void *context)
 {
     (void)context;
-    (void)setpriority(PRIO_PROCESS, 0, PAGES_NICE); /* of this thread, on Linux */
+    srv_priority_behind();
 }
 
 /* Before any thread is bound or made: they inherit where this one may run. */
@@ -327,6 +325,7 @@ static int serve(struct srv_loop *loop)
     }
     if (status == 0) {
         srv_lifeline_raise(loop->listener.fd_count);
+        srv_priority_prompt(); /* the other threads are there, and do not inherit it */
         status = srv_sandbox_enter(loop->options);
     }
     /* A spare worker waits here, with all behind it that takes long: threads take 5 ms to

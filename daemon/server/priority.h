@@ -1,0 +1,20 @@
+/* priority.h - how soon a thread gets a processor.
+ *
+ * Room:     server. May include: the C library.
+ * Does:     set it for the calling thread alone, without any right that a user has not.
+ *           Where the system does not know it or does not allow it, things are late, but
+ *           right: nothing is returned.
+ * Threads:  [any]; threads that it makes afterwards begin like it.
+ */
+#ifndef SRV_PRIORITY_H
+#define SRV_PRIORITY_H
+
+/* This thread's work is urgent and takes microseconds: it is to run when it is woken, and
+ * not when the next tick (4 ms) takes the processor from one that computes. It gets no
+ * more time than others do. Not in the sandbox. */
+void srv_priority_prompt(void);
+
+/* This thread's work can wait: beside another it gets a tenth of what that gets. */
+void srv_priority_behind(void);
+
+#endif
