@@ -25,31 +25,50 @@ static_assert(sizeof(struct proto_FRAME_SUBMIT_result) ==
 
 /* ---- pages ------------------------------------------------------------------------- */
 
-/* Copy the records from `first` on into the result region, as many as fit, and say in
- * *answer which those are. Returns 0 or a status with *error set. [compute] */
-static int write_page(struct srv_scene *scene, struct srv_ring *ring, uint64_t first,
-                      struct proto_FRAME_SUBMIT_result *answer, struct proto_error *error)
+/* Copied between two looks at the cancel flag, some 100 us; and in any case: a step that
+ * was cancelled keeps no more. */
+#define COPY_RECORDS 8192u
+
+/* Copy `count` records, or fewer if the request is cancelled. Returns how many. */
+static uint64_t copy_records(struct srv_request *request, uint8_t *to,
+                             const uint8_t *from, uint64_t count, uint32_t record_bytes)
 {
+    uint64_t done = 0;
+    while (done < count && (done == 0 || !atomic_load_explicit(&request->job.cancel,
+                                                               memory_order_relaxed))) {
+        uint64_t n = count - done < COPY_RECORDS ? count - done : COPY_RECORDS;
+        memcpy(to + done * record_bytes, from + done * record_bytes, n * record_bytes);
+        done += n;
+    }
+    return done;
+}
+
+/* Copy the records from `first` on into the result region, as many as fit, and say in
+ * *answer which those are. Returns 0 or a status with the error set. [compute] */
+static int write_page(struct srv_request *request, uint64_t first,
+                      struct proto_FRAME_SUBMIT_result *answer)
+{
+    struct srv_scene *scene = request->plan.scene;
     PCCD_ASSERT(scene->has_answer && first <= scene->answer.total);
     *answer = scene->answer;
     struct srv_page page;
     void *data = NULL;
-    int status = srv_ring_reserve(ring, answer->record_bytes, answer->total - first,
-                                  &page, &data, error);
+    int status = srv_ring_reserve(request->plan.ring, answer->record_bytes,
+                                  answer->total - first, &page, &data, &request->error);
     if (status != 0) {
         return status;
     }
-    if (page.count > 0) {
-        memcpy(data, (const uint8_t *)scene->records + first * answer->record_bytes,
-               page.count * answer->record_bytes);
-    }
+    uint64_t count = copy_records(
+        request, data, (const uint8_t *)scene->records + first * answer->record_bytes,
+        page.count, answer->record_bytes);
     answer->first = first;
-    answer->count = page.count;
-    answer->cursor = first + page.count;
+    answer->count = count;
+    answer->cursor = first + count;
     answer->offset = page.position;
     answer->release = page.release;
     if (answer->incomplete == PCCD_COMPLETE && answer->cursor < answer->total) {
-        answer->incomplete = PCCD_INCOMPLETE_RESULT_FULL;
+        answer->incomplete =
+            count < page.count ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_RESULT_FULL;
     }
     return 0;
 }
@@ -218,7 +237,7 @@ static int work_submit(struct srv_request *request)
     }
     struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
     uint64_t copy_ns = srv_now_ns();
-    status = write_page(scene, request->plan.ring, 0, answer, &request->error);
+    status = write_page(request, 0, answer);
     uint64_t end_ns = srv_now_ns();
     answer->ns_queue = start_ns - request->arrival_ns;
     answer->ns_merge += end_ns - copy_ns;
@@ -346,8 +365,7 @@ static int work_fetch(struct srv_request *request)
                                (unsigned long long)scene->answer.total);
     }
     struct proto_FRAME_SUBMIT_result answer;
-    int status =
-        write_page(scene, request->plan.ring, fetch->cursor, &answer, &request->error);
+    int status = write_page(request, fetch->cursor, &answer);
     if (status == 0) {
         answer.ns_queue = start_ns - request->arrival_ns;
         memcpy(&request->result.FRAME_FETCH, &answer, sizeof answer);

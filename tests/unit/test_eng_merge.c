@@ -217,6 +217,9 @@ static void *run_share(void *argument)
     return NULL;
 }
 
+/* The flag of the step. */
+static atomic_bool is_cancelled;
+
 /* As a step does it; `lists` may be more than the threads that turn up. */
 static int merge(struct fixture *f, uint32_t lists, struct eng_counts *counts,
                  uint64_t hash[2])
@@ -232,6 +235,7 @@ static int merge(struct fixture *f, uint32_t lists, struct eng_counts *counts,
     if (status != ENG_OK) {
         return status;
     }
+    eng_merge_set_cancel(&f->merge, &is_cancelled);
     if (f->threads > 1) {
         assert_int_equal(pthread_barrier_init(&barrier, NULL, f->threads), 0);
         for (uint32_t t = 0; t < f->threads; t++) {
@@ -384,6 +388,32 @@ static void merge__leaves_out_lists_without_a_thread(void **state)
     free(expected);
 }
 
+/* If it failed: a step that is cancelled while it merges would go on for milliseconds, or
+ * hand out places that nobody has filled; or one that was stopped before, with few
+ * records, would answer nothing of what it has found. */
+static void merge__is_given_up_when_cancelled_unless_it_is_short(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {92};
+    struct eng_counts counts;
+    uint64_t hash[2];
+    for (uint32_t i = 0; i < 6; i++) {
+        f->record_bytes = records[i % 2];
+        f->threads = 1 + i / 2 * 3;
+        fill(f, &random, RANDOM, 20000, false);
+        atomic_store(&is_cancelled, true);
+        assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+        assert_true(eng_merge_is_given_up(&f->merge));
+        assert_int_equal(f->out.count, 0);
+        check_counts(f, &counts);
+        check(f, &random, RANDOM, 8000, false);
+        assert_false(eng_merge_is_given_up(&f->merge));
+        atomic_store(&is_cancelled, false);
+        check(f, &random, RANDOM, 20000, false); /* and the next is whole again */
+        assert_false(eng_merge_is_given_up(&f->merge));
+    }
+}
+
 /* If it failed: a step would allocate again after the same step. */
 static void merge__warm_allocates_nothing(void **state)
 {
@@ -434,6 +464,7 @@ int main(void)
         TEST(merge__sorts_many_records),
         TEST(merge__limit_keeps_the_first_in_order),
         TEST(merge__leaves_out_lists_without_a_thread),
+        TEST(merge__is_given_up_when_cancelled_unless_it_is_short),
         TEST(merge__warm_allocates_nothing),
         TEST(merge__buckets_are_even_for_any_names),
     };

@@ -76,7 +76,9 @@ int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team
     for (uint32_t i = 0; i < team->count; i++) {
         lists[i] = &team->workers[i]->found;
     }
-    return eng_merge_begin(&memory->merge, lists, team->count, &memory->sorted);
+    int status = eng_merge_begin(&memory->merge, lists, team->count, &memory->sorted);
+    eng_merge_set_cancel(&memory->merge, team->workers[0]->settings->cancel);
+    return status;
 }
 
 /* A part of the merge that began at `begin_ns` is done. */
@@ -136,6 +138,9 @@ static int collect(struct eng_step_memory *memory, const struct eng_team *team,
         overflowed |= team->workers[i]->found.overflowed;
     }
     overflowed |= merge->kept < merge->total;
+    if (eng_merge_is_given_up(merge)) {
+        result->incomplete = ENG_INCOMPLETE_CANCELLED;
+    }
     if (overflowed && result->incomplete == ENG_COMPLETE) {
         result->incomplete = ENG_INCOMPLETE_CONTACT_LIMIT;
     }

@@ -18,6 +18,10 @@ static_assert(sizeof(struct eng_name) == sizeof(struct eng_pair), "its words");
 /* Records below which a second thread costs more than it saves. */
 #define SMALL_MAX 3000u
 
+/* Records that are merged within a millisecond by a single thread: not given up. A step
+ * that was stopped before has no more (answer.c), and answers what it has found. */
+#define SOON_MAX 8192u
+
 /* Buckets: enough for the threads to end together, small enough for the cache, and not so
  * small that their number costs. Samples: a few for each bucket. */
 #define BUCKETS_MIN            256u
@@ -40,6 +44,7 @@ static const struct eng_counts no_counts = {0, 0, 0, 2};
 void eng_merge_init(struct eng_merge *merge)
 {
     memset(merge, 0, sizeof *merge);
+    atomic_init(&merge->is_given_up, false);
     atomic_init(&merge->arrived, 0);
     atomic_init(&merge->next, 0);
 }
@@ -126,9 +131,33 @@ int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
     merge->out = out;
     merge->state = ENG_MERGE_OPEN;
     merge->begin_ns = 0;
+    merge->cancel = NULL;
+    atomic_store_explicit(&merge->is_given_up, false, memory_order_relaxed);
     atomic_store_explicit(&merge->arrived, 0, memory_order_relaxed);
     atomic_store_explicit(&merge->next, 0, memory_order_relaxed);
     return ENG_OK;
+}
+
+void eng_merge_set_cancel(struct eng_merge *merge, const atomic_bool *cancel)
+{
+    merge->cancel = cancel;
+}
+
+/* Whether to go no further. Relaxed: the flags are hints; the barriers order the rest. */
+static bool must_give_up(struct eng_merge *merge)
+{
+    if (merge->total <= SOON_MAX) {
+        return false;
+    }
+    if (eng_merge_is_given_up(merge)) {
+        return true;
+    }
+    if (merge->cancel == NULL ||
+        !atomic_load_explicit(merge->cancel, memory_order_relaxed)) {
+        return false;
+    }
+    atomic_store_explicit(&merge->is_given_up, true, memory_order_relaxed);
+    return true;
 }
 
 /* A sample of a list, at even distances. */
@@ -211,8 +240,8 @@ static int plan(struct eng_merge *merge)
 }
 
 /* Keys of a list, in the order of arrival, and the bucket of each; `count`: of a bucket's
- * records, 0 before. */
-static void find_buckets(struct eng_merge *merge, const struct eng_merge_share *share,
+ * records, 0 before. False: given up. */
+static bool find_buckets(struct eng_merge *merge, const struct eng_merge_share *share,
                          uint32_t *count)
 {
     struct eng_radix_key *item = merge->other + share->first;
@@ -220,6 +249,9 @@ static void find_buckets(struct eng_merge *merge, const struct eng_merge_share *
     uint32_t bytes = share->found->record_bytes;
     for (const struct eng_block *block = share->found->first; block;
          block = block->next) {
+        if (must_give_up(merge)) {
+            return false;
+        }
         for (uint32_t i = 0; i < block->count; i += ENG_SPLIT_GROUP) {
             uint64_t key[ENG_SPLIT_GROUP] = {0};
             uint16_t found[ENG_SPLIT_GROUP];
@@ -237,6 +269,7 @@ static void find_buckets(struct eng_merge *merge, const struct eng_merge_share *
             }
         }
     }
+    return true;
 }
 
 /* Divide a list into the buckets. */
@@ -247,7 +280,9 @@ void eng_merge_divide(struct eng_merge *merge, uint32_t thread)
     uint32_t *begin = share->begin;
     uint32_t at = share->first;
     memset(begin, 0, (buckets + 1) * sizeof *begin);
-    find_buckets(merge, share, begin + 1);
+    if (!find_buckets(merge, share, begin + 1)) {
+        return;
+    }
     /* begin[b + 1] becomes the next free place of bucket b, and at the end, when the
      * bucket is full, where the next one begins. */
     for (uint32_t b = 0; b < buckets; b++) {
@@ -269,7 +304,7 @@ void eng_merge_finish(struct eng_merge *merge, uint32_t thread)
     for (;;) {
         /* Relaxed: each bucket is handed out once; the barriers order the rest. */
         uint32_t b = atomic_fetch_add_explicit(&merge->next, 1, memory_order_relaxed);
-        if (b >= merge->splitters.buckets) {
+        if (b >= merge->splitters.buckets || must_give_up(merge)) {
             break;
         }
         eng_bucket_finish(merge, b, &counts);
@@ -343,12 +378,17 @@ static void chain(struct eng_merge *merge, size_t bytes, uint64_t hash[2])
 int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts, uint64_t hash[2])
 {
     merge_alone(merge);
+    *counts = no_counts;
     if (merge->state == ENG_MERGE_NOMEM) {
         merge->out->count = 0;
         return ENG_E_NOMEM;
     }
+    if (eng_merge_is_given_up(merge)) {
+        merge->out->count = 0;
+        eng_hash(merge->out->data, 0, hash);
+        return ENG_OK;
+    }
     merge->out->count = merge->kept;
-    *counts = no_counts;
     for (uint32_t t = 0; t < merge->threads; t++) {
         const struct eng_counts *part = &merge->shares[t].counts;
         counts->vf += part->vf;

@@ -18,6 +18,7 @@
 #define ENG_MERGE_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 
 #include "hash.h"
 #include "order.h"
@@ -70,8 +71,10 @@ struct eng_merge {
     struct eng_hash_sum *sums;   /* of the answer's blocks */
     uint16_t *buckets;           /* of the items before they are divided */
     uint64_t capacity;
-    _Alignas(128) atomic_uint arrived; /* lists looked at */
-    _Alignas(128) atomic_uint next;    /* bucket to be taken */
+    const atomic_bool *cancel; /* set by any thread: give the merge up; may be NULL */
+    _Alignas(128) atomic_bool is_given_up;
+    atomic_uint arrived;            /* lists looked at */
+    _Alignas(128) atomic_uint next; /* bucket to be taken */
 };
 
 void eng_merge_init(struct eng_merge *merge);
@@ -83,6 +86,9 @@ uint64_t eng_merge_bytes(const struct eng_merge *merge);
 int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
                     uint32_t count, struct eng_records *out);
 
+/* `cancel` is looked at every few thousand records from now on; NULL: nothing is. */
+void eng_merge_set_cancel(struct eng_merge *merge, const atomic_bool *cancel);
+
 /* The three shares of a thread of a parallel region of `threads`, with a barrier of all
  * between them; at most begin's count, lists beyond it are left out. [team]
  *
@@ -92,6 +98,13 @@ int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
 void eng_merge_survey(struct eng_merge *merge, uint32_t threads, uint32_t thread);
 void eng_merge_divide(struct eng_merge *merge, uint32_t thread);
 void eng_merge_finish(struct eng_merge *merge, uint32_t thread);
+
+/* Cancelled before all was done: nothing is in `out`. After the barriers, and after end,
+ * the same for all. */
+static inline bool eng_merge_is_given_up(const struct eng_merge *merge)
+{
+    return atomic_load_explicit(&merge->is_given_up, memory_order_relaxed);
+}
 
 static inline bool eng_merge_is_shared(const struct eng_merge *merge)
 {
