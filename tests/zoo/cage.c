@@ -12,7 +12,10 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "crossing.h"
@@ -44,6 +47,11 @@ static void live(struct zoo_cage *cage, const struct zoo_animal *animal)
     _exit(0);
 }
 
+static uint64_t microseconds(struct timeval time)
+{
+    return (uint64_t)time.tv_sec * 1000000u + (uint64_t)time.tv_usec;
+}
+
 static bool all_ready(const struct zoo_den *den)
 {
     for (unsigned i = 0; i < den->each; i++) {
@@ -71,6 +79,7 @@ bool zoo_open(struct zoo_den *den, const struct zoo_animal *animal, const char *
     uint64_t until_ms = test_now_ms() + READY_MS + (patient ? 2 * pause_ms : 0);
 
     memset(den, 0, sizeof(*den));
+    den->begin_us = test_now_us();
     den->cages = mmap(NULL, ZOO_EACH_MAX * sizeof(*den->cages), PROT_READ | PROT_WRITE,
                       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (den->cages == MAP_FAILED) {
@@ -83,7 +92,9 @@ bool zoo_open(struct zoo_den *den, const struct zoo_animal *animal, const char *
         *cage = (struct zoo_cage){.socket = socket,
                                   .number = den->each,
                                   .patient = patient,
-                                  .pause_ms = pause_ms};
+                                  .pause_ms = pause_ms,
+                                  .burst_us = animal->burst_us,
+                                  .rest_us = animal->rest_us};
         pid = fork();
         if (pid == 0) {
             live(cage, animal);
@@ -110,9 +121,10 @@ unsigned zoo_close(struct zoo_den *den)
         (void)kill(den->pids[i], SIGCONT);
     }
     for (unsigned i = 0; i < den->each; i++) {
+        struct rusage used = {.ru_utime = {0, 0}};
         int status = 0;
 
-        while (waitpid(den->pids[i], &status, WNOHANG) == 0) {
+        while (wait4(den->pids[i], &status, WNOHANG, &used) == 0) {
             if (test_now_ms() >= until_ms) {
                 (void)kill(den->pids[i], SIGKILL);
                 (void)zoo_fail(&den->cages[i], __LINE__, "it ends when it is told to");
@@ -121,8 +133,45 @@ unsigned zoo_close(struct zoo_den *den)
         }
         right = right && WIFEXITED(status) && WEXITSTATUS(status) == 0;
         acts += atomic_load(&den->cages[i].acts);
+        den->work_us += microseconds(used.ru_utime) + microseconds(used.ru_stime);
     }
+    den->wall_us = test_now_us() - den->begin_us;
     return right ? acts : 0;
+}
+
+/* ---- what an animal takes by being there ------------------------------------------- */
+
+static uint64_t worked_us(void)
+{
+    struct timespec now;
+
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000;
+}
+
+static bool burn(struct zoo_cage *cage)
+{
+    uint64_t until_us = worked_us() + cage->burst_us;
+
+    while (worked_us() < until_us) {
+    }
+    (void)usleep(cage->rest_us);
+    return true;
+}
+
+struct zoo_animal zoo_burner(const struct zoo_den *den, unsigned acts)
+{
+    uint64_t burst_us = den->work_us / (acts > 0 ? acts : 1);
+    double share = (double)den->work_us / (double)(den->wall_us * den->each);
+
+    burst_us = burst_us < 20 ? 20 : burst_us > 1000 ? 1000 : burst_us;
+    share = share < 0.001 ? 0.001 : share > 1 ? 1 : share;
+    return (struct zoo_animal){
+        .name = "burns",
+        .act = burn,
+        .burst_us = (unsigned)burst_us,
+        .rest_us = (unsigned)((double)burst_us * (1 / share - 1)),
+    };
 }
 
 void zoo_say(const struct zoo_den *den, const struct zoo_animal *animal)

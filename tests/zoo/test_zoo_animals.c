@@ -28,22 +28,22 @@
 #define GENEROUS_MS    100.0
 
 static const struct zoo_animal animals[] = {
-    {"says nothing", zoo_says_nothing, true},
-    {"never reads", zoo_never_reads, false},
-    {"floods", zoo_floods, false},
-    {"sends 253 descriptors", zoo_sends_253_descriptors, false},
-    {"sends wrong lengths", zoo_sends_wrong_lengths, false},
-    {"uses stale handles", zoo_uses_stale_handles, false},
-    {"rewrites submitted slots", zoo_rewrites_submitted_slots, false},
-    {"punches holes", zoo_punches_holes, false},
-    {"lies about counts", zoo_lies_about_counts, false},
-    {"sends wrong numbers", zoo_sends_wrong_numbers, false},
-    {"names wrong indices", zoo_names_wrong_indices, false},
-    {"submits without end", zoo_submits_without_end, false},
-    {"cancels everything", zoo_cancels_everything, false},
-    {"makes tiny scenes", zoo_makes_tiny_scenes, false},
-    {"dies in the middle", zoo_dies_in_the_middle, false},
-    {"stops itself", zoo_stops_itself, false},
+    {"says nothing", zoo_says_nothing, true, 0, 0},
+    {"never reads", zoo_never_reads, false, 0, 0},
+    {"floods", zoo_floods, false, 0, 0},
+    {"sends 253 descriptors", zoo_sends_253_descriptors, false, 0, 0},
+    {"sends wrong lengths", zoo_sends_wrong_lengths, false, 0, 0},
+    {"uses stale handles", zoo_uses_stale_handles, false, 0, 0},
+    {"rewrites submitted slots", zoo_rewrites_submitted_slots, false, 0, 0},
+    {"punches holes", zoo_punches_holes, false, 0, 0},
+    {"lies about counts", zoo_lies_about_counts, false, 0, 0},
+    {"sends wrong numbers", zoo_sends_wrong_numbers, false, 0, 0},
+    {"names wrong indices", zoo_names_wrong_indices, false, 0, 0},
+    {"submits without end", zoo_submits_without_end, false, 0, 0},
+    {"cancels everything", zoo_cancels_everything, false, 0, 0},
+    {"makes tiny scenes", zoo_makes_tiny_scenes, false, 0, 0},
+    {"dies in the middle", zoo_dies_in_the_middle, false, 0, 0},
+    {"stops itself", zoo_stops_itself, false, 0, 0},
 };
 #define ANIMALS (sizeof(animals) / sizeof(animals[0]))
 
@@ -78,16 +78,44 @@ static void look_while_they_act(struct zoo_held *least)
     }
 }
 
+/* The honest client's latencies of a round. */
+struct rounds {
+    struct zoo_times alone;
+    struct zoo_times beside; /* the animals */
+    struct zoo_times burned; /* beside processes that take as much of the processors */
+};
+
 static void report(const struct zoo_animal *animal, unsigned acts,
-                   const struct zoo_times *alone, const struct zoo_times *beside,
-                   int64_t heap)
+                   const struct rounds *rounds, int64_t heap)
 {
+    const struct zoo_times *alone = &rounds->alone;
+    const struct zoo_times *beside = &rounds->beside;
+    const struct zoo_times *burned = &rounds->burned;
+
     printf("# %-25s %7u acts  p99 %7.2f ms alone %7.2f beside %6.2fx  p50 %5.2fx  "
-           "heap %+5lld KiB each\n",
+           "heap %+5lld KiB each",
            animal->name, acts, alone->p99_ms, beside->p99_ms,
            beside->p99_ms / alone->p99_ms, beside->p50_ms / alone->p50_ms,
            (long long)(heap >> 10));
+    if (is_long) {
+        printf("  against burners: p99 %7.2f ms %6.2fx  p50 %5.2fx", burned->p99_ms,
+               beside->p99_ms / burned->p99_ms, beside->p50_ms / burned->p50_ms);
+    }
+    printf("\n");
     (void)fflush(stdout);
+}
+
+/* What the animals take of the processors themselves no daemon can prevent: the honest
+ * client beside others who take as much. */
+static bool work_beside_burners(const struct zoo_den *closed, unsigned acts,
+                                struct zoo_times *times)
+{
+    const struct zoo_animal burner = zoo_burner(closed, acts);
+    struct zoo_den den;
+    bool worked = zoo_open(&den, &burner, keeper.daemon.socket, each, false, pause_ms) &&
+                  zoo_keeper_work(&keeper, requests, times);
+
+    return zoo_close(&den) > 0 && worked;
 }
 
 /* If it failed, this client would harm the daemon or those who share it: it would get
@@ -97,8 +125,7 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
 {
     const struct zoo_animal *animal = *state;
     struct zoo_den den;
-    struct zoo_times alone;
-    struct zoo_times beside;
+    struct rounds rounds = {.alone = {.p99_ms = 0}};
     struct zoo_held before;
     struct zoo_held during;
     unsigned acts;
@@ -106,17 +133,19 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
     bool opened;
 
     zoo_keeper_look(&keeper, &before);
-    assert_true(zoo_keeper_work(&keeper, requests, &alone));
+    assert_true(zoo_keeper_work(&keeper, requests, &rounds.alone));
     opened = zoo_open(&den, animal, keeper.daemon.socket, each, is_long, pause_ms);
-    worked = opened && zoo_keeper_work(&keeper, requests, &beside);
+    worked = opened && zoo_keeper_work(&keeper, requests, &rounds.beside);
     look_while_they_act(&during);
     acts = zoo_close(&den);
     zoo_say(&den, animal);
     assert_true(opened);
     assert_true(worked);
     assert_true(acts >= each);
-    report(animal, acts, &alone, &beside, heap_of_each(&before, &during));
-    assert_true(beside.p99_ms <= GENEROUS_TIMES * alone.p99_ms + GENEROUS_MS);
+    assert_true(!is_long || work_beside_burners(&den, acts, &rounds.burned));
+    report(animal, acts, &rounds, heap_of_each(&before, &during));
+    assert_true(rounds.beside.p99_ms <=
+                GENEROUS_TIMES * rounds.alone.p99_ms + GENEROUS_MS);
 #ifndef PCCD_SANITIZED /* red zones and shadows are heap, too */
     assert_true(heap_of_each(&before, &during) <= HEAP_MAX);
 #endif
