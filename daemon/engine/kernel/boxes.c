@@ -14,17 +14,30 @@ typedef int32_t half_bits __attribute__((vector_size(ENG_D_LANES * 4), may_alias
  * arithmetic on one takes a hundred times as long. */
 static const int64_t is_coordinate[8] = {-1, -1, -1, 0, -1, -1, -1, 0};
 
+/* All bits of the lanes in which a < b. */
+ENG_INLINE eng_di where_less(eng_d a, eng_d b)
+{
+#if ENG_D_LANES == 1
+    return (eng_di){-(int64_t)(a < b)};
+#else
+    return (eng_di)(a < b);
+#endif
+}
+
 /* Outward distances of coordinates, rounded outward: the nearest float, moved by one unit
  * where it lies on the wrong side, as eng_round_down and eng_round_up do (aabb.h). Zeros
  * lose their sign (-0 + 0 is 0): the join takes the sum of two that meet for a gap if it
  * has one, and -0 + -0 has. */
 ENG_INLINE void round_out(eng_d x, half *low, half *high)
 {
-    half nearest = __builtin_convertvector(x, half);
-    eng_d back = __builtin_convertvector(nearest, eng_d);
+    float rounded[ENG_D_LANES];
+    half nearest;
+    eng_d_narrow(rounded, x);
+    memcpy(&nearest, rounded, sizeof nearest);
+    eng_d back = eng_d_widen(rounded);
     half_bits unit = ((half_bits)nearest >> 31) | 1;
-    half_bits above = __builtin_convertvector((eng_di)(back > x), half_bits);
-    half_bits below = __builtin_convertvector((eng_di)(back < x), half_bits);
+    half_bits above = __builtin_convertvector(where_less(x, back), half_bits);
+    half_bits below = __builtin_convertvector(where_less(back, x), half_bits);
     *low = (half)(((half_bits)nearest - (unit & above)) ^ INT32_MIN) + 0.0f;
     *high = (half)((half_bits)nearest + (unit & below)) + 0.0f;
 }
@@ -54,7 +67,7 @@ void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool
             half box[2];
             memcpy(&bits, x + 8 * k, sizeof bits);
             memcpy(&mask, is_coordinate + k, sizeof mask);
-            round_out((eng_d)(bits & mask), &box[0], &box[1]);
+            round_out(eng_d_of(bits & mask), &box[0], &box[1]);
             memcpy(low + 4 * k, &box[0], sizeof box[0]);
             memcpy(high + 4 * k, &box[1], sizeof box[1]);
         }

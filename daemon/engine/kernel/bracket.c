@@ -315,7 +315,6 @@ ENG_INLINE void write_hits(enum eng_kind kind, const struct lanes *lanes, uint32
                            eng_d x, eng_d y, const struct eng_spot *spot, double t_end,
                            struct eng_bracketed *out)
 {
-    typedef float narrow __attribute__((vector_size(ENG_D_LANES * 4), may_alias));
     const eng_d one = (eng_d){0} + 1;
     double at[2][ENG_D_LANES];
     float as[5][ENG_D_LANES];
@@ -336,8 +335,7 @@ ENG_INLINE void write_hits(enum eng_kind kind, const struct lanes *lanes, uint32
     eng_d_store(at[1], y);
 #pragma GCC unroll 5
     for (int i = 0; i < 5; i++) {
-        narrow number = __builtin_convertvector(numbers[i], narrow);
-        memcpy(as[i], &number, sizeof number);
+        eng_d_narrow(as[i], numbers[i]);
     }
     uint32_t count = out->hit_count;
     for (; bits != 0; bits &= bits - 1) {

@@ -46,7 +46,12 @@
 #define ENG_D_ALL ((1u << ENG_D_LANES) - 1)
 #define ENG_F_ALL ((1u << ENG_F_LANES) - 1)
 
+#if ENG_VECTOR_BYTES == 8
+/* Not a vector: gcc 12 keeps those of one double in the registers of integers. */
+typedef double eng_d;
+#else
 typedef double eng_d __attribute__((vector_size(ENG_D_LANES * 8), may_alias));
+#endif
 typedef float eng_f __attribute__((vector_size(ENG_F_LANES * 4), may_alias));
 typedef int64_t eng_di __attribute__((vector_size(ENG_D_LANES * 8), may_alias));
 typedef int32_t eng_fi __attribute__((vector_size(ENG_F_LANES * 4), may_alias));
@@ -61,6 +66,21 @@ ENG_INLINE eng_d eng_d_load(const double *x)
 ENG_INLINE void eng_d_store(double *x, eng_d v)
 {
     memcpy(x, &v, sizeof v);
+}
+
+/* The same bits. */
+ENG_INLINE eng_d eng_d_of(eng_di bits)
+{
+    eng_d v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+ENG_INLINE eng_di eng_di_of(eng_d v)
+{
+    eng_di bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
 }
 
 ENG_INLINE eng_f eng_f_load(const float *x)
@@ -96,17 +116,33 @@ ENG_INLINE eng_f eng_f_all(float x)
 /* ENG_D_LANES floats, exactly. */
 ENG_INLINE eng_d eng_d_widen(const float *x)
 {
+#if ENG_VECTOR_BYTES == 8
+    return *x;
+#else
     typedef float half __attribute__((vector_size(ENG_D_LANES * 4), may_alias));
     half v;
     memcpy(&v, x, sizeof v);
     return __builtin_convertvector(v, eng_d);
+#endif
+}
+
+/* ENG_D_LANES floats, the nearest. */
+ENG_INLINE void eng_d_narrow(float *x, eng_d v)
+{
+#if ENG_VECTOR_BYTES == 8
+    *x = (float)v;
+#else
+    typedef float half __attribute__((vector_size(ENG_D_LANES * 4), may_alias));
+    half h = __builtin_convertvector(v, half);
+    memcpy(x, &h, sizeof h);
+#endif
 }
 
 /* The sign bit cleared. */
 ENG_INLINE eng_d eng_d_abs(eng_d a)
 {
 #if ENG_VECTOR_BYTES == 8
-    return (eng_d){__builtin_fabs(a[0])};
+    return __builtin_fabs(a);
 #else
     return (eng_d)((eng_di)a & INT64_MAX);
 #endif

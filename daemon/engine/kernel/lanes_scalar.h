@@ -22,7 +22,7 @@ typedef __m128d eng_dm;
 
 ENG_INLINE __m128d eng_d_low(eng_d a)
 {
-    return _mm_set_sd(a[0]);
+    return _mm_set_sd(a);
 }
 
 ENG_INLINE eng_dm eng_d_less(eng_d a, eng_d b)
@@ -58,7 +58,7 @@ ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
 ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
 {
     __m128d v = _mm_or_pd(_mm_and_pd(m, eng_d_low(a)), _mm_andnot_pd(m, eng_d_low(b)));
-    return (eng_d){v[0]};
+    return v[0];
 }
 
 #else
@@ -67,12 +67,12 @@ typedef uint32_t eng_dm; /* 0 or 1 */
 
 ENG_INLINE eng_dm eng_d_less(eng_d a, eng_d b)
 {
-    return a[0] < b[0];
+    return a < b;
 }
 
 ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
 {
-    return a[0] <= b[0];
+    return a <= b;
 }
 
 ENG_INLINE eng_dm eng_dm_and(eng_dm a, eng_dm b)
@@ -126,19 +126,17 @@ ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
 
 ENG_INLINE eng_d eng_d_min(eng_d a, eng_d b)
 {
-    return (eng_d){a[0] < b[0] ? a[0] : b[0]};
+    return a < b ? a : b;
 }
 
 ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
 {
-    return (eng_d){a[0] > b[0] ? a[0] : b[0]};
+    return a > b ? a : b;
 }
 
 ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
 {
-    double x = __builtin_fabs(a[0]);
-    double y = __builtin_fabs(b[0]);
-    return (eng_d){x > y ? x : y};
+    return eng_d_max(__builtin_fabs(a), __builtin_fabs(b));
 }
 
 ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
@@ -175,7 +173,7 @@ ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
 
 ENG_INLINE eng_d eng_d_sqrt(eng_d a)
 {
-    return (eng_d){__builtin_sqrt(a[0])};
+    return __builtin_sqrt(a);
 }
 
 #endif

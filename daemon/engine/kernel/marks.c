@@ -28,9 +28,9 @@ bool ENG_KERNEL(place_points)(const struct eng_point *points, uint32_t count,
             eng_di mask;
             memcpy(&bits, in + 8 * k, sizeof bits);
             memcpy(&mask, is_coordinate + k, sizeof mask);
-            eng_d x = ((eng_d)(bits & mask) - eng_d_load(origin + k)) * grid->scale;
+            eng_d x = (eng_d_of(bits & mask) - eng_d_load(origin + k)) * grid->scale;
             farthest = eng_d_max_abs(farthest, x);
-            half_bits q = __builtin_convertvector((eng_di)(x + WHOLE), half_bits);
+            half_bits q = __builtin_convertvector(eng_di_of(x + WHOLE), half_bits);
             memcpy(out + 4 * k, &q, sizeof q);
         }
     }

@@ -70,7 +70,7 @@ ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
 
 ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
 {
-    return (struct eng_v){{at[0][0]}, {at[0][1]}, {at[0][2]}};
+    return (struct eng_v){at[0][0], at[0][1], at[0][2]};
 }
 
 #endif
