@@ -13,9 +13,10 @@
 #include "plane.h"
 
 /* Points `first` to 3 but `odd` (4: none) get the coordinate of the others along a random
- * axis at both ends. `grid` 0: any numbers; else integers up to it. */
+ * axis at both ends; `odd` lies on one side of them, or `crosses` over to the other.
+ * `grid` 0: any numbers; else integers up to it. */
 static struct eng_query plane_query(struct kit_random *random, enum eng_kind kind,
-                                    unsigned odd, uint32_t grid)
+                                    unsigned odd, bool crosses, uint32_t grid)
 {
     struct eng_query query = {.kind = kind};
     unsigned axis = kit_below(random, 3);
@@ -27,10 +28,29 @@ static struct eng_query plane_query(struct kit_random *random, enum eng_kind kin
             query.x[end][i / 3][i % 3] = in_plane ? shared : x;
         }
         if (odd < 4) {
-            query.x[end][odd][axis] = shared + kit_between(random, 0.1, 1);
+            double gap = kit_between(random, 0.1, 1);
+            query.x[end][odd][axis] = shared + (crosses && end == 1 ? -gap : gap);
         }
     }
     return query;
+}
+
+/* What is said of the plane, counted in decided[]. */
+static void decide(const struct eng_query *query, int decided[3])
+{
+    double l;
+    double r;
+    if (eng_exact_moment(case_exact(), query, 0).touching) {
+        return;
+    }
+    enum eng_plane plane = eng_plane_first(query, 1e-6, &l, &r);
+    decided[plane]++;
+    if (plane == ENG_PLANE_MISS) {
+        assert_false(eng_exact_meets(case_exact(), query, 0, 1));
+    } else if (plane == ENG_PLANE_MEET) {
+        assert_true(eng_exact_meets(case_exact(), query, l, r));
+        assert_true(l == 0 || !eng_exact_meets(case_exact(), query, 0, l));
+    }
 }
 
 /* What the solver says of the query is the exact truth; true: a contact. */
@@ -61,20 +81,44 @@ static void plane__rims_are_decided_exactly(void **state)
     int hits = 0;
     uint64_t exact_before = case_exact()->queries;
     uint64_t exact_here = 0;
+    int decided[3] = {0, 0, 0};
     enum { ROUNDS = 12000 };
     for (int round = 0; round < ROUNDS; round++) {
         enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
         unsigned odd = kind == ENG_VF ? 1 + kit_below(&random, 3) : kit_below(&random, 4);
-        struct eng_query query =
-            plane_query(&random, kind, odd, round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0);
+        struct eng_query query = plane_query(&random, kind, odd, false,
+                                             round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0);
         struct eng_hit hit;
         exact_before = case_exact()->queries;
         eng_solve(&query, 1e-6, 1, case_exact(), &hit);
         exact_here += round % 8 < 2 ? 0 : case_exact()->queries - exact_before;
         hits += check(&query);
+        decide(&query, decided);
     }
     assert_in_range(hits, ROUNDS / 10, ROUNDS * 9 / 10);
+    assert_true(decided[ENG_PLANE_MEET] > ROUNDS / 10);
+    assert_true(decided[ENG_PLANE_MISS] > ROUNDS / 20);
     assert_in_range(exact_here, 0, ROUNDS / 50); /* in general position */
+}
+
+/* If it failed: a pair would be said to miss, or to meet at another time, that meets
+ * where all of both features are in the plane for a moment. */
+static void plane__a_point_that_crosses_it_decides_nothing(void **state)
+{
+    (void)state;
+    struct kit_random random = {614};
+    for (int round = 0; round < 4000; round++) {
+        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        unsigned odd = kit_below(&random, 4);
+        struct eng_query query =
+            plane_query(&random, kind, odd, true, round % 8 < 2 ? 2 : 0);
+        double l;
+        double r;
+        check(&query);
+        if (round % 8 >= 2) {
+            assert_int_equal(eng_plane_first(&query, 1e-6, &l, &r), ENG_PLANE_UNSURE);
+        }
+    }
 }
 
 /* If it failed: sheets that slide on a table would have contacts missed, made up or
@@ -89,13 +133,9 @@ static void plane__motion_within_the_plane_is_decided_exactly(void **state)
     for (int round = 0; round < ROUNDS; round++) {
         enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
         uint32_t grid = round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0;
-        struct eng_query query = plane_query(&random, kind, 4, grid);
+        struct eng_query query = plane_query(&random, kind, 4, false, grid);
         hits += check(&query);
-        if (!eng_exact_moment(case_exact(), &query, 0).touching) {
-            double l;
-            double r;
-            decided[eng_plane_first(&query, 1e-6, &l, &r)]++;
-        }
+        decide(&query, decided);
     }
     assert_in_range(hits, ROUNDS / 10, ROUNDS * 9 / 10);
     assert_true(decided[ENG_PLANE_MEET] > ROUNDS / 10);
@@ -108,7 +148,8 @@ static void plane__a_bit_beside_is_no_plane(void **state)
     (void)state;
     struct kit_random random = {613};
     for (int round = 0; round < 2000; round++) {
-        struct eng_query query = plane_query(&random, round % 2 ? ENG_EE : ENG_VF, 4, 0);
+        struct eng_query query =
+            plane_query(&random, round % 2 ? ENG_EE : ENG_VF, 4, false, 0);
         double *x = query.x[round % 4 / 2][kit_below(&random, 4)];
         double l;
         double r;
@@ -124,6 +165,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plane__rims_are_decided_exactly),
+        cmocka_unit_test(plane__a_point_that_crosses_it_decides_nothing),
         cmocka_unit_test(plane__motion_within_the_plane_is_decided_exactly),
         cmocka_unit_test(plane__a_bit_beside_is_no_plane),
     };

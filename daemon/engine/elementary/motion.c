@@ -22,14 +22,14 @@ static void scale(double (*v)[3], double factor)
 
 static double size_of(double (*v)[3])
 {
-    return fmax(eng_size(v[0]), eng_size(v[1]));
+    return eng_most(eng_size(v[0]), eng_size(v[1]));
 }
 
 /* Largest magnitude of each coordinate. */
 static void reach_at_ends(double out[3], double (*v)[3])
 {
     for (int k = 0; k < 3; k++) {
-        out[k] = fmax(fabs(v[0][k]), fabs(v[1][k]));
+        out[k] = eng_most(fabs(v[0][k]), fabs(v[1][k]));
     }
 }
 
@@ -61,7 +61,8 @@ void eng_motion_init(struct eng_motion *motion, const struct eng_query *query)
             eng_sub(motion->c[end], x[2], x[3]);
         }
     }
-    double size = fmax(size_of(motion->p), fmax(size_of(motion->b), size_of(motion->c)));
+    double size =
+        eng_most(size_of(motion->p), eng_most(size_of(motion->b), size_of(motion->c)));
     if (size > 0 && (size > 2 || size < 0x1p-150)) {
         /* Products of up to eight factors must neither overflow nor lose bits below the
          * normal range. A power of two changes no bit of what stays normal. */

@@ -11,7 +11,7 @@
  * +-g (X - E0) x (X - E1), the product in the plane. Where g is not zero, a root of the
  * cubic is a time at which X is on the line E0 E1, and the plane cuts the features in
  * just X and the edge: they meet iff X is between E0 and E1,
- * (X - E0) . (X - E1) <= 0.
+ * (X - E0) . (X - E1) <= 0. Where g has one sign all the time, that is all there is.
  *
  * If all four have it in common, everything happens in the plane. Features that do not
  * touch at t = 0 then touch first where such a point X comes to lie on such an edge: at
@@ -20,6 +20,9 @@
 #include "plane.h"
 
 #include <math.h>
+#include <stddef.h>
+
+#include "vec.h"
 
 /* Longer spans would need more terms in the bounds. */
 #define WIDTH_MAX 0x1p-10
@@ -47,7 +50,7 @@ static double middle_of(const struct eng_query *query, int a, int b, int axis, d
 {
     double d0 = query->x[0][a][axis] - query->x[0][b][axis];
     double d1 = query->x[1][a][axis] - query->x[1][b][axis];
-    *size = fmax(*size, fmax(fabs(d0), fabs(d1)));
+    *size = eng_most(*size, eng_most(fabs(d0), fabs(d1)));
     return (1 - t) * d0 + t * d1;
 }
 
@@ -121,8 +124,8 @@ static struct side side_of(const struct eng_query *query, const int role[4], int
         u[end][1] = x[role[1]][j] - x[role[2]][j];
         v[end][0] = x[role[1]][i] - x[role[3]][i];
         v[end][1] = x[role[1]][j] - x[role[3]][j];
-        size_u = fmax(size_u, fmax(fabs(u[end][0]), fabs(u[end][1])));
-        size_v = fmax(size_v, fmax(fabs(v[end][0]), fabs(v[end][1])));
+        size_u = eng_most(size_u, eng_most(fabs(u[end][0]), fabs(u[end][1])));
+        size_v = eng_most(size_v, eng_most(fabs(v[end][0]), fabs(v[end][1])));
     }
     struct side side;
     side.q[0] = u[0][0] * v[0][1] - u[0][1] * v[0][0];
@@ -152,11 +155,11 @@ static enum eng_plane meet(const struct eng_query *query, const int role[4], int
         return ENG_PLANE_UNSURE;
     }
     double b = q[1] - q[0];
-    double root = sqrt(fmax(b * b - (b - (q[2] - q[1])) * -q[0], 0));
+    double root = sqrt(eng_most(b * b - (b - (q[2] - q[1])) * -q[0], 0));
     double t = q[0] / (root - b);
     double reach = e / root + 0x1p-50;
-    double x = fmax(0, t - reach);
-    double y = fmin(1, t + reach);
+    double x = eng_most(0, t - reach);
+    double y = eng_least(1, t + reach);
     /* Before x all on one side, behind y all on the other; y - x may be anything else. */
     double x0 = (1 - x) * q[0] + x * q[1];
     double xx = (1 - x) * x0 + x * ((1 - x) * q[1] + x * q[2]);
@@ -184,8 +187,8 @@ static enum eng_plane first_along(const struct eng_query *query, int axis,
             return ENG_PLANE_UNSURE;
         case ENG_PLANE_MEET:
             /* Nothing before the first of the beginnings, something by the first end. */
-            *l = plane == ENG_PLANE_MISS ? x : fmin(*l, x);
-            *r = plane == ENG_PLANE_MISS ? y : fmin(*r, y);
+            *l = plane == ENG_PLANE_MISS ? x : eng_least(*l, x);
+            *r = plane == ENG_PLANE_MISS ? y : eng_least(*r, y);
             plane = ENG_PLANE_MEET;
             break;
         case ENG_PLANE_MISS:
@@ -195,9 +198,52 @@ static enum eng_plane first_along(const struct eng_query *query, int axis,
     return plane;
 }
 
+static bool is_same(const struct eng_query *query, int i, int j, int axis)
+{
+    return query->x[0][i][axis] == query->x[0][j][axis] &&
+           query->x[1][i][axis] == query->x[1][j][axis];
+}
+
+/* Of a point X and an edge with one coordinate in common, whose fourth point is on one
+ * side of them all the time; NULL: there are none. Nothing is rounded. */
+static const int *roles_aside(const struct eng_query *query, int axis)
+{
+    bool is_same01 = is_same(query, 0, 1, axis);
+    bool is_same23 = is_same(query, 2, 3, axis);
+    int fourth;
+    if (is_same23 && is_same(query, 1, 2, axis)) {
+        fourth = 0;
+    } else if (is_same23 && is_same(query, 0, 2, axis)) {
+        fourth = 1;
+    } else if (is_same01 && is_same(query, 1, 3, axis)) {
+        fourth = 2;
+    } else if (is_same01 && is_same(query, 1, 2, axis)) {
+        fourth = 3;
+    } else {
+        return NULL;
+    }
+    if (query->kind == ENG_VF && fourth == 0) {
+        return NULL; /* a face in the plane */
+    }
+    const int *role = roles[query->kind][query->kind == ENG_VF ? fourth - 1 : fourth];
+    double x0 = query->x[0][role[1]][axis];
+    double x1 = query->x[1][role[1]][axis];
+    bool is_above = query->x[0][fourth][axis] > x0 && query->x[1][fourth][axis] > x1;
+    bool is_below = query->x[0][fourth][axis] < x0 && query->x[1][fourth][axis] < x1;
+    return is_above || is_below ? role : NULL;
+}
+
 enum eng_plane eng_plane_first(const struct eng_query *query, double tolerance, double *l,
                                double *r)
 {
+    for (int axis = 0; axis < 3; axis++) {
+        const int *role = roles_aside(query, axis);
+        enum eng_plane plane =
+            role ? meet(query, role, axis, tolerance, l, r) : ENG_PLANE_UNSURE;
+        if (plane != ENG_PLANE_UNSURE) {
+            return plane;
+        }
+    }
     for (int axis = 0; axis < 3; axis++) {
         const int all_but_last[4] = {3, 0, 1, 2};
         const int all_but_first[4] = {0, 1, 2, 3};

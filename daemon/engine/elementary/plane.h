@@ -18,7 +18,8 @@ enum eng_plane { ENG_PLANE_UNSURE, ENG_PLANE_MEET, ENG_PLANE_MISS };
  * features meet in the span? ENG_PLANE_UNSURE where they are not as described. */
 enum eng_plane eng_plane_look(const struct eng_query *query, double l, double r);
 
-/* The features do not touch at t = 0 and all four points have a coordinate in common:
+/* The features do not touch at t = 0, and all four points have a coordinate in common, or
+ * a point and an edge have one and the fourth point is on one side of them all the time.
  * MEET: the first contact is in [*l, *r], which is at most as long as `tolerance`; MISS:
  * there is none in the step. */
 enum eng_plane eng_plane_first(const struct eng_query *query, double tolerance, double *l,

@@ -22,6 +22,7 @@
 #include "motion.h"
 #include "plane.h"
 #include "rebase.h"
+#include "vec.h"
 
 /* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
 #define SPANS_MAX 256
@@ -95,8 +96,8 @@ static bool cut_around_root(struct search *search, const struct span *span,
         return false;
     }
     double width = span->r - span->l;
-    double x = fmax(span->l, span->l + width * (s - reach));
-    double y = fmin(span->r, span->l + width * (s + reach));
+    double x = eng_most(span->l, span->l + width * (s - reach));
+    double y = eng_least(span->r, span->l + width * (s + reach));
     if (!(x < y)) {
         return false;
     }
@@ -268,9 +269,9 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
 {
     struct search search;
     search.base = eng_query_rebase(query, &search.query);
-    search.floor = fmax(fmin(tolerance * 0x1p-10, WIDTH_MAX), 0x1p-44);
-    search.small = fmin(tolerance, 0x1p-20);
-    search.tolerance = fmin(tolerance, WIDTH_MAX);
+    search.floor = eng_most(eng_least(tolerance * 0x1p-10, WIDTH_MAX), 0x1p-44);
+    search.small = eng_least(tolerance, 0x1p-20);
+    search.tolerance = eng_least(tolerance, WIDTH_MAX);
     search.exact = exact;
     search.moment_known[0] = false;
     search.moment_known[1] = false;
@@ -308,16 +309,6 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     return false;
 }
 
-static double least(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static double most(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* Smallest and largest coordinate of points first .. last - 1. */
 static void bounds(const double (*x)[3], int first, int last, int axis, double *low,
                    double *high)
@@ -325,8 +316,8 @@ static void bounds(const double (*x)[3], int first, int last, int axis, double *
     *low = *high = x[first][axis];
 #pragma GCC unroll 3
     for (int i = first + 1; i < last; i++) {
-        *low = least(*low, x[i][axis]);
-        *high = most(*high, x[i][axis]);
+        *low = eng_least(*low, x[i][axis]);
+        *high = eng_most(*high, x[i][axis]);
     }
 }
 
@@ -349,7 +340,7 @@ static bool axis_separates(const struct eng_query *query, int split, double *siz
             bounds(query->x[end], split, 4, axis, &low[1], &high[1]);
             above &= low[0] > high[1];
             below &= high[0] < low[1];
-            *size = most(*size, most(high[0] - low[1], high[1] - low[0]));
+            *size = eng_most(*size, eng_most(high[0] - low[1], high[1] - low[0]));
         }
         apart |= above | below;
     }
@@ -374,10 +365,10 @@ static bool diagonal_separates(const struct eng_query *query, int split, double 
                 for (int b = split; b < 4; b++) {
                     double first = x[b][axis] - x[a][axis];
                     double second = x[b][next] - x[a][next];
-                    low[0] = least(low[0], first + second);
-                    high[0] = most(high[0], first + second);
-                    low[1] = least(low[1], first - second);
-                    high[1] = most(high[1], first - second);
+                    low[0] = eng_least(low[0], first + second);
+                    high[0] = eng_most(high[0], first + second);
+                    low[1] = eng_least(low[1], first - second);
+                    high[1] = eng_most(high[1], first - second);
                 }
             }
         }

@@ -10,6 +10,17 @@
 
 #include <math.h>
 
+/* a < b ? a : b, without the call that fmin would be. */
+static inline double eng_least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double eng_most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 static inline void eng_sub(double out[3], const double a[3], const double b[3])
 {
     out[0] = a[0] - b[0];
