@@ -370,6 +370,28 @@ static void solve__end_time_decides_whether_not_what(void **state)
     }
 }
 
+/* If it failed: an early contact would be found up to the end of the step, but not up to
+ * its own time: its bracket begins before the span in which it is proved. */
+static void solve__a_bracket_may_begin_before_its_span(void **state)
+{
+    (void)state;
+    const struct eng_query query = {
+        ENG_EE,
+        {{{-0x1.00ae931497bb9p+0, 0x1.9c6a1e5ce8cffp-1, -0x1.86a5af2c0eeep-4},
+          {-0x1.555c52c0afe58p-1, 0x1.046b04294f965p-1, 0x1.03e7540ba2fb2p+0},
+          {-0x1.4bfea0853b20cp-1, 0x1.2c709b2589042p-1, 0x1.80cff48c6a7bp-1},
+          {-0x1.64b21990ef20cp-1, 0x1.1186bd019281p-1, 0x1.d6a1e0f8a1e16p-1}},
+         {{-0x1.bb637e00f31e3p-1, -0x1.10674c910aeccp-1, 0x1.2d1dda545bef6p+0},
+          {-0x1.0f9ae0fa1d82bp-1, -0x1.a86eaff56c185p-1, 0x1.24a89c074bdf2p+1},
+          {-0x1.06500ef0660cp-1, -0x1.8089b64220b3ep-1, 0x1.02e445c5007dfp+1},
+          {-0x1.1eaa7f8c74446p-1, -0x1.9b69ef4f106dfp-1, 0x1.186ba565018bdp+1}}}};
+    struct eng_hit whole;
+    struct eng_hit early;
+    assert_true(eng_solve(&query, 1e-12, 1, case_exact(), &whole));
+    assert_true(eng_solve(&query, 1e-12, whole.toi, case_exact(), &early));
+    assert_true(early.toi == whole.toi && early.toi_hi == whole.toi_hi);
+}
+
 /* If it failed: a vertex projected onto a surface in the last step, and so coplanar with
  * it up to rounding, would be pushed out on the wrong side. */
 static void solve__normal_names_the_exact_side_at_the_start(void **state)
@@ -428,6 +450,7 @@ int main(void)
         cmocka_unit_test(solve__planted_contacts_are_never_missed_nor_late),
         cmocka_unit_test(solve__answers_agree_from_every_side),
         cmocka_unit_test(solve__end_time_decides_whether_not_what),
+        cmocka_unit_test(solve__a_bracket_may_begin_before_its_span),
         cmocka_unit_test(solve__normal_names_the_exact_side_at_the_start),
     };
     int status = cmocka_run_group_tests_name("eng_solve", tests, NULL, NULL);

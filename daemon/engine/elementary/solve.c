@@ -293,10 +293,12 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     case ENG_PLANE_UNSURE:
         break;
     }
+    /* The bracket of a contact may begin before the span where it is found; BOUNDS.md. */
+    double until = t_end + search.tolerance + 0x1p-48;
     push(&search, 0, 1, false);
     for (uint32_t work = 0; search.span_count > 0; work++) {
         struct span span = search.spans[--search.span_count];
-        if (span.l > t_end) {
+        if (span.l > until) {
             return false;
         }
         if (work == WORK_MAX || search.span_count + 3 > SPANS_MAX) {
