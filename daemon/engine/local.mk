@@ -136,6 +136,8 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_join.c \
     daemon/engine/wide/wide_join.h \
     daemon/engine/wide/wide_method.c \
+    daemon/engine/wide/wide_narrow.c \
+    daemon/engine/wide/wide_narrow.h \
     daemon/engine/wide/wide_order.c \
     daemon/engine/wide/wide_order.h \
     daemon/engine/wide/wide_resort.c \

@@ -137,8 +137,9 @@ struct eng_step_counters {
     uint64_t task_units; /* self-CD task units processed */
     uint64_t box_tests;  /* node pairs tested */
     uint64_t leaf_pairs; /* overlapping leaf pairs */
-    /* VF pairs whose feature boxes overlap. Method wide may count fewer, except in mode
-     * pairs: those below nodes that no time brings together are left out there. */
+    /* VF pairs whose feature boxes overlap. But for mode pairs method wide may count
+     * fewer, those below nodes that no time brings together being left out, and a few
+     * more, whose boxes in whole numbers overlap. */
     uint64_t candidates_vf;
     uint64_t candidates_ee;
     uint64_t survivors;         /* of these, not rejected by the filter */

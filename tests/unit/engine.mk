@@ -57,6 +57,7 @@ ENG_TESTS = \
     tests/unit/test_eng_place \
     tests/unit/test_eng_refit_plan \
     tests/unit/test_eng_boxes \
+    tests/unit/test_eng_narrow \
     tests/unit/test_eng_resort \
     tests/unit/test_eng_wide
 check_PROGRAMS += $(ENG_TESTS)
@@ -209,6 +210,10 @@ tests_unit_test_eng_place_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_effort_SOURCES = tests/unit/test_eng_effort.c
 tests_unit_test_eng_effort_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_effort_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_narrow_SOURCES = tests/unit/test_eng_narrow.c
+tests_unit_test_eng_narrow_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_narrow_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_boxes_SOURCES = tests/unit/test_eng_boxes.c
 tests_unit_test_eng_boxes_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

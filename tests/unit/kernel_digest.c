@@ -25,6 +25,8 @@ struct ground {
     struct eng_extents boxes[POINTS];
     struct eng_extents around[BLOCKS];
     struct eng_wide_block blocks[BLOCKS];
+    struct eng_narrow_block narrow[BLOCKS];
+    struct eng_narrow_box narrow_around[BLOCKS];
     uint32_t corner[3][POINTS]; /* of features */
     uint32_t quads[PAIRS][4];
     uint32_t all[PAIRS]; /* 0, 1, 2 .. */
@@ -148,6 +150,24 @@ static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
     say(kernels, "box_fold", fold);
 }
 
+/* Cells in which the lattice and the cloud have much room and what is far away has none;
+ * the joins below use what is written here. */
+static void run_narrow(const struct eng_kernels *kernels, struct ground *ground)
+{
+    const struct eng_narrowing narrowing = {
+        {0x1p12f, 0x1p12f, 0x1p11f, 0}, {3, -1000, 0.125f, 0}, {-1, 1002, 1, 0}};
+    uint64_t all = DIGEST_BEGIN;
+    for (uint32_t first = 0; first < BLOCKS; first += BLOCKS / 4) {
+        bool fits = kernels->narrow_blocks(ground->blocks + first, ground->around + first,
+                                           BLOCKS / 4, &narrowing, ground->narrow + first,
+                                           ground->narrow_around + first);
+        all = digest(all, &fits, sizeof fits);
+    }
+    all = digest(all, ground->narrow, sizeof ground->narrow);
+    all = digest(all, ground->narrow_around, sizeof ground->narrow_around);
+    say(kernels, "narrow_blocks", all);
+}
+
 typedef uint32_t join_fn(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                          uint32_t *out_a, uint32_t *out_b);
 
@@ -158,11 +178,15 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
 {
     static uint32_t out[2][ENG_JOIN_MAX + ENG_JOIN_SPARE];
     uint64_t all = DIGEST_BEGIN;
-    for (uint32_t i = 0; i < 6 * BLOCKS * BLOCKS; i++) {
-        uint32_t way = i / BLOCKS / BLOCKS;
+    for (uint32_t i = 0; i < 11 * BLOCKS * BLOCKS; i++) {
+        bool is_narrow = i >= 6 * BLOCKS * BLOCKS;
+        uint32_t way = i / BLOCKS / BLOCKS % 6;
         struct eng_join job = {.a = ground->blocks,
                                .b = ground->blocks,
                                .b_boxes = ground->around,
+                               .a_narrow = is_narrow ? ground->narrow : NULL,
+                               .b_narrow = is_narrow ? ground->narrow : NULL,
+                               .b_narrow_boxes = is_narrow ? ground->narrow_around : NULL,
                                .boxes = way < 4    ? ENG_JOIN_MOVING
                                         : way == 4 ? ENG_JOIN_NEAR
                                                    : ENG_JOIN_SWEPT,
@@ -306,6 +330,7 @@ int main(void)
         }
         run_within(kernels);
         run_boxes(kernels, &ground);
+        run_narrow(kernels, &ground);
         run_join(kernels, &ground, "join_nodes", kernels->join_nodes, 0, 0);
         run_join(kernels, &ground, "join_edges", kernels->join_edges, 2, 2);
         run_join(kernels, &ground, "join_faces", kernels->join_faces, 0, 3);

@@ -15,6 +15,7 @@
 #include "memory.h"
 #include "step.h"
 #include "wide.h"
+#include "wide_narrow.h"
 #include "wide_sweep.h"
 #include "world.h"
 
@@ -411,36 +412,54 @@ static void look_at_times(struct fixture *f, bool yes)
     f->scene->wide.steps_without_times[ENG_EE] = !yes;
 }
 
+/* Candidates of the method wide, which may leave out nodes, or be off by the rounding of
+ * boxes to whole numbers, against those of the method paper. */
+static void check_candidates(const struct eng_wide *wide, bool in_time, uint64_t found,
+                             uint64_t expected)
+{
+    uint64_t more = eng_wide_has_narrow(wide) ? expected / 50 + 4 : 0;
+    assert_true(found <= expected + more);
+    assert_true(found >= expected || in_time);
+}
+
 /* If an answer depended on the method, it would not be the answer; if a counter did, but
- * for nodes left out for their times, one of the two would miss pairs or test them twice.
- */
+ * for nodes left out for their times and for rounding, one of the two would miss pairs or
+ * test them twice. */
 static void wide__answers_as_paper_does(void **state)
 {
     struct fixture *f = *state;
     uint64_t records = 0;
+    uint32_t narrow = 0;
     for (uint32_t round = 0; round < 5 * MODES; round++) {
         enum eng_mode mode = (enum eng_mode)(round % MODES);
         bool in_time = round / MODES % 2;
         struct kit_random random = f->random;
         look_at_times(f, in_time);
+        if (round % 3 == 0) { /* no boxes in whole numbers: they follow the last step */
+            f->scene->wide.boxes_are_old = true;
+        }
         shake(f, round < MODES ? 0.01 : SHAKEN_BY);
         struct eng_step_result wide = step(f, mode, ENG_METHOD_WIDE);
+        narrow += eng_wide_has_narrow(&f->scene->wide);
         f->random = random;
         shake(f, round < MODES ? 0.01 : SHAKEN_BY);
         struct eng_step_result paper = step(f, mode, ENG_METHOD_PAPER);
         assert_int_equal(wide.count, paper.count);
         assert_true(wide.hash_hi == paper.hash_hi && wide.hash_lo == paper.hash_lo);
         assert_int_equal(wide.verdict, paper.verdict);
-        if (mode == ENG_MODE_PAIRS || (mode == ENG_MODE_ALL && !in_time)) {
+        if (mode == ENG_MODE_PAIRS) {
             assert_int_equal(wide.counters.candidates_vf, paper.counters.candidates_vf);
             assert_int_equal(wide.counters.candidates_ee, paper.counters.candidates_ee);
         } else if (mode == ENG_MODE_ALL) {
-            assert_true(wide.counters.candidates_vf <= paper.counters.candidates_vf);
-            assert_true(wide.counters.candidates_ee <= paper.counters.candidates_ee);
+            check_candidates(&f->scene->wide, in_time, wide.counters.candidates_vf,
+                             paper.counters.candidates_vf);
+            check_candidates(&f->scene->wide, in_time, wide.counters.candidates_ee,
+                             paper.counters.candidates_ee);
         }
         records += wide.count;
     }
     assert_true(records > 10000);
+    assert_true(narrow >= 5);
 }
 
 /* If a task were lost or done twice, or a box read before it was made, the answer would
@@ -451,6 +470,9 @@ static void wide__answers_alike_by_any_number_of_threads(void **state)
     for (uint32_t round = 0; round < 24; round++) {
         enum eng_mode mode = (enum eng_mode)(round % MODES);
         struct kit_random random = f->random;
+        shake(f, SHAKEN_BY); /* a step before both, so that both follow the same one */
+        (void)step(f, mode, ENG_METHOD_WIDE);
+        f->random = random;
         shake(f, SHAKEN_BY);
         look_at_times(f, true);
         struct eng_step_result one = step(f, mode, ENG_METHOD_WIDE);

@@ -36,6 +36,33 @@ struct eng_wide_block {
     _Alignas(64) float row[ENG_SIDES][3][ENG_WIDE];
 };
 
+/* Boxes in whole numbers of 16 bits, two to a lane: [end][axis][lane], each an outward
+ * distance below (bits 0 .. 15) and one above (bits 16 .. 31), in cells of a grid. Larger
+ * than the boxes by a cell or so, and compared by half as many operations. */
+struct eng_narrow_block {
+    _Alignas(64) uint32_t row[2][3][ENG_WIDE];
+};
+
+/* One of them: [end][2 axis]: above, [end][2 axis + 1]: below; the last two are 0. */
+struct eng_narrow_box {
+    _Alignas(32) int16_t half[2][8];
+};
+
+/* From the distances in a float box to cells: x scale[axis] + below or above[axis]. The
+ * two, which are the origin and its opposite, add up to ENG_NARROW_ROUND or more. */
+struct eng_narrowing {
+    float scale[4]; /* powers of two; the fourth of all is 0 */
+    float below[4];
+    float above[4];
+};
+
+/* Makes up for what two conversions are off by (narrow.c). */
+#define ENG_NARROW_ROUND 0x1.08p0f
+
+/* The most cells that a bound may be away from the origin: so that the numbers of no box,
+ * INT16_MIN, meet none, with what narrow.h adds. */
+#define ENG_NARROW_REACH 32700
+
 /* How two boxes are compared. */
 enum eng_join_boxes {
     ENG_JOIN_MOVING, /* can each axis bring them together before or at t_end? */
@@ -52,6 +79,11 @@ struct eng_join {
     const struct eng_wide_block *a;
     const struct eng_wide_block *b;
     const struct eng_extents *b_boxes; /* around each block of b */
+    /* The same in whole numbers, compared in the place of a, b and b_boxes; or NULL.
+     * Only of features that move. */
+    const struct eng_narrow_block *a_narrow;
+    const struct eng_narrow_block *b_narrow;
+    const struct eng_narrow_box *b_narrow_boxes;
     /* Of features: three (faces) or two (edges) arrays of the vertices of each; vertices
      * stand for themselves: NULL. Pairs that share one are left out. */
     const uint32_t *a_corner[3];
@@ -62,7 +94,10 @@ struct eng_join {
                              * axes are left out, too */
     uint32_t near_block; /* of a, which `near` holds; ENG_JOIN_NO_BLOCK after t_end was
                              * set */
-    struct eng_wide_block near;
+    union {
+        struct eng_wide_block block;
+        struct eng_narrow_block narrow;
+    } near;
     uint64_t tests;         /* counts: one box against a block */
     uint64_t apart_in_time; /* counts: pairs left out for in_time */
 };

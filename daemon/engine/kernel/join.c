@@ -10,6 +10,9 @@
  * two bounds that touch is 0 without one. Boxes that stand still take half of that: plain
  * swept ones, and those up to a time that is near (near.h).
  *
+ * Boxes in whole numbers (narrow.h) take half of either: features that move are compared
+ * so where the scene allows it.
+ *
  * Up to a time. The gap along an axis, g(t) = (1 - t) g0 + t g1, is linear: where g0 > 0,
  * it stays positive up to t_end if g(t_end) > 0. What is computed here is h = -g: h0 and
  * h1 are sums of two floats, with a relative error of u = 2^-24 each. If h1 < 0 as well
@@ -36,10 +39,19 @@
  * below the normal range.
  */
 #include "lanes_pack.h"
+#include "narrow.h"
 #include "near.h"
 #include "table.h"
 
 #define PARTS (ENG_WIDE / ENG_F_LANES)
+
+/* Before a loop over the parts. One lane at a time, sixteen of them written out in all the
+ * kinds of joins below would be 0.7 MB of code. */
+#if ENG_F_LANES == 1
+#define UNROLL_PARTS
+#else
+#define UNROLL_PARTS _Pragma("GCC unroll 16")
+#endif
 
 /* A box that others are tested against: sides and axes that many floats apart. */
 struct single {
@@ -51,14 +63,30 @@ struct single {
 /* Sixteen boxes: in registers where one holds a row, else where they are. */
 struct rows {
     const struct eng_wide_block *block;
+    const struct eng_narrow_block *narrow;
 #if ENG_F_LANES == 16
     eng_f row[ENG_SIDES][3];
+    eng_fi pairs[2][3];
 #endif
 };
 
 /* What pairs are tested for: moving boxes over the step, or up to a time; boxes that
- * stand still, as they are, or around the way up to a time. */
-enum rule { RULE_STEP, RULE_UNTIL, RULE_SWEPT, RULE_NEAR };
+ * stand still, as they are, or around the way up to a time. In whole numbers: the same
+ * but for boxes as they are. */
+enum rule {
+    RULE_STEP,
+    RULE_UNTIL,
+    RULE_SWEPT,
+    RULE_NEAR,
+    RULE_NARROW_STEP,
+    RULE_NARROW_UNTIL,
+    RULE_NARROW_NEAR
+};
+
+ENG_INLINE bool is_narrow(enum rule rule)
+{
+    return rule >= RULE_NARROW_STEP;
+}
 
 /* s / t of the comment above. */
 ENG_INLINE eng_f until_of(float t_end)
@@ -118,7 +146,7 @@ struct left {
 ENG_INLINE uint32_t bits_of(const struct left *left)
 {
     uint32_t bits = 0;
-#pragma GCC unroll 16
+    UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
         bits |= eng_left_bits(left->part[part]) << (part * ENG_F_LANES);
     }
@@ -130,7 +158,7 @@ ENG_INLINE struct left overlap(struct single box, const struct rows *rows, enum 
                                eng_f until)
 {
     struct left left;
-#pragma GCC unroll 16
+    UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
         uint32_t at = part * ENG_F_LANES;
         eng_fi signs = {0};
@@ -151,6 +179,88 @@ ENG_INLINE struct left overlap(struct single box, const struct rows *rows, enum 
     }
     return left;
 }
+
+/* ---- in whole numbers -------------------------------------------------------------- */
+
+/* A box whose numbers, two to each, are that many apart. */
+struct single_pairs {
+    const void *x;
+    size_t end;
+    size_t axis;
+};
+
+/* Rows with their halves turned, if what they are compared with has not: below is added
+ * to above. */
+ENG_INLINE void pairs_load(struct rows *rows, const struct eng_narrow_block *block,
+                           enum rule rule, bool turned)
+{
+    rows->narrow = block;
+#if ENG_F_LANES == 16
+#pragma GCC unroll 6
+    for (size_t i = 0; i < 6; i++) {
+        if (i < 3 || rule != RULE_NARROW_NEAR) {
+            eng_fi pairs = eng_fi_load(block->row[i / 3][i % 3]);
+            rows->pairs[i / 3][i % 3] = turned ? eng_fi_turn_halves(pairs) : pairs;
+        }
+    }
+#else
+    (void)rule;
+    (void)turned; /* the box is turned, which is one number */
+#endif
+}
+
+ENG_INLINE eng_fi pairs_of(const struct rows *rows, uint32_t end, size_t axis,
+                           uint32_t at)
+{
+#if ENG_F_LANES == 16
+    (void)at;
+    return rows->pairs[end][axis];
+#else
+    return eng_fi_load(rows->narrow->row[end][axis] + at);
+#endif
+}
+
+ENG_INLINE eng_fi pair_of(struct single_pairs box, uint32_t end, size_t axis, bool turned)
+{
+    uint32_t pair;
+    memcpy(&pair, (const uint32_t *)box.x + end * box.end + axis * box.axis, sizeof pair);
+#if ENG_F_LANES == 16
+    (void)turned; /* the rows are */
+#else
+    pair = turned ? pair << 16 | pair >> 16 : pair;
+#endif
+    return eng_fi_all(pair);
+}
+
+/* The lanes that the box may meet. */
+ENG_INLINE struct left overlap_narrow(struct single_pairs box, const struct rows *rows,
+                                      enum rule rule, bool turned)
+{
+    struct left left;
+    UNROLL_PARTS
+    for (uint32_t part = 0; part < PARTS; part++) {
+        uint32_t at = part * ENG_F_LANES;
+        eng_fi h0[3];
+        eng_fi signs = {0};
+#pragma GCC unroll 3
+        for (size_t axis = 0; axis < 3; axis++) {
+            h0[axis] = eng_fi_add_halves(pair_of(box, 0, axis, turned),
+                                         pairs_of(rows, 0, axis, at));
+            if (rule != RULE_NARROW_NEAR) {
+                eng_fi h1 = eng_fi_add_halves(pair_of(box, 1, axis, turned),
+                                              pairs_of(rows, 1, axis, at));
+                signs = eng_fi_or_and(signs, h0[axis], h1);
+            }
+        }
+        if (rule == RULE_NARROW_NEAR) {
+            signs = eng_fi_or_or(h0[0], h0[1], h0[2]);
+        }
+        left.part[part] = eng_left_of_halves(signs);
+    }
+    return left;
+}
+
+/* ---- in time ----------------------------------------------------------------------- */
 
 /* A time, n / d. */
 struct fraction {
@@ -246,7 +356,7 @@ ENG_INLINE void without_vertex(struct left *left, const struct corners *corners,
 {
 #pragma GCC unroll 3
     for (uint32_t k = 0; k < count; k++) {
-#pragma GCC unroll 16
+        UNROLL_PARTS
         for (uint32_t part = 0; part < PARTS; part++) {
             left->part[part] = eng_left_unequal(
                 left->part[part], corners->vertex[k][part], eng_fi_all(vertex));
@@ -279,6 +389,98 @@ ENG_INLINE uint32_t keep_in_time(struct eng_join *job, uint32_t n, uint32_t m,
     return count;
 }
 
+/* Block a of a join as its rule compares it, and room for block b. */
+struct sides {
+    const struct eng_wide_block *a;
+    const struct eng_narrow_block *a_narrow;
+    union {
+        struct eng_wide_block block;
+        struct eng_narrow_block narrow;
+    } b;
+};
+
+ENG_INLINE struct left begin_with_pairs(struct eng_join *job, uint32_t n, uint32_t m,
+                                        enum rule rule, struct sides *sides,
+                                        struct rows *rows)
+{
+    const struct eng_narrow_box *around = &job->b_narrow_boxes[m];
+    struct eng_narrow_box reached;
+    sides->a_narrow = &job->a_narrow[n];
+    if (rule != RULE_NARROW_STEP) {
+        bool is_near = rule == RULE_NARROW_NEAR;
+        if (job->near_block != n) {
+            narrow_rows_until(sides->a_narrow, job->t_end, is_near, &job->near.narrow);
+            job->near_block = n;
+        }
+        sides->a_narrow = &job->near.narrow;
+        narrow_box_until(around, job->t_end, is_near, &reached);
+        around = &reached;
+    }
+    struct single_pairs box = {around->half, 4, 1};
+    pairs_load(rows, sides->a_narrow, rule, false);
+    return overlap_narrow(box, rows, rule, false);
+}
+
+/* The lanes of a that the box around b may meet. */
+ENG_INLINE struct left begin_with_a(struct eng_join *job, uint32_t n, uint32_t m,
+                                    enum rule rule, eng_f until, struct sides *sides,
+                                    struct rows *rows)
+{
+    if (is_narrow(rule)) {
+        return begin_with_pairs(job, n, m, rule, sides, rows);
+    }
+    const struct eng_extents *around = &job->b_boxes[m];
+    struct eng_extents reached;
+    sides->a = &job->a[n];
+    if (rule == RULE_NEAR) {
+        if (job->near_block != n) {
+            near_rows(sides->a, job->t_end, true, &job->near.block);
+            job->near_block = n;
+        }
+        sides->a = &job->near.block;
+        near_box(around, job->t_end, &reached);
+        around = &reached;
+    }
+    struct single box = {&around->side[0][0], 4, 1};
+    rows_load(rows, sides->a, rule);
+    return overlap(box, rows, rule, until);
+}
+
+ENG_INLINE void go_on_with_b(const struct eng_join *job, uint32_t m, enum rule rule,
+                             struct sides *sides, struct rows *rows)
+{
+    if (is_narrow(rule)) {
+        const struct eng_narrow_block *narrow = &job->b_narrow[m];
+        if (rule != RULE_NARROW_STEP) {
+            narrow_rows_until(narrow, job->t_end, rule == RULE_NARROW_NEAR,
+                              &sides->b.narrow);
+            narrow = &sides->b.narrow;
+        }
+        pairs_load(rows, narrow, rule, true);
+        return;
+    }
+    const struct eng_wide_block *block = &job->b[m];
+    if (rule == RULE_NEAR) {
+        near_rows(block, job->t_end, false, &sides->b.block);
+        block = &sides->b.block;
+    }
+    rows_load(rows, block, rule);
+}
+
+/* The lanes of b that lane i of a may meet. */
+ENG_INLINE struct left overlap_of_lane(const struct sides *sides, uint32_t i,
+                                       const struct rows *rows, enum rule rule,
+                                       eng_f until)
+{
+    if (is_narrow(rule)) {
+        struct single_pairs box = {&sides->a_narrow->row[0][0][i], 3 * ENG_WIDE,
+                                   ENG_WIDE};
+        return overlap_narrow(box, rows, rule, true);
+    }
+    struct single box = {&sides->a->row[0][0][i], 3 * ENG_WIDE, ENG_WIDE};
+    return overlap(box, rows, rule, until);
+}
+
 /* All pairs of blocks n of a and m of b that the rule lets through; of a block with
  * itself (`self`), those whose second lane is after the first, or the same one too
  * (`twins`). Vertices of a feature of either side: 0 if they do not matter.
@@ -289,25 +491,10 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
                          uint32_t a_vertices, uint32_t b_vertices, bool twins,
                          bool in_time, enum rule rule, uint32_t *out_a, uint32_t *out_b)
 {
-    const struct eng_wide_block *a = &job->a[n];
-    const struct eng_wide_block *b = &job->b[m];
-    const struct eng_extents *b_box = &job->b_boxes[m];
     eng_f until = until_of(job->t_end);
-    struct eng_wide_block near_b;
-    struct eng_extents near_around;
-    if (rule == RULE_NEAR) {
-        if (job->near_block != n) {
-            near_rows(a, job->t_end, true, &job->near);
-            job->near_block = n;
-        }
-        near_box(b_box, job->t_end, &near_around);
-        a = &job->near;
-        b_box = &near_around;
-    }
-    struct single around = {&b_box->side[0][0], 4, 1};
     struct rows rows;
-    rows_load(&rows, a, rule);
-    struct left left = overlap(around, &rows, rule, until);
+    struct sides sides;
+    struct left left = begin_with_a(job, n, m, rule, until, &sides, &rows);
     uint32_t lanes = bits_of(&left);
     if (lanes == 0) {
         job->tests++;
@@ -319,17 +506,12 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
     struct corners corners;
     struct found found = {.count = 0};
     corners_load(&corners, job->b_corner, b_vertices, m * ENG_WIDE);
-    if (rule == RULE_NEAR) {
-        near_rows(b, job->t_end, false, &near_b);
-        b = &near_b;
-    }
-    rows_load(&rows, b, rule);
+    go_on_with_b(job, m, rule, &sides, &rows);
     job->tests += 1 + (uint32_t)__builtin_popcount(lanes);
     for (; lanes != 0; lanes &= lanes - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(lanes);
         uint32_t slot = n * ENG_WIDE + i;
-        struct single box = {&a->row[0][0][i], 3 * ENG_WIDE, ENG_WIDE};
-        left = overlap(box, &rows, rule, until);
+        left = overlap_of_lane(&sides, i, &rows, rule, until);
         if (a_vertices > 0) {
             without_vertex(&left, &corners, b_vertices,
                            a_vertices == 1 ? slot : corner[0][slot]);
@@ -357,32 +539,39 @@ ENG_INLINE uint32_t join(struct eng_join *job, uint32_t n, uint32_t m, bool self
  * constants of the code. */
 #define JOIN_BY(a_vertices, b_vertices, twins, self, in_time, rule)                      \
     join(job, n, m, self, a_vertices, b_vertices, twins, in_time, rule, out_a, out_b)
-#define JOIN(a_vertices, b_vertices, twins, self, in_time)                               \
-    (job->t_end < 1 ? JOIN_BY(a_vertices, b_vertices, twins, self, in_time, RULE_UNTIL)  \
-                    : JOIN_BY(a_vertices, b_vertices, twins, self, in_time, RULE_STEP))
-#define JOIN_OF(a_vertices, b_vertices, twins, self)                                     \
+#define JOIN(a_vertices, b_vertices, twins, self, in_time, step, until)                  \
+    (job->t_end < 1 ? JOIN_BY(a_vertices, b_vertices, twins, self, in_time, until)       \
+                    : JOIN_BY(a_vertices, b_vertices, twins, self, in_time, step))
+#define JOIN_OF(a_vertices, b_vertices, twins, self, step, until, near)                  \
+    (job->boxes == ENG_JOIN_NEAR                                                         \
+         ? JOIN_BY(a_vertices, b_vertices, twins, self, false, near)                     \
+     : job->in_time ? JOIN(a_vertices, b_vertices, twins, self, true, step, until)       \
+                    : JOIN(a_vertices, b_vertices, twins, self, false, step, until))
+#define JOIN_FLOATS(a_vertices, b_vertices, twins, self)                                 \
     (job->boxes == ENG_JOIN_SWEPT                                                        \
          ? JOIN_BY(a_vertices, b_vertices, twins, self, false, RULE_SWEPT)               \
-     : job->boxes == ENG_JOIN_NEAR                                                       \
-         ? JOIN_BY(a_vertices, b_vertices, twins, self, false, RULE_NEAR)                \
-     : job->in_time ? JOIN(a_vertices, b_vertices, twins, self, true)                    \
-                    : JOIN(a_vertices, b_vertices, twins, self, false))
+         : JOIN_OF(a_vertices, b_vertices, twins, self, RULE_STEP, RULE_UNTIL,           \
+                   RULE_NEAR))
+#define JOIN_FEATURES(a_vertices, b_vertices, self)                                      \
+    (job->a_narrow ? JOIN_OF(a_vertices, b_vertices, false, self, RULE_NARROW_STEP,      \
+                             RULE_NARROW_UNTIL, RULE_NARROW_NEAR)                        \
+                   : JOIN_FLOATS(a_vertices, b_vertices, false, self))
 
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    return self ? JOIN_OF(0, 0, true, true) : JOIN_OF(0, 0, true, false);
+    return self ? JOIN_FLOATS(0, 0, true, true) : JOIN_FLOATS(0, 0, true, false);
 }
 
 uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
-    return self ? JOIN_OF(2, 2, false, true) : JOIN_OF(2, 2, false, false);
+    return self ? JOIN_FEATURES(2, 2, true) : JOIN_FEATURES(2, 2, false);
 }
 
 uint32_t ENG_KERNEL(join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b)
 {
     (void)self; /* two trees */
-    return JOIN_OF(1, 3, false, false);
+    return JOIN_FEATURES(1, 3, false);
 }

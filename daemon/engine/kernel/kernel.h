@@ -75,6 +75,14 @@ struct eng_kernels {
                       uint32_t block_count, struct eng_wide_block *blocks,
                       struct eng_extents *around);
 
+    /* Blocks, and the boxes around them, in whole numbers. False: one of them is beyond
+     * what the numbers hold; then none may be used. */
+    bool (*narrow_blocks)(const struct eng_wide_block *blocks,
+                          const struct eng_extents *around, uint32_t count,
+                          const struct eng_narrowing *narrowing,
+                          struct eng_narrow_block *narrow,
+                          struct eng_narrow_box *narrow_around);
+
     /* The pairs that the boxes of block n of job->a and block m of job->b make, which may
      * meet in the step: written to out_a and out_b [ENG_JOIN_MAX + ENG_JOIN_SPARE];
      * returns how many. `self`: the lists are one and n == m; no pair twice or turned

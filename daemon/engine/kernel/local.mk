@@ -21,6 +21,8 @@ kernel_sources = \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
+    daemon/engine/kernel/narrow.c \
+    daemon/engine/kernel/narrow.h \
     daemon/engine/kernel/near.h \
     daemon/engine/kernel/points.h \
     daemon/engine/kernel/sieve.h \

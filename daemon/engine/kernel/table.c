@@ -20,6 +20,7 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .place_points = ENG_KERNEL(place_points),
     .box_fold = ENG_KERNEL(box_fold),
     .box_unite = ENG_KERNEL(box_unite),
+    .narrow_blocks = ENG_KERNEL(narrow_blocks),
     .join_nodes = ENG_KERNEL(join_nodes),
     .join_edges = ENG_KERNEL(join_edges),
     .join_faces = ENG_KERNEL(join_faces),

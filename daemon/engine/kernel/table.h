@@ -29,6 +29,11 @@ void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
 void ENG_KERNEL(box_unite)(const struct eng_extents *points,
                            const uint32_t *const corner[3], uint32_t block_count,
                            struct eng_wide_block *blocks, struct eng_extents *around);
+bool ENG_KERNEL(narrow_blocks)(const struct eng_wide_block *blocks,
+                               const struct eng_extents *around, uint32_t count,
+                               const struct eng_narrowing *narrowing,
+                               struct eng_narrow_block *narrow,
+                               struct eng_narrow_box *narrow_around);
 
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
                                 uint32_t *out_a, uint32_t *out_b);

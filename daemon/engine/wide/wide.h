@@ -40,6 +40,9 @@ struct eng_wide_tree {
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
     struct eng_wide_block *blocks;       /* [block_capacity] */
     struct eng_extents *boxes;           /* [block_capacity] around each block */
+    /* Of level 0, in whole numbers: [slot_capacity / 16]. */
+    struct eng_narrow_block *narrow;
+    struct eng_narrow_box *narrow_boxes;
     uint32_t *corner[3]; /* edges 2, faces 3: [slot_capacity], vertex slots */
     eng_wide_key *keys;  /* edges and faces: [slot_capacity] */
 };
@@ -57,6 +60,11 @@ struct eng_wide {
     /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
      * ends the refit orders the two. */
     atomic_bool left_grid;
+    /* The boxes of features in whole numbers: made in a step that this fits, and used
+     * unless one of them was beyond their reach, which is as left_grid is. */
+    struct eng_narrowing narrowing;
+    bool makes_narrow;
+    atomic_bool left_narrow;
     bool boxes_are_old; /* not made since the trees were put together */
     double low[3];      /* when they were: around all vertices */
     double high[3];

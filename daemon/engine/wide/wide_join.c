@@ -10,6 +10,8 @@
 #include <assert.h>
 #include <string.h>
 
+#include "wide_narrow.h"
+
 /* Joins of two blocks between two looks: some 200 us. */
 #define JOINS_PER_LOOK 1024u
 
@@ -33,12 +35,17 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     for (int kind = 0; kind < ENG_KINDS; kind++) {
         const struct eng_wide_tree *a = &wide->trees[tree_of[kind][0]];
         const struct eng_wide_tree *b = &wide->trees[tree_of[kind][1]];
+        bool is_narrow = boxes == ENG_JOIN_MOVING && eng_wide_has_narrow(wide);
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
+            bool narrow = is_narrow && level == 0;
             struct eng_join *job = &join->jobs[kind][level];
             *job = (struct eng_join){.a = eng_wide_blocks(a, level),
                                      .b = eng_wide_blocks(b, level),
                                      .b_boxes = eng_wide_boxes(b, level),
+                                     .a_narrow = narrow ? a->narrow : NULL,
+                                     .b_narrow = narrow ? b->narrow : NULL,
+                                     .b_narrow_boxes = narrow ? b->narrow_boxes : NULL,
                                      .boxes = boxes,
                                      .t_end = 1,
                                      .near_block = ENG_JOIN_NO_BLOCK};

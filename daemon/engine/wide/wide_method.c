@@ -13,6 +13,7 @@
 #include "method.h"
 #include "step_memory.h"
 #include "wide_grid.h"
+#include "wide_narrow.h"
 #include "wide_team.h"
 #include "wide_test.h"
 
@@ -161,12 +162,13 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
 {
     struct eng_scene *scene = team->scene;
     int status = ENG_OK;
-    (void)settings;
     eng_wide_resort_prepare(&scene->wide.resort, scene);
     if (scene->wide.is_stale) {
         status = eng_wide_assemble(&scene->wide, scene);
     }
     if (status == ENG_OK) {
+        /* Pairs that are answered are those of the boxes themselves. */
+        eng_wide_narrow_choose(&scene->wide, settings->mode != ENG_MODE_PAIRS);
         eng_wide_grid_choose(&scene->wide);
     }
     for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {

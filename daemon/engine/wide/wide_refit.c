@@ -71,6 +71,12 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
         kernels->box_unite(wide->point_boxes, corner, count, tree->blocks + block,
                            tree->boxes + block);
     }
+    if (wide->makes_narrow && !swept &&
+        !kernels->narrow_blocks(tree->blocks + block, tree->boxes + block, count,
+                                &wide->narrowing, tree->narrow + block,
+                                tree->narrow_boxes + block)) {
+        atomic_store_explicit(&wide->left_narrow, true, memory_order_relaxed);
+    }
     if (wide->level_count > 1) {
         uint32_t node = chunk * CHUNK_NODES;
         kernels->box_fold(

@@ -1,0 +1,94 @@
+/* daemon/engine/kernel/narrow.c - blocks of boxes in whole numbers of 16 bits.
+ *
+ * Room:     engine.
+ * Does:     see kernel.h.
+ * Threads:  [any].
+ *
+ * x scale is exact, or below the normal range, where it is off by 2^-150. The sum with
+ * the origin is off by 2^-24 of itself, 2^-9 at most where it is at most 2^15; the sum
+ * with WHOLE, whose lowest bits are a whole number, by 1/2. So two such numbers add up to
+ * at least the exact sum, and that of the origins, less 1 + 2^-8: ENG_NARROW_ROUND is
+ * more. What is below INT16_MIN becomes that, which is outward.
+ */
+#include "narrow.h"
+
+#include "four.h"
+#include "table.h"
+
+#define WHOLE 0x1.8p23f
+
+/* The number is in the lowest bits. */
+ENG_INLINE eng_fi whole_of(const float *x, float scale, float origin)
+{
+    eng_f y = eng_f_load(x) * scale + origin;
+    return (eng_fi)(eng_f_max(y, eng_f_all(-0x1p15f)) + WHOLE);
+}
+
+ENG_INLINE void narrow_block(const struct eng_wide_block *block,
+                             const struct eng_narrowing *narrowing,
+                             struct eng_narrow_block *narrow)
+{
+#pragma GCC unroll 2
+    for (uint32_t end = 0; end < 2; end++) {
+#pragma GCC unroll 3
+        for (uint32_t k = 0; k < 3; k++) {
+            const float *low = block->row[ENG_LOW0 + end][k];
+            const float *high = block->row[ENG_HIGH0 + end][k];
+            float scale = narrowing->scale[k];
+            for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+                eng_fi below = whole_of(low + at, scale, narrowing->below[k]);
+                eng_fi above = whole_of(high + at, scale, narrowing->above[k]);
+                eng_fi both = (below & 0xffff) | (above << 16);
+                memcpy(narrow->row[end][k] + at, &both, sizeof both);
+            }
+        }
+    }
+}
+
+/* Distances of one side and end, in cells. */
+ENG_INLINE eng_four cells_of(const float side[4], eng_four scale, const float origin[4])
+{
+    eng_four x;
+    eng_four c;
+    memcpy(&x, side, sizeof x);
+    memcpy(&c, origin, sizeof c);
+    return x * scale + c;
+}
+
+ENG_INLINE eng_four_bits whole_four(eng_four y)
+{
+    return (eng_four_bits)(eng_four_max(y, (eng_four){0} - 0x1p15f) + WHOLE);
+}
+
+/* Returns the larger of `most` and the box's distances, in cells. */
+ENG_INLINE eng_four narrow_box(const struct eng_extents *box,
+                               const struct eng_narrowing *narrowing, eng_four most,
+                               struct eng_narrow_box *narrow)
+{
+    eng_four scale;
+    memcpy(&scale, narrowing->scale, sizeof scale);
+#pragma GCC unroll 2
+    for (uint32_t end = 0; end < 2; end++) {
+        eng_four below = cells_of(box->side[ENG_LOW0 + end], scale, narrowing->below);
+        eng_four above = cells_of(box->side[ENG_HIGH0 + end], scale, narrowing->above);
+        eng_four_bits both = (whole_four(above) & 0xffff) | (whole_four(below) << 16);
+        memcpy(narrow->half[end], &both, sizeof both);
+        most = eng_four_max(most, eng_four_max(below, above));
+    }
+    return most;
+}
+
+bool ENG_KERNEL(narrow_blocks)(const struct eng_wide_block *blocks,
+                               const struct eng_extents *around, uint32_t count,
+                               const struct eng_narrowing *narrowing,
+                               struct eng_narrow_block *narrow,
+                               struct eng_narrow_box *narrow_around)
+{
+    eng_four most = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        narrow_block(&blocks[i], narrowing, &narrow[i]);
+        most = narrow_box(&around[i], narrowing, most, &narrow_around[i]);
+    }
+    return most[0] <= ENG_NARROW_REACH && most[1] <= ENG_NARROW_REACH &&
+           most[2] <= ENG_NARROW_REACH;
+}

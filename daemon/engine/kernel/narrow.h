@@ -1,0 +1,194 @@
+/* daemon/engine/kernel/narrow.h - moving boxes in whole numbers of 16 bits.
+ *
+ * Room:     engine. May include: boxes.h, lanes_pack.h.
+ * Does:     compare two distances in the place of one float: the lower and the upper
+ *           bound of a box along an axis are the halves of a lane.
+ * Threads:  [any]; inline only. Included by files of this folder alone.
+ *
+ * narrow.c writes q >= x scale + c, where the two c of an axis, for what is below and
+ * above, make up for the rounding of both: a sum of two q is at least the gap's other
+ * side in the grid's cells, -g(t) of join.c, at either end. Below 0 at both it says, as
+ * there, that boxes are apart; a sum that does not fit keeps its sign, for it saturates.
+ *
+ * Up to a time t_end, what is reached until then takes the place of the other end: with
+ * weights s and w of 15 bits for 1 - t_end and t_end, q0 s + q1 w, each product rounded
+ * to the nearest. A weight is off by 2^-16, and by 2^-15 where it should be 1, so a
+ * product is off by 1/2 for that, or by 1, and by 1/2 for its rounding: all in all
+ * less than 5/2, and 3 are added. Whatever is weighed is linear in time, like the gap.
+ */
+#ifndef ENG_NARROW_H
+#define ENG_NARROW_H
+
+#include "boxes.h"
+#include "lanes_pack.h"
+
+#if defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+#include <arm_neon.h>
+#endif
+
+#define ENG_NARROW_REACH_SPARE 3
+
+/* Weights of the two ends at a time. */
+struct narrow_weights {
+    int16_t begin;
+    int16_t end;
+};
+
+ENG_INLINE struct narrow_weights narrow_weights_at(float t)
+{
+    int32_t end = (int32_t)(t * 0x1p15f + 0.5f);
+    int32_t begin = 0x8000 - end;
+    return (struct narrow_weights){(int16_t)(begin < INT16_MAX ? begin : INT16_MAX),
+                                   (int16_t)(end < INT16_MAX ? end : INT16_MAX)};
+}
+
+/* ---- lanes of two halves ----------------------------------------------------------- */
+
+ENG_INLINE int32_t narrow_clamped(int32_t x)
+{
+    return x < INT16_MIN ? INT16_MIN : x > INT16_MAX ? INT16_MAX : x;
+}
+
+/* a + b of each half, saturated. */
+ENG_INLINE eng_fi eng_fi_add_halves(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_adds_epi16((__m512i)a, (__m512i)b);
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_adds_epi16((__m256i)a, (__m256i)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_adds_epi16((__m128i)a, (__m128i)b);
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    return (eng_fi)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
+#else
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        int32_t low = narrow_clamped((int16_t)a[i] + (int16_t)b[i]);
+        int32_t high = narrow_clamped((a[i] >> 16) + (b[i] >> 16));
+        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
+    }
+    return a;
+#endif
+}
+
+/* The larger of each half. */
+ENG_INLINE eng_fi eng_fi_max_halves(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_max_epi16((__m512i)a, (__m512i)b);
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_max_epi16((__m256i)a, (__m256i)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_max_epi16((__m128i)a, (__m128i)b);
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    return (eng_fi)vmaxq_s16((int16x8_t)a, (int16x8_t)b);
+#else
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        int16_t low = (int16_t)a[i] > (int16_t)b[i] ? (int16_t)a[i] : (int16_t)b[i];
+        int32_t high = a[i] >> 16 > b[i] >> 16 ? a[i] >> 16 : b[i] >> 16;
+        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
+    }
+    return a;
+#endif
+}
+
+/* a w / 2^15 of each half, the nearest, up where two are; 0 <= w. */
+ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_mulhrs_epi16((__m512i)a, _mm512_set1_epi16(w));
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_mulhrs_epi16((__m256i)a, _mm256_set1_epi16(w));
+#elif defined __SSSE3__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_mulhrs_epi16((__m128i)a, _mm_set1_epi16(w));
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    return (eng_fi)vqrdmulhq_n_s16((int16x8_t)a, w);
+#else
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        int32_t low = ((int16_t)a[i] * w + 0x4000) >> 15;
+        int32_t high = ((a[i] >> 16) * w + 0x4000) >> 15;
+        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
+    }
+    return a;
+#endif
+}
+
+/* The halves of each lane change places. */
+ENG_INLINE eng_fi eng_fi_turn_halves(eng_fi a)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_rol_epi32((__m512i)a, 16);
+#else
+    return (a << 16) | ((a >> 16) & 0xffff);
+#endif
+}
+
+/* Lanes of which no half is negative. */
+ENG_INLINE eng_left eng_left_of_halves(eng_fi v)
+{
+#if ENG_VECTOR_BYTES == 64
+    return _mm512_testn_epi32_mask((__m512i)v, _mm512_set1_epi32((int)0x80008000u));
+#else
+    return v | (v << 16);
+#endif
+}
+
+/* ---- up to a time ------------------------------------------------------------------ */
+
+/* What is reached of q0 .. q1 by then; `around`: what was reached up to then. */
+ENG_INLINE eng_fi narrow_reached(eng_fi q0, eng_fi q1, struct narrow_weights weights,
+                                 bool around)
+{
+    const uint32_t spare = ENG_NARROW_REACH_SPARE;
+    eng_fi q = eng_fi_add_halves(eng_fi_weigh_halves(q0, weights.begin),
+                                 eng_fi_weigh_halves(q1, weights.end));
+    q = eng_fi_add_halves(q, eng_fi_all(spare << 16 | spare));
+    return around ? eng_fi_max_halves(q, q0) : q;
+}
+
+/* The rows of both ends up to a time; `around`: of the first alone, around the way. */
+ENG_INLINE void narrow_rows_until(const struct eng_narrow_block *block, float t_end,
+                                  bool around, struct eng_narrow_block *until)
+{
+    struct narrow_weights weights = narrow_weights_at(t_end);
+#pragma GCC unroll 3
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_fi q0 = eng_fi_load(block->row[0][axis] + at);
+            eng_fi q1 = eng_fi_load(block->row[1][axis] + at);
+            eng_fi q = narrow_reached(q0, q1, weights, around);
+            memcpy(until->row[around ? 0 : 1][axis] + at, &q, sizeof q);
+            if (!around) {
+                memcpy(until->row[0][axis] + at, &q0, sizeof q0);
+            }
+        }
+    }
+}
+
+/* The same of one box: numbers as in a vector of lanes, eight at a time. */
+ENG_INLINE void narrow_box_until(const struct eng_narrow_box *box, float t_end,
+                                 bool around, struct eng_narrow_box *until)
+{
+    struct narrow_weights weights = narrow_weights_at(t_end);
+#ifdef __SSSE3__
+    __m128i q0 = _mm_load_si128((const __m128i *)(const void *)box->half[0]);
+    __m128i q1 = _mm_load_si128((const __m128i *)(const void *)box->half[1]);
+    __m128i q = _mm_adds_epi16(_mm_mulhrs_epi16(q0, _mm_set1_epi16(weights.begin)),
+                               _mm_mulhrs_epi16(q1, _mm_set1_epi16(weights.end)));
+    q = _mm_adds_epi16(q, _mm_set1_epi16(ENG_NARROW_REACH_SPARE));
+    q = around ? _mm_max_epi16(q, q0) : q;
+    _mm_store_si128((__m128i *)(void *)until->half[0], around ? q : q0);
+    _mm_store_si128((__m128i *)(void *)until->half[1], q);
+#else
+    for (uint32_t half = 0; half < 8; half++) {
+        int32_t q0 = box->half[0][half];
+        int32_t q = narrow_clamped(((q0 * weights.begin + 0x4000) >> 15) +
+                                   ((box->half[1][half] * weights.end + 0x4000) >> 15));
+        q = narrow_clamped(q + ENG_NARROW_REACH_SPARE);
+        q = around && q < q0 ? q0 : q;
+        until->half[0][half] = (int16_t)(around ? q : q0);
+        until->half[1][half] = (int16_t)q;
+    }
+#endif
+}
+
+#endif

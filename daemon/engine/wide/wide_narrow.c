@@ -1,0 +1,100 @@
+/* daemon/engine/wide/wide_narrow.c - the cells of boxes in whole numbers.
+ *
+ * Room:     engine.
+ * Does:     see wide_narrow.h.
+ * Threads:  [compute].
+ */
+#include "wide_narrow.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Half of what the numbers span along an axis holds half of the scene this many times,
+ * and of its longest side the part beside it: a flat scene moves, too. */
+#define ROOM      1.25
+#define ROOM_SIDE 0.25
+
+/* Scales that floats can be multiplied by, with as much again to either side. */
+#define EXPONENT_MOST 60
+
+/* Blocks that are looked at, and the cells that the longest side of one takes at least on
+ * average. A box is larger by about a cell for its rounding, that of a feature a fourth
+ * of its block's: so it grows by a twentieth at most, where a comparison costs a third
+ * less. */
+#define SAMPLES   64u
+#define CELLS_MIN 80.0f
+
+/* Powers of two that bring the scene into reach, and what is added for its middle. False:
+ * there is nothing in the scene, or it is too far from the numbers that floats hold. */
+static bool narrowing_of(const struct eng_extents *box, struct eng_narrowing *narrowing)
+{
+    double low[3];
+    double high[3];
+    double side = 0;
+    for (int k = 0; k < 3; k++) {
+        low[k] = -fmax((double)box->side[ENG_LOW0][k], (double)box->side[ENG_LOW1][k]);
+        high[k] = fmax((double)box->side[ENG_HIGH0][k], (double)box->side[ENG_HIGH1][k]);
+        side = fmax(side, 0.5 * (high[k] - low[k]));
+    }
+    if (!(low[0] <= high[0]) || !(side > 0)) {
+        return false;
+    }
+    for (int k = 0; k < 3; k++) {
+        double half = ROOM * 0.5 * (high[k] - low[k]) + ROOM_SIDE * side;
+        int exponent;
+        frexp(ENG_NARROW_REACH / half, &exponent);
+        if (exponent > EXPONENT_MOST || exponent < -EXPONENT_MOST) {
+            return false;
+        }
+        double scale = ldexp(1, exponent - 1); /* scale half <= ENG_NARROW_REACH */
+        float below = (float)(0.5 * (low[k] + high[k]) * scale);
+        float above = (float)(ENG_NARROW_ROUND - (double)below);
+        if ((double)above + (double)below < ENG_NARROW_ROUND) {
+            above = nextafterf(above, FLT_MAX);
+        }
+        narrowing->scale[k] = (float)scale;
+        narrowing->below[k] = below;
+        narrowing->above[k] = above;
+    }
+    return true;
+}
+
+/* The longest side of a block's box at t = 0, in cells; negative: it is nowhere. */
+static float cells_of(const struct eng_extents *box,
+                      const struct eng_narrowing *narrowing)
+{
+    float most = -1;
+    for (int k = 0; k < 3; k++) {
+        float side = box->side[ENG_LOW0][k] + box->side[ENG_HIGH0][k];
+        most = fmaxf(most, side * narrowing->scale[k]);
+    }
+    return most;
+}
+
+static bool features_are_large(const struct eng_wide_tree *tree,
+                               const struct eng_narrowing *narrowing)
+{
+    uint32_t count = tree->block_count[0];
+    uint32_t samples = count < SAMPLES ? count : SAMPLES;
+    float sum = 0;
+    float seen = 0;
+    for (uint32_t i = 0; i < samples; i++) {
+        float cells = cells_of(&tree->boxes[(uint64_t)count * i / samples], narrowing);
+        if (cells >= 0) {
+            sum += cells;
+            seen += 1;
+        }
+    }
+    return seen > 0 && sum >= CELLS_MIN * seen;
+}
+
+void eng_wide_narrow_choose(struct eng_wide *wide, bool may)
+{
+    const struct eng_wide_tree *vertices = &wide->trees[ENG_WIDE_VERTICES];
+    const struct eng_extents *box = eng_wide_boxes(vertices, wide->level_count - 1);
+    struct eng_narrowing narrowing = {{0}, {0}, {0}};
+    atomic_store_explicit(&wide->left_narrow, false, memory_order_relaxed);
+    wide->makes_narrow = may && !wide->boxes_are_old && narrowing_of(box, &narrowing) &&
+                         features_are_large(&wide->trees[ENG_WIDE_EDGES], &narrowing);
+    wide->narrowing = narrowing;
+}

@@ -1,0 +1,25 @@
+/* daemon/engine/wide/wide_narrow.h - the cells of boxes in whole numbers.
+ *
+ * Room:     engine. May include: wide.h.
+ * Does:     decide, from where the scene was, whether a step compares the boxes of its
+ *           features in numbers of 16 bits, and what a number stands for.
+ * Threads:  as marked.
+ */
+#ifndef ENG_WIDE_NARROW_H
+#define ENG_WIDE_NARROW_H
+
+#include "wide.h"
+
+/* Before the refit of a step, which `may` do so. A step that goes farther than the last
+ * one let expect, and a scene whose features are small in cells, do without. O(1).
+ * [compute] */
+void eng_wide_narrow_choose(struct eng_wide *wide, bool may);
+
+/* After the refit: may boxes of features be compared in whole numbers? [any] */
+static inline bool eng_wide_has_narrow(const struct eng_wide *wide)
+{
+    return wide->makes_narrow &&
+           !atomic_load_explicit(&wide->left_narrow, memory_order_relaxed);
+}
+
+#endif

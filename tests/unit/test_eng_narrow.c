@@ -1,0 +1,426 @@
+/* tests/unit/test_eng_narrow.c - boxes in whole numbers of 16 bits.
+ *
+ * Room:     engine (kernel.h, wide_narrow.h).
+ * Does:     compare the numbers with exact sums of the boxes' bounds, and joins by them,
+ *           of every instruction set, with those of the boxes themselves; see a scene
+ *           take to them and leave them.
+ * Threads:  one.
+ */
+#include "eng_kit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "kernel.h"
+#include "step.h"
+#include "wide_narrow.h"
+#include "world.h"
+
+#define BLOCKS 4u
+#define BOXES  (BLOCKS * ENG_WIDE)
+#define ROUNDS 60u
+#define CELL   0x1p-10 /* of the boxes below; their bounds are whole numbers */
+
+struct lists {
+    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t count;
+};
+
+struct fixture {
+    struct eng_extents boxes[BOXES];
+    struct eng_wide_block blocks[BLOCKS];
+    struct eng_extents around[BLOCKS];
+    struct eng_narrow_block narrow[BLOCKS];
+    struct eng_narrow_box narrow_around[BLOCKS];
+    uint32_t corner[3][BOXES];
+};
+
+/* As wide_narrow.c makes it: cells of `cell` around `middle`. */
+static struct eng_narrowing narrowing_around(double cell, double middle)
+{
+    struct eng_narrowing narrowing = {{0}, {0}, {0}};
+    for (int k = 0; k < 3; k++) {
+        float below = (float)(middle / cell);
+        float above = (float)(ENG_NARROW_ROUND - (double)below);
+        if ((double)above + (double)below < ENG_NARROW_ROUND) {
+            above = nextafterf(above, INFINITY);
+        }
+        narrowing.scale[k] = (float)(1 / cell);
+        narrowing.below[k] = below;
+        narrowing.above[k] = above;
+    }
+    return narrowing;
+}
+
+static void set_nowhere(struct eng_extents *box)
+{
+    float *bound = &box->side[0][0];
+    for (int k = 0; k < 16; k++) {
+        bound[k] = ENG_NOWHERE;
+    }
+}
+
+/* Boxes with whole bounds of which about a third meet; some are nowhere. */
+static void fill(struct fixture *f, struct kit_random *random)
+{
+    struct eng_narrowing narrowing = narrowing_around(CELL, 0);
+    const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
+    for (uint32_t i = 0; i < BOXES; i++) {
+        for (int end = 0; end < 2; end++) {
+            for (int k = 0; k < 4; k++) {
+                float lo = (float)kit_integer(random, 12);
+                f->boxes[i].side[ENG_LOW0 + end][k] = 0 - lo;
+                f->boxes[i].side[ENG_HIGH0 + end][k] = lo + (float)kit_below(random, 10);
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            f->corner[k][i] = kit_below(random, BOXES);
+        }
+        if (i % 11 == 5) {
+            set_nowhere(&f->boxes[i]);
+        }
+    }
+    scalar->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
+    assert_true(scalar->narrow_blocks(f->blocks, f->around, BLOCKS, &narrowing, f->narrow,
+                                      f->narrow_around));
+}
+
+/* ---- the numbers ------------------------------------------------------------------- */
+
+static int32_t below_of(const struct eng_narrow_block *block, uint32_t end, uint32_t axis,
+                        uint32_t lane)
+{
+    return (int16_t)(uint16_t)(block->row[end][axis][lane] & 0xffff);
+}
+
+static int32_t above_of(const struct eng_narrow_block *block, uint32_t end, uint32_t axis,
+                        uint32_t lane)
+{
+    return (int16_t)(uint16_t)(block->row[end][axis][lane] >> 16);
+}
+
+static void check_sums(const struct eng_wide_block *block,
+                       const struct eng_narrow_block *narrow, double cell, double slack)
+{
+    for (uint32_t i = 0; i < ENG_WIDE * ENG_WIDE * 6; i++) {
+        uint32_t end = i % 2;
+        uint32_t axis = i / 2 % 3;
+        uint32_t a = i / 6 / ENG_WIDE;
+        uint32_t b = i / 6 % ENG_WIDE;
+        double below = block->row[ENG_LOW0 + end][axis][a];
+        double above = block->row[ENG_HIGH0 + end][axis][b];
+        double sum = (below + above) / cell;
+        int32_t found = below_of(narrow, end, axis, a) + above_of(narrow, end, axis, b);
+        assert_true(found >= sum && found <= sum + slack);
+    }
+}
+
+/* If two numbers added up to less than the bounds do, boxes that meet would be taken for
+ * apart; if to much more, pairs would be tested for nothing. */
+static void narrow__numbers_are_no_less_than_the_bounds(void **state)
+{
+    (void)state;
+    struct kit_random random = {31};
+    for (uint32_t round = 0; round < ROUNDS * ENG_ISA_COUNT; round++) {
+        const struct eng_kernels *kernels =
+            eng_kernels_of((enum eng_isa)(round % ENG_ISA_COUNT));
+        /* Far away the origin itself is rounded, to a 16th of a cell here. */
+        double cell = ldexp(1, (int)kit_below(&random, 60) - 30);
+        double middle = round % 3 == 0 ? 0x1p19 * kit_between(&random, -1, 1) : 0;
+        struct eng_narrowing narrowing = narrowing_around(cell, middle * cell);
+        struct eng_extents boxes[ENG_WIDE];
+        struct eng_extents around;
+        struct eng_wide_block block;
+        struct eng_narrow_block narrow;
+        struct eng_narrow_box narrow_around;
+        if (!kernels) {
+            continue;
+        }
+        for (uint32_t i = 0; i < ENG_WIDE; i++) {
+            for (int k = 0; k < 8; k++) {
+                double lo = (middle + 30000 * kit_between(&random, -1, 1)) * cell;
+                boxes[i].side[ENG_LOW0 + k / 4][k % 4] = (float)-lo;
+                boxes[i].side[ENG_HIGH0 + k / 4][k % 4] =
+                    (float)(lo + 1000 * cell * kit_between(&random, 0, 1));
+            }
+        }
+        kernels->box_fold(boxes, 1, &block, &around);
+        assert_true(kernels->narrow_blocks(&block, &around, 1, &narrowing, &narrow,
+                                           &narrow_around));
+        check_sums(&block, &narrow, cell, 2.125);
+        for (uint32_t i = 0; i < 6; i++) {
+            int32_t above = INT16_MIN;
+            int32_t below = INT16_MIN;
+            for (uint32_t lane = 0; lane < ENG_WIDE; lane++) {
+                int32_t a = above_of(&narrow, i / 3, i % 3, lane);
+                int32_t b = below_of(&narrow, i / 3, i % 3, lane);
+                above = a > above ? a : above;
+                below = b > below ? b : below;
+            }
+            assert_int_equal(narrow_around.half[i / 3][2 * (i % 3)], above);
+            assert_int_equal(narrow_around.half[i / 3][2 * (i % 3) + 1], below);
+        }
+    }
+}
+
+/* If a number that does not fit were used, a box would be on the other side of the
+ * scene. */
+static void narrow__says_what_is_beyond_its_reach(void **state)
+{
+    (void)state;
+    struct eng_narrowing narrowing = narrowing_around(1, 0);
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        for (uint32_t i = 0; kernels && i < 12; i++) {
+            struct fixture f = {0};
+            bool fits;
+            float *bound = &f.boxes[17].side[i % 4][i / 4];
+            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            *bound = ENG_NARROW_REACH + 1;
+            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
+                                          f.narrow, f.narrow_around);
+            assert_false(fits);
+            *bound = 0x1p60f;
+            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
+                                          f.narrow, f.narrow_around);
+            assert_false(fits);
+            *bound = ENG_NARROW_REACH - 2;
+            set_nowhere(&f.boxes[18]);
+            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
+                                          f.narrow, f.narrow_around);
+            assert_true(fits);
+            assert_int_equal(below_of(&f.narrow[1], i % 2, i / 4, 2), INT16_MIN);
+            assert_int_equal(above_of(&f.narrow[1], i % 2, i / 4, 2), INT16_MIN);
+        }
+    }
+}
+
+/* ---- joins ------------------------------------------------------------------------- */
+
+static void join(const struct eng_kernels *kernels, const struct fixture *f, bool edges,
+                 bool is_narrow, uint32_t m, struct eng_join *job, struct lists *out)
+{
+    job->a = job->b = f->blocks;
+    job->b_boxes = f->around;
+    job->a_narrow = job->b_narrow = is_narrow ? f->narrow : NULL;
+    job->b_narrow_boxes = is_narrow ? f->narrow_around : NULL;
+    job->near_block = ENG_JOIN_NO_BLOCK;
+    for (int k = 0; k < 3; k++) {
+        job->a_corner[k] = f->corner[k];
+        job->b_corner[k] = f->corner[k];
+    }
+    out->count = edges ? kernels->join_edges(job, 0, m, m == 0, out->a, out->b)
+                       : kernels->join_faces(job, 0, m, false, out->a, out->b);
+}
+
+static void assert_same(const struct lists *a, const struct lists *b)
+{
+    assert_int_equal(a->count, b->count);
+    assert_memory_equal(a->a, b->a, a->count * sizeof *a->a);
+    assert_memory_equal(a->b, b->b, a->count * sizeof *a->b);
+}
+
+/* Bounds that are whole numbers of cells, far more than the numbers are off by: if the
+ * pairs were not the same as those of the boxes themselves, some would be lost, or
+ * features that share a vertex would collide. */
+static void narrow__joins_find_the_same_pairs(void **state)
+{
+    (void)state;
+    static struct fixture f;
+    static struct lists expected;
+    static struct lists found;
+    struct kit_random random = {32};
+    uint64_t pairs = 0;
+    uint64_t apart = 0;
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        fill(&f, &random);
+        for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            for (uint32_t way = 0; kernels && way < 4; way++) {
+                struct eng_join job = {.t_end = 1, .in_time = way / 2 == 1};
+                struct eng_join narrow = job;
+                join(kernels, &f, way % 2 == 1, false, round % 3, &job, &expected);
+                join(kernels, &f, way % 2 == 1, true, round % 3, &narrow, &found);
+                assert_same(&found, &expected);
+                assert_int_equal(narrow.tests, job.tests);
+                pairs += found.count;
+                apart += narrow.apart_in_time;
+            }
+        }
+    }
+    assert_true(pairs > 1000 && apart > 1000);
+}
+
+/* The most that the boxes are apart, in cells, along an axis on which they are at both
+ * ends of 0 .. t; `around`: along one on which all that they cover until then is. Of
+ * whole numbers and a t of few bits: exact. */
+static double gap_until(const struct eng_extents *a, const struct eng_extents *b,
+                        double t, bool around)
+{
+    double most = 0;
+    for (int k = 0; k < 3; k++) {
+        for (int way = 0; way < 2; way++) {
+            const struct eng_extents *low = way ? b : a;
+            const struct eng_extents *high = way ? a : b;
+            double low0 = low->side[ENG_LOW0][k];
+            double high0 = high->side[ENG_HIGH0][k];
+            double low1 = (1 - t) * low0 + t * (double)low->side[ENG_LOW1][k];
+            double high1 = (1 - t) * high0 + t * (double)high->side[ENG_HIGH1][k];
+            double gap = around ? -(fmax(low0, low1) + fmax(high0, high1))
+                                : fmin(-(low0 + high0), -(low1 + high1));
+            most = fmax(most, gap / CELL);
+        }
+    }
+    return most;
+}
+
+/* Pairs may only be gone if they are apart, and only be left if they hardly are. */
+static void check_until(const struct fixture *f, const struct lists *all,
+                        const struct lists *found, double t, bool around, uint64_t *gone)
+{
+    uint32_t at = 0;
+    for (uint32_t i = 0; i < all->count; i++) {
+        bool is_found =
+            at < found->count && found->a[at] == all->a[i] && found->b[at] == all->b[i];
+        double gap = gap_until(&f->boxes[all->a[i]], &f->boxes[all->b[i]], t, around);
+        assert_true(is_found ? gap <= 2 * 8 : gap > 0);
+        at += is_found;
+        *gone += !is_found;
+    }
+    assert_int_equal(at, found->count);
+}
+
+/* All pairs that no vertex excludes, in the order of a join. */
+static void all_pairs(const struct fixture *f, bool edges, uint32_t m, struct lists *all)
+{
+    static struct fixture meet;
+    struct eng_join job = {.t_end = 1};
+    meet = *f;
+    memset(meet.boxes, 0, sizeof meet.boxes);
+    eng_kernels_of(ENG_ISA_SCALAR)
+        ->box_fold(meet.boxes, BLOCKS, meet.blocks, meet.around);
+    join(eng_kernels_of(ENG_ISA_SCALAR), &meet, edges, false, m, &job, all);
+}
+
+/* If a pair that meets before the bound were left out, mode first would miss the first
+ * contact; if the sets differed, so would the counters of two machines. */
+static void narrow__joins_go_up_to_a_time(void **state)
+{
+    (void)state;
+    static struct fixture f;
+    static struct lists all;
+    static struct lists expected;
+    static struct lists found;
+    struct kit_random random = {33};
+    uint64_t gone[2] = {0};
+    for (uint32_t round = 0; round < 10 * ROUNDS; round++) {
+        bool around = round % 2 == 1;
+        double t = ldexp((double)kit_below(&random, around ? 17 : 256), -8);
+        bool edges = round / 2 % 2 == 1;
+        uint32_t m = round % 3;
+        fill(&f, &random);
+        all_pairs(&f, edges, m, &all);
+        for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            struct eng_join job = {.t_end = (float)t,
+                                   .boxes = around ? ENG_JOIN_NEAR : ENG_JOIN_MOVING};
+            if (!kernels) {
+                continue;
+            }
+            join(kernels, &f, edges, true, m, &job, isa == 0 ? &expected : &found);
+            if (isa > 0) {
+                assert_same(&found, &expected);
+            }
+        }
+        check_until(&f, &all, &expected, t, around, &gone[around]);
+    }
+    assert_true(gone[0] > 10000 && gone[1] > 10000);
+}
+
+/* ---- a scene ----------------------------------------------------------------------- */
+
+#define SIDE     12u
+#define VERTICES ((SIDE + 1) * (SIDE + 1))
+
+/* A sheet by its numbers: shaken, and moved along x at the end. */
+static void stage(struct eng_scene *scene, const uint32_t objects[2],
+                  struct kit_random *random, double moved)
+{
+    static double x1[VERTICES][3];
+    eng_stage_begin(scene);
+    for (uint32_t i = 0; i < 2; i++) {
+        const struct eng_object *object = eng_scene_object(scene, objects[i]);
+        for (uint32_t k = 0; k < 3 * VERTICES; k++) {
+            x1[k / 3][k % 3] = object->mesh->x[k / 3][k % 3] +
+                               kit_between(random, -0.1, 0.1) + (k % 3 == 0 ? moved : 0);
+        }
+        assert_int_equal(eng_stage_x1(scene, objects[i], ENG_F64, 0, VERTICES, x1),
+                         ENG_OK);
+    }
+}
+
+static struct eng_step_result step(struct eng_scene *scene, enum eng_method method)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    settings.threads = 1;
+    settings.mode = ENG_MODE_ALL;
+    settings.method = method;
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    return result;
+}
+
+/* If a scene never took to them they would be of no use; if it kept to them where it goes
+ * too far, contacts would be missed there. */
+static void narrow__is_left_where_a_step_goes_too_far(void **state)
+{
+    (void)state;
+    static const double moved[] = {0, 0, 0, 1e4, 1e4, 0, 0, 0, 0};
+    struct eng_scene *scenes[2];
+    uint32_t objects[2][2];
+    uint32_t used = 0;
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(eng_scene_new(NULL, &scenes[i]), ENG_OK);
+        for (uint32_t k = 0; k < 2; k++) {
+            struct eng_mesh *mesh = kit_sheet(SIDE, 0.05 * k);
+            assert_int_equal(eng_scene_add(scenes[i], mesh, k + 1, &objects[i][k]),
+                             ENG_OK);
+            eng_mesh_release(mesh);
+        }
+    }
+    for (uint32_t i = 0; i < sizeof moved / sizeof moved[0]; i++) {
+        struct kit_random random[2] = {{i}, {i}};
+        const struct eng_wide *wide = &scenes[0]->wide;
+        stage(scenes[0], objects[0], &random[0], moved[i]);
+        stage(scenes[1], objects[1], &random[1], moved[i]);
+        struct eng_step_result wide_result = step(scenes[0], ENG_METHOD_WIDE);
+        struct eng_step_result paper_result = step(scenes[1], ENG_METHOD_PAPER);
+        assert_true(wide_result.count > 100);
+        assert_int_equal(wide_result.count, paper_result.count);
+        assert_int_equal(wide_result.hash_hi, paper_result.hash_hi);
+        assert_int_equal(wide_result.hash_lo, paper_result.hash_lo);
+        used += eng_wide_has_narrow(wide);
+        left += wide->makes_narrow && !eng_wide_has_narrow(wide);
+    }
+    assert_true(used >= 3);
+    assert_int_equal(left, 2); /* the jumps; what comes after one does not try */
+    eng_scene_free(scenes[0]);
+    eng_scene_free(scenes[1]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(narrow__numbers_are_no_less_than_the_bounds),
+        cmocka_unit_test(narrow__says_what_is_beyond_its_reach),
+        cmocka_unit_test(narrow__joins_find_the_same_pairs),
+        cmocka_unit_test(narrow__joins_go_up_to_a_time),
+        cmocka_unit_test(narrow__is_left_where_a_step_goes_too_far),
+    };
+    return cmocka_run_group_tests_name("eng_narrow", tests, NULL, NULL);
+}
