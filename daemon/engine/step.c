@@ -147,11 +147,15 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
         eng_place_thread(worker->settings->places, worker->thread,
                          (uint32_t)omp_get_num_threads());
-        method->enter(worker);
-        if (method->refit_by_team(team, worker)) {
+        bool is_last = method->refit_by_team(team, worker);
+        if (is_last) {
+            method->enter(worker);
             begin_tasks(team, worker, by_paper);
         }
         eng_refit_await(team, worker);
+        if (!is_last) {
+            method->enter(worker);
+        }
         if (worker->thread == team->count - 1) {
             method->beside(worker);
         }

@@ -363,27 +363,30 @@ static void stage(struct eng_scene *scene, const uint32_t objects[2],
     }
 }
 
-static struct eng_step_result step(struct eng_scene *scene, enum eng_method method)
+static struct eng_step_result step(struct eng_scene *scene, enum eng_method method,
+                                   uint32_t threads)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
-    settings.threads = 1;
+    settings.threads = threads;
+    settings.team_always = true;
     settings.mode = ENG_MODE_ALL;
     settings.method = method;
     assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
     return result;
 }
 
-/* If a scene never took to them they would be of no use; if it kept to them where it goes
- * too far, contacts would be missed there. */
-static void narrow__is_left_where_a_step_goes_too_far(void **state)
+/* How many steps used them, and how many made them in vain. */
+struct uses {
+    uint32_t used;
+    uint32_t left;
+};
+
+static struct uses go(uint32_t threads, const double *moved, uint32_t steps)
 {
-    (void)state;
-    static const double moved[] = {0, 0, 0, 1e4, 1e4, 0, 0, 0, 0};
     struct eng_scene *scenes[2];
     uint32_t objects[2][2];
-    uint32_t used = 0;
-    uint32_t left = 0;
+    struct uses uses = {0, 0};
     for (uint32_t i = 0; i < 2; i++) {
         assert_int_equal(eng_scene_new(NULL, &scenes[i]), ENG_OK);
         for (uint32_t k = 0; k < 2; k++) {
@@ -393,24 +396,36 @@ static void narrow__is_left_where_a_step_goes_too_far(void **state)
             eng_mesh_release(mesh);
         }
     }
-    for (uint32_t i = 0; i < sizeof moved / sizeof moved[0]; i++) {
+    for (uint32_t i = 0; i < steps; i++) {
         struct kit_random random[2] = {{i}, {i}};
         const struct eng_wide *wide = &scenes[0]->wide;
         stage(scenes[0], objects[0], &random[0], moved[i]);
         stage(scenes[1], objects[1], &random[1], moved[i]);
-        struct eng_step_result wide_result = step(scenes[0], ENG_METHOD_WIDE);
-        struct eng_step_result paper_result = step(scenes[1], ENG_METHOD_PAPER);
-        assert_true(wide_result.count > 100);
-        assert_int_equal(wide_result.count, paper_result.count);
-        assert_int_equal(wide_result.hash_hi, paper_result.hash_hi);
-        assert_int_equal(wide_result.hash_lo, paper_result.hash_lo);
-        used += eng_wide_has_narrow(wide);
-        left += wide->makes_narrow && !eng_wide_has_narrow(wide);
+        struct eng_step_result found = step(scenes[0], ENG_METHOD_WIDE, threads);
+        struct eng_step_result expected = step(scenes[1], ENG_METHOD_PAPER, 1);
+        assert_true(found.count > 100);
+        assert_int_equal(found.count, expected.count);
+        assert_int_equal(found.hash_hi, expected.hash_hi);
+        assert_int_equal(found.hash_lo, expected.hash_lo);
+        uses.used += eng_wide_has_narrow(wide);
+        uses.left += wide->makes_narrow && !eng_wide_has_narrow(wide);
     }
-    assert_true(used >= 3);
-    assert_int_equal(left, 2); /* the jumps; what comes after one does not try */
     eng_scene_free(scenes[0]);
     eng_scene_free(scenes[1]);
+    return uses;
+}
+
+/* If a scene never took to them they would be of no use; if it kept to them where it goes
+ * too far, or decided before all had seen how far it goes, contacts would be missed. */
+static void narrow__is_left_where_a_step_goes_too_far(void **state)
+{
+    (void)state;
+    static const double moved[] = {0, 0, 0, 1e4, 1e4, 0, 0, 0, 0};
+    for (uint32_t threads = 1; threads <= 4; threads++) {
+        struct uses uses = go(threads, moved, sizeof moved / sizeof moved[0]);
+        assert_true(uses.used >= 3);
+        assert_int_equal(uses.left, 2); /* the jumps; what comes after one does not try */
+    }
 }
 
 int main(void)

@@ -45,8 +45,8 @@
 
 #define PARTS (ENG_WIDE / ENG_F_LANES)
 
-/* Before a loop over the parts. One lane at a time, sixteen of them written out in all the
- * kinds of joins below would be 0.7 MB of code. */
+/* Before a loop over the parts. One lane at a time, sixteen of them written out in all
+ * kinds of joins would be 0.7 MB of code. */
 #if ENG_F_LANES == 1
 #define UNROLL_PARTS
 #else

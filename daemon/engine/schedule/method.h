@@ -26,7 +26,7 @@ struct eng_method_calls {
     void (*ready)(struct eng_worker *worker);
     /* While others traverse, by one thread. [team] */
     void (*beside)(struct eng_worker *worker);
-    /* First of all that a thread does in a step, and after its last task. [team] */
+    /* After the refit of all, before a thread's first task, and after its last. [team] */
     void (*enter)(struct eng_worker *worker);
     void (*leave)(struct eng_worker *worker);
 
