@@ -49,13 +49,13 @@ static void start_and_stop(int fd)
     _exit(1);
 }
 
-/* Wait for the end of an orphan that has become ours. */
+/* Wait for the end of a child, or of an orphan, which is ours once its parent is gone. */
 static int await_end(pid_t pid)
 {
     uint64_t until_ms = test_now_ms() + END_MS;
     int status = -1;
 
-    while (waitpid(pid, &status, WNOHANG) == 0 && test_now_ms() < until_ms) {
+    while (waitpid(pid, &status, WNOHANG) != pid && test_now_ms() < until_ms) {
         test_sleep_ms(1);
     }
     return status;
