@@ -18,6 +18,9 @@
 #include "schedule.h"
 #include "stage.h"
 #include "step_memory.h"
+#ifdef PCCD_VALIDATE
+#include "build.h"
+#endif
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
