@@ -10,6 +10,7 @@
 #include <omp.h>
 
 #include "answer.h"
+#include "build.h"
 #include "clock.h"
 #include "memory.h"
 #include "method.h"
@@ -18,9 +19,6 @@
 #include "schedule.h"
 #include "stage.h"
 #include "step_memory.h"
-#ifdef PCCD_VALIDATE
-#include "build.h"
-#endif
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
@@ -271,9 +269,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     team.method->start(&team, settings);
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
-#ifdef PCCD_VALIDATE
-    assert(r.method != ENG_METHOD_PAPER || eng_tree_validate(scene));
-#endif
+    assert(!PCCD_VALIDATE || r.method != ENG_METHOD_PAPER || eng_tree_validate(scene));
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
     merge(&team, scene->memory, detect_ns, &r);

@@ -132,7 +132,9 @@ void eng_lounge_call(struct eng_assignment *assignment, uint32_t nodes)
 void eng_assignment_enter(struct eng_assignment *assignment, uint32_t seat_count,
                           const struct eng_scene *scene, uint32_t seat, uint32_t node)
 {
-#ifdef PCCD_VALIDATE
+    if (!PCCD_VALIDATE) {
+        return;
+    }
     /* seq_cst: of two threads that name their nodes and then look at each other's, one
      * sees the other. */
     atomic_store_explicit(&assignment->seats[seat].current, node, memory_order_seq_cst);
@@ -144,13 +146,6 @@ void eng_assignment_enter(struct eng_assignment *assignment, uint32_t seat_count
                    !eng_node_is_below(scene, other, node));
         }
     }
-#else
-    (void)assignment;
-    (void)seat_count;
-    (void)scene;
-    (void)seat;
-    (void)node;
-#endif
 }
 
 void eng_assignment_leave(struct eng_assignment *assignment)
