@@ -29,6 +29,20 @@ long srv_number_of(const char *name)
     return end != NULL && *end == '\0' ? value : -1;
 }
 
+int srv_number_give(const char *name, int fd)
+{
+    char number[32];
+    if (fd < 0) {
+        return 0;
+    }
+    int kept = fcntl(fd, F_DUPFD, SRV_GIVEN_FD_FLOOR); /* open across exec */
+    if (kept < 0) {
+        return PCCD_E_SYSTEM;
+    }
+    snprintf(number, sizeof number, "%d", kept);
+    return setenv(name, number, 1) == 0 ? 0 : PCCD_E_SYSTEM;
+}
+
 static int int_option(int fd, int option)
 {
     int value = -1;
@@ -104,22 +118,11 @@ int srv_activate_give(int fd)
                : PCCD_E_SYSTEM;
 }
 
-/* Beyond the descriptors that have fixed numbers. */
-#define STANDBY_FD_FLOOR 10
-#define STANDBY_NAME     "PCCD_STANDBY"
+#define STANDBY_NAME "PCCD_STANDBY"
 
 int srv_standby_give(int fd)
 {
-    char number[32];
-    if (fd < 0) {
-        return 0;
-    }
-    int kept = fcntl(fd, F_DUPFD, STANDBY_FD_FLOOR); /* open across exec */
-    if (kept < 0) {
-        return PCCD_E_SYSTEM;
-    }
-    snprintf(number, sizeof number, "%d", kept);
-    return setenv(STANDBY_NAME, number, 1) == 0 ? 0 : PCCD_E_SYSTEM;
+    return srv_number_give(STANDBY_NAME, fd);
 }
 
 bool srv_standby(void)
@@ -128,7 +131,7 @@ bool srv_standby(void)
     char byte;
     ssize_t got;
     unsetenv(STANDBY_NAME);
-    if (fd < STANDBY_FD_FLOOR || fd > INT_MAX) {
+    if (fd < SRV_GIVEN_FD_FLOOR || fd > INT_MAX) {
         return true;
     }
     do {

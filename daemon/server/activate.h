@@ -17,6 +17,13 @@
 /* The number in a variable of the environment; -1: absent or not a number. */
 long srv_number_of(const char *name);
 
+/* Descriptors that are given by a number are beyond those that have fixed ones. */
+#define SRV_GIVEN_FD_FLOOR 10
+
+/* In a child, before exec: a copy of `fd` that stays open, its number in a variable of
+ * the environment; negative: nothing. Returns 0 or a status, errno set. */
+int srv_number_give(const char *name, int fd);
+
 /* If this process was given a socket, set options->listen_fd and, from its address,
  * options->socket_path. Returns 0, also when there is none, or PCCD_E_INVAL: what is
  * wrong with it is logged. */

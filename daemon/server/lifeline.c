@@ -6,41 +6,29 @@
  */
 #include "lifeline.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #include "activate.h"
 #include "log.h"
-#include "pccd_types.h"
 
-#define FD_FLOOR 10 /* beyond the descriptors that have fixed numbers */
-#define NAME     "PCCD_LIFELINE"
+#define NAME "PCCD_LIFELINE"
 
 static int held_fd = -1; /* -1: nobody supervises us */
 
 int srv_lifeline_give(int fd)
 {
-    char number[32];
-    if (fd < 0) {
-        return 0;
-    }
-    int kept = fcntl(fd, F_DUPFD, FD_FLOOR); /* open across exec */
-    if (kept < 0) {
-        return PCCD_E_SYSTEM;
-    }
-    snprintf(number, sizeof number, "%d", kept);
-    return setenv(NAME, number, 1) == 0 ? 0 : PCCD_E_SYSTEM;
+    return srv_number_give(NAME, fd);
 }
 
 void srv_lifeline_take(void)
 {
     long fd = srv_number_of(NAME);
     unsetenv(NAME);
-    if (fd >= FD_FLOOR && fd <= INT_MAX && fcntl((int)fd, F_SETFD, FD_CLOEXEC) == 0) {
+    if (fd >= SRV_GIVEN_FD_FLOOR && fd <= INT_MAX &&
+        fcntl((int)fd, F_SETFD, FD_CLOEXEC) == 0) {
         held_fd = (int)fd;
     }
 }

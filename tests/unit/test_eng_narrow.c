@@ -36,19 +36,12 @@ struct fixture {
     uint32_t corner[3][BOXES];
 };
 
-/* As wide_narrow.c makes it: cells of `cell` around `middle`. */
+/* Cells of `cell` around `middle`. */
 static struct eng_narrowing narrowing_around(double cell, double middle)
 {
     struct eng_narrowing narrowing = {{0}, {0}, {0}};
     for (int k = 0; k < 3; k++) {
-        float below = (float)(middle / cell);
-        float above = (float)(ENG_NARROW_ROUND - (double)below);
-        if ((double)above + (double)below < ENG_NARROW_ROUND) {
-            above = nextafterf(above, INFINITY);
-        }
-        narrowing.scale[k] = (float)(1 / cell);
-        narrowing.below[k] = below;
-        narrowing.above[k] = above;
+        eng_wide_narrow_set(&narrowing, k, 1 / cell, middle);
     }
     return narrowing;
 }

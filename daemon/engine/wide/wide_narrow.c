@@ -24,6 +24,19 @@
 #define SAMPLES   64u
 #define CELLS_MIN 80.0f
 
+void eng_wide_narrow_set(struct eng_narrowing *narrowing, int axis, double scale,
+                         double middle)
+{
+    float below = (float)(middle * scale);
+    float above = (float)(ENG_NARROW_ROUND - (double)below);
+    if ((double)above + (double)below < ENG_NARROW_ROUND) {
+        above = nextafterf(above, FLT_MAX);
+    }
+    narrowing->scale[axis] = (float)scale;
+    narrowing->below[axis] = below;
+    narrowing->above[axis] = above;
+}
+
 /* Powers of two that bring the scene into reach, and what is added for its middle. False:
  * there is nothing in the scene, or it is too far from the numbers that floats hold. */
 static bool narrowing_of(const struct eng_extents *box, struct eng_narrowing *narrowing)
@@ -47,14 +60,7 @@ static bool narrowing_of(const struct eng_extents *box, struct eng_narrowing *na
             return false;
         }
         double scale = ldexp(1, exponent - 1); /* scale half <= ENG_NARROW_REACH */
-        float below = (float)(0.5 * (low[k] + high[k]) * scale);
-        float above = (float)(ENG_NARROW_ROUND - (double)below);
-        if ((double)above + (double)below < ENG_NARROW_ROUND) {
-            above = nextafterf(above, FLT_MAX);
-        }
-        narrowing->scale[k] = (float)scale;
-        narrowing->below[k] = below;
-        narrowing->above[k] = above;
+        eng_wide_narrow_set(narrowing, k, scale, 0.5 * (low[k] + high[k]));
     }
     return true;
 }

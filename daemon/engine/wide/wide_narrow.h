@@ -15,6 +15,11 @@
  * [compute] */
 void eng_wide_narrow_choose(struct eng_wide *wide, bool may);
 
+/* Cells of 1 / scale, a power of two, 2^-60 .. 2^60, around `middle` along an axis: what
+ * is added for it is rounded, together never to less than ENG_NARROW_ROUND. [any] */
+void eng_wide_narrow_set(struct eng_narrowing *narrowing, int axis, double scale,
+                         double middle);
+
 /* After the refit: may boxes of features be compared in whole numbers? [any] */
 static inline bool eng_wide_has_narrow(const struct eng_wide *wide)
 {
