@@ -94,6 +94,7 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/schedule_paper.c \
     daemon/engine/schedule/schedule_serial.c \
     daemon/engine/schedule/schedule_steal.c \
+    daemon/engine/schedule/share.h \
     daemon/engine/schedule/taskunit.c \
     daemon/engine/schedule/taskunit.h \
     daemon/engine/schedule/team.h \

@@ -1,8 +1,8 @@
-/* tests/unit/test_eng_deque.c - the work-stealing deque and the pool of blocks.
+/* tests/unit/test_eng_deque.c - the work-stealing deque, shares, the pool of blocks.
  *
- * Room:     engine (deque.h, pool.h).
+ * Room:     engine (deque.h, pool.h, share.h).
  * Does:     order for the owner and for a thief; nothing lost or doubled while thieves
- *           and the owner race; blocks handed out once.
+ *           and the owner race; items of shares and blocks handed out once.
  * Threads:  up to four.
  * Source:   daemon/engine/deque.h, pool.h.
  */
@@ -15,6 +15,7 @@
 #include "deque.h"
 #include "memory.h"
 #include "pool.h"
+#include "share.h"
 
 static int setup(void **state)
 {
@@ -155,6 +156,54 @@ static void pool__blocks_are_handed_out_once_and_kept(void **state)
     assert_int_equal(eng_alloc_bytes(), bytes);
 }
 
+#define SHARES      4u
+#define SHARE_ITEMS 10007u
+
+struct sharers {
+    struct eng_share shares[SHARES];
+    atomic_uint taken[SHARE_ITEMS];
+    atomic_uint next_thread;
+};
+
+static void *take_shares(void *data)
+{
+    struct sharers *all = data;
+    uint32_t thread = atomic_fetch_add(&all->next_thread, 1);
+    for (uint32_t i = 0; i < SHARES; i++) {
+        uint32_t item;
+        while (eng_share_take(&all->shares[(thread + i) % SHARES], &item)) {
+            atomic_fetch_add(&all->taken[item], 1);
+        }
+    }
+    return NULL;
+}
+
+/* If it failed: boxes would be made twice, or never, when a team has fewer threads than
+ * were asked for. */
+static void share__every_item_is_taken_once(void **state)
+{
+    (void)state;
+    for (uint32_t threads = 1; threads <= SHARES; threads++) {
+        struct sharers *all = aligned_alloc(128, (sizeof *all + 127) / 128 * 128);
+        assert_non_null(all);
+        memset(all, 0, sizeof *all);
+        for (uint32_t i = 0; i < SHARES; i++) {
+            eng_share_init(&all->shares[i], SHARE_ITEMS, i, SHARES);
+        }
+        pthread_t ids[SHARES];
+        for (uint32_t i = 0; i < threads; i++) {
+            assert_int_equal(pthread_create(&ids[i], NULL, take_shares, all), 0);
+        }
+        for (uint32_t i = 0; i < threads; i++) {
+            assert_int_equal(pthread_join(ids[i], NULL), 0);
+        }
+        for (uint32_t i = 0; i < SHARE_ITEMS; i++) {
+            assert_int_equal(atomic_load(&all->taken[i]), 1);
+        }
+        free(all);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -163,6 +212,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(deque__full_refuses_and_wraps, setup, teardown),
         cmocka_unit_test_setup_teardown(deque__races_lose_and_double_nothing, setup,
                                         teardown),
+        cmocka_unit_test(share__every_item_is_taken_once),
         cmocka_unit_test(pool__blocks_are_handed_out_once_and_kept),
     };
     return cmocka_run_group_tests_name("eng_deque", tests, NULL, NULL);

@@ -4,7 +4,8 @@
  * Does:     the owner pushes and pops tasks at the bottom, anyone takes them from the
  *           top: the owner works depth first on what is in its cache, a thief gets the
  *           oldest, which is the largest.
- * Threads:  push and pop: the owner; steal: any thread of the team.
+ * Threads:  push and pop: the owner, or one thread while the owner waits; steal: any
+ *           thread of the team.
  * Source:   Chase and Lev 2005; the C11 form of Le, Pop, Cohen and Zappa Nardelli 2013,
  *           with sequentially consistent accesses in place of its fences (tasks are
  *           coarse, and thread sanitizers do not model fences).

@@ -36,8 +36,9 @@ struct eng_method_calls {
 
     /* All tasks of a step by one thread. [compute] */
     void (*perform_all)(struct eng_worker *worker);
-    /* Push the tasks that all others come from. [team], one thread */
-    void (*push_first)(struct eng_worker *worker);
+    /* Push the tasks that all others come from to the workers' deques, while the owners
+     * of these wait. [team], one thread, `worker` */
+    void (*deal)(struct eng_team *team, struct eng_worker *worker);
     /* Do a task, or push what it divides into to the worker's own deque. [team] */
     void (*perform)(struct eng_worker *worker, uint64_t task);
 

@@ -148,8 +148,9 @@ static uint32_t unit_size(const struct eng_worker *worker, uint64_t unit)
 
 /* ---- the step ---------------------------------------------------------------------- */
 
-static void push_first(struct eng_worker *worker)
+static void deal(struct eng_team *team, struct eng_worker *worker)
 {
+    (void)team;
     push(worker, worker->scene->root, worker->scene->root);
 }
 
@@ -227,7 +228,7 @@ const struct eng_method_calls eng_method_paper = {.prepare = prepare,
                                                   .leave = no_more,
                                                   .end = end,
                                                   .perform_all = eng_schedule_serial,
-                                                  .push_first = push_first,
+                                                  .deal = deal,
                                                   .perform = perform,
                                                   .assign = assign,
                                                   .perform_unit = perform_assigned,

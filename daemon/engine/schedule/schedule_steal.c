@@ -1,9 +1,9 @@
 /* daemon/engine/schedule/schedule_steal.c - work stealing.
  *
  * Room:     engine.
- * Does:     large tasks are split and the parts pushed to the worker's own deque; small
- *           ones are worked through at once. A worker without tasks takes the oldest of
- *           another.
+ * Does:     the method deals out the first tasks, to one worker or to several; large
+ *           ones are split and the parts pushed to the worker's own deque; small ones are
+ *           worked through at once. A worker without tasks takes the oldest of another.
  * Threads:  [team].
  *
  * The end. `active` counts the workers that have tasks; nothing else is written by more
@@ -25,9 +25,14 @@
 
 void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker)
 {
-    team->method->push_first(worker);
-    team->first = worker;
-    atomic_store_explicit(&team->active, 1, memory_order_relaxed);
+    uint32_t active = 0;
+    team->method->deal(team, worker);
+    for (uint32_t i = 0; i < team->count; i++) {
+        struct eng_worker *dealt = team->workers[i];
+        dealt->is_dealt = eng_deque_has_task(&dealt->deque);
+        active += dealt->is_dealt;
+    }
+    atomic_store_explicit(&team->active, active, memory_order_relaxed);
 }
 
 static void perform(struct eng_team *team, struct eng_worker *worker, uint64_t task)
@@ -99,8 +104,8 @@ void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
     worker->victim = (worker->thread + 1) % team->count;
     bool has_task = eng_deque_pop(&worker->deque, &task);
     if (!has_task) {
-        if (worker == team->first) {
-            leave(team); /* it was late, and the root is another's by now */
+        if (worker->is_dealt) {
+            leave(team); /* it was late, and its tasks are others' by now */
         }
         has_task = search(team, worker, &task);
     }

@@ -27,7 +27,9 @@ struct eng_method_calls;
 struct eng_team {
     struct eng_scene *scene;
     struct eng_worker **workers;           /* [count] */
-    uint32_t count;                        /* threads, >= 1 */
+    uint32_t count;                        /* threads, >= 1; as many as asked for, until
+                                            * the refit has ended */
+    uint32_t shares;                       /* as many as asked for */
     const struct eng_method_calls *method; /* method.h */
     struct eng_refit_plan *plan;
     struct eng_assignment *assignment; /* the paper's scheduler */
@@ -35,8 +37,7 @@ struct eng_team {
     uint64_t
         low_end_ns; /* low-level nodes done: written by thread 0; 0: there are none */
     struct eng_refit_progress refit;
-    struct eng_worker *first;         /* stealing: who is handed the root, .. */
-    _Alignas(128) atomic_uint active; /* .. and workers that have tasks */
+    _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */
 };
 
 #endif

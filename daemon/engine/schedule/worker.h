@@ -1,7 +1,7 @@
 /* daemon/engine/schedule/worker.h - what one thread of a step owns.
  *
- * Room:     engine. May include: batch.h, clock.h, deque.h, exact.h, result.h, trace.h,
- *           units.h, world.h.
+ * Room:     engine. May include: batch.h, clock.h, deque.h, exact.h, result.h, share.h,
+ *           trace.h, units.h, world.h.
  * Does:     hold the queues of the scheduler, the chunks between traversal and tests, the
  *           scratch of reconstruction and solver and the records found: the one interface
  *           through which schedule, traversal, filter, solver and results meet. A step's
@@ -16,6 +16,7 @@
 #include "deque.h"
 #include "exact.h"
 #include "result.h"
+#include "share.h"
 #include "trace.h"
 #include "units.h"
 #include "world.h"
@@ -86,11 +87,13 @@ struct eng_worker {
     const struct eng_step_settings *settings;
     const struct eng_kernels *kernels; /* of the settings, never NULL */
     struct eng_stop *stop;
-    uint32_t thread;        /* place in the team */
-    double time_bound;      /* the shared one as last seen */
-    float box_bound;        /* the same and the tolerance, rounded up */
-    struct eng_deque deque; /* work stealing: tasks that others may take */
-    uint32_t victim;        /* whom to rob next */
+    uint32_t thread;                         /* place in the team */
+    double time_bound;                       /* the shared one as last seen */
+    float box_bound;                         /* the same and the tolerance, rounded up */
+    struct eng_share shares[ENG_WIDE_KINDS]; /* method wide: chunks of the refit */
+    struct eng_deque deque;                  /* work stealing: tasks others may take */
+    uint32_t victim;                         /* whom to rob next */
+    bool is_dealt;                           /* the step began with tasks for it */
     struct eng_task_queue units;
     struct eng_pair_queue pairs;
     struct eng_chunk vf;

@@ -67,6 +67,8 @@ static void perform_or_divide(struct eng_worker *worker, uint64_t task,
     eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, m);
 }
 
+static_assert(ENG_KINDS * ENG_JOIN_MAX <= ENG_DEQUE_MAX / 2, "tasks");
+
 static bool push_task(struct eng_worker *worker, uint64_t task)
 {
     return eng_deque_push(&worker->deque, task);
@@ -82,11 +84,38 @@ static uint32_t top_level(const struct eng_worker *worker)
     return worker->scene->wide.level_count - 1;
 }
 
-static void push_first(struct eng_worker *worker)
+/* Pairs of the nodes below the root, each to the worker that made the boxes of the first
+ * of the two, as a rule. At most ENG_JOIN_MAX of a kind: there is room in any deque. */
+static void deal_kind(struct eng_team *team, struct eng_worker *worker,
+                      enum eng_kind kind)
+{
+    const struct eng_wide *wide = &worker->scene->wide;
+    const struct eng_wide_tree *tree =
+        &wide->trees[kind == ENG_VF ? ENG_WIDE_VERTICES : ENG_WIDE_EDGES];
+    struct eng_wide_join *join = &worker->wide->join;
+    uint32_t level = top_level(worker) - 1;
+    struct eng_wide_list *below = &join->lists[level];
+    eng_wide_join_refine(join, kind, level + 1, 0, 0);
+    for (uint32_t i = 0; i < below->count; i++) {
+        uint32_t a = below->a[i];
+        uint32_t b = below->b[i];
+        uint32_t owner = eng_share_of(tree->block_count[level], a, team->count);
+        eng_deque_push(&team->workers[owner]->deque, task_of(kind, level, a, b));
+    }
+    below->count = 0;
+    worker->record.task_units++;
+}
+
+static void deal(struct eng_team *team, struct eng_worker *worker)
 {
     uint32_t top = top_level(worker);
-    eng_deque_push(&worker->deque, task_of(ENG_VF, top, 0, 0));
-    eng_deque_push(&worker->deque, task_of(ENG_EE, top, 0, 0));
+    if (top <= GRAIN_LEVEL) {
+        eng_deque_push(&worker->deque, task_of(ENG_VF, top, 0, 0));
+        eng_deque_push(&worker->deque, task_of(ENG_EE, top, 0, 0));
+        return;
+    }
+    deal_kind(team, worker, ENG_VF);
+    deal_kind(team, worker, ENG_EE);
 }
 
 /* ---- dynamic assignment ------------------------------------------------------------ */
@@ -179,8 +208,14 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
 
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
-    (void)team;
     (void)settings;
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        uint32_t chunks = eng_wide_refit_chunks(&team->scene->wide, kind);
+        for (uint32_t i = 0; i < team->count; i++) {
+            eng_share_init(&team->workers[i]->shares[kind], chunks, i, team->count);
+        }
+    }
+    team->shares = team->count;
 }
 
 static void refit(struct eng_worker *worker)
@@ -266,7 +301,7 @@ const struct eng_method_calls eng_method_wide = {.prepare = prepare,
                                                  .leave = eng_wide_work_end,
                                                  .end = end,
                                                  .perform_all = perform_all,
-                                                 .push_first = push_first,
+                                                 .deal = deal,
                                                  .perform = perform,
                                                  .assign = assign,
                                                  .perform_unit = perform_unit,

@@ -1,9 +1,10 @@
 /* daemon/engine/wide/wide_team.c - the boxes of wide trees by all threads of a step.
  *
  * Room:     engine.
- * Does:     chunks of vertices on demand; when all are done, which need not mean that all
- *           threads are there, chunks of edges and faces with the first level above them;
- *           whoever ends last makes the few boxes above those.
+ * Does:     chunks of vertices, each thread its share and then what others have left;
+ *           when all are done, which need not mean that all threads are there, chunks of
+ *           edges and of faces with the first level above them; whoever ends last makes
+ *           the few boxes above those.
  * Threads:  [team].
  */
 #include "wide_team.h"
@@ -11,43 +12,23 @@
 #include "wide.h"
 #include "world.h"
 
-/* Relaxed: what is taken was made before the region. */
-static uint32_t next(atomic_uint *counter)
+/* Chunks of a kind, one's own first, that this thread has made. Those of a step that is
+ * stopped count as made: nobody searches their boxes. */
+static uint32_t make_chunks(struct eng_team *team, struct eng_worker *worker,
+                            enum eng_wide_kind kind)
 {
-    return atomic_fetch_add_explicit(counter, 1, memory_order_relaxed);
-}
-
-/* Chunks of a step that is stopped count as done: nobody searches their boxes. */
-static void vertices_by_team(struct eng_team *team, struct eng_worker *worker,
-                             uint32_t chunks)
-{
-    struct eng_refit_progress *progress = &team->refit;
-    for (uint32_t i = next(&progress->next_vertices); i < chunks;
-         i = next(&progress->next_vertices)) {
-        if (!eng_worker_should_stop(worker)) {
-            eng_wide_refit_chunk(&team->scene->wide, team->scene, ENG_WIDE_VERTICES, i,
-                                 false);
+    uint32_t made = 0;
+    for (uint32_t i = 0; i < team->shares; i++) {
+        uint32_t owner = (worker->thread + i) % team->shares;
+        uint32_t chunk;
+        while (eng_share_take(&team->workers[owner]->shares[kind], &chunk)) {
+            if (!eng_worker_should_stop(worker)) {
+                eng_wide_refit_chunk(&team->scene->wide, team->scene, kind, chunk, false);
+            }
+            made++;
         }
-        /* Release: pairs with the acquire of the wait. */
-        atomic_fetch_add_explicit(&progress->vertices_done, 1, memory_order_acq_rel);
     }
-}
-
-/* Chunks of edges, then of faces, that this thread has done. */
-static uint32_t features_by_team(struct eng_team *team, struct eng_worker *worker,
-                                 uint32_t edges, uint32_t chunks)
-{
-    uint32_t done = 0;
-    for (uint32_t i = next(&team->refit.next_edges); i < chunks;
-         i = next(&team->refit.next_edges)) {
-        if (!eng_worker_should_stop(worker)) {
-            eng_wide_refit_chunk(&team->scene->wide, team->scene,
-                                 i < edges ? ENG_WIDE_EDGES : ENG_WIDE_FACES,
-                                 i < edges ? i : i - edges, false);
-        }
-        done++;
-    }
-    return done;
+    return made;
 }
 
 /* A part of the refit that began at `begin_ns`. */
@@ -61,14 +42,17 @@ bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_wide *wide = &team->scene->wide;
     uint32_t vertices = eng_wide_refit_chunks(wide, ENG_WIDE_VERTICES);
-    uint32_t edges = eng_wide_refit_chunks(wide, ENG_WIDE_EDGES);
-    uint32_t all = edges + eng_wide_refit_chunks(wide, ENG_WIDE_FACES);
+    uint32_t all = eng_wide_refit_chunks(wide, ENG_WIDE_EDGES) +
+                   eng_wide_refit_chunks(wide, ENG_WIDE_FACES);
     uint64_t begin_ns = eng_now_ns();
-    vertices_by_team(team, worker, vertices);
+    uint32_t made = make_chunks(team, worker, ENG_WIDE_VERTICES);
+    /* Release: pairs with the acquire of the wait. */
+    atomic_fetch_add_explicit(&team->refit.vertices_done, made, memory_order_acq_rel);
     record(worker, begin_ns);
     eng_worker_wait_for(worker, &team->refit.vertices_done, vertices);
     begin_ns = eng_now_ns();
-    uint32_t done = features_by_team(team, worker, edges, all);
+    uint32_t done = make_chunks(team, worker, ENG_WIDE_EDGES);
+    done += make_chunks(team, worker, ENG_WIDE_FACES);
     bool is_last = false;
     if (done > 0) {
         /* Release what we did; the last one acquires what all did. */

@@ -1,7 +1,7 @@
 /* daemon/engine/wide/wide_team.h - the boxes of wide trees by all threads of a step.
  *
  * Room:     engine. May include: team.h.
- * Does:     divide the refit into chunks that are taken on demand.
+ * Does:     divide the refit into chunks, a run of them for each thread.
  * Threads:  [team].
  */
 #ifndef ENG_WIDE_TEAM_H
