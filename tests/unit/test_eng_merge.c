@@ -435,6 +435,16 @@ static void merge__warm_allocates_nothing(void **state)
     assert_true(eng_merge_bytes(&f->merge) > 5000 * sizeof(struct eng_radix_key));
 }
 
+static void check_evenness(const struct fixture *f, uint32_t count)
+{
+    uint32_t largest = 0;
+    for (uint32_t b = 0; b < f->merge.splitters.buckets; b++) {
+        largest = f->merge.size[b] > largest ? f->merge.size[b] : largest;
+    }
+    assert_true(f->merge.splitters.buckets >= 64);
+    assert_in_range(largest, 1, 4 * count / f->merge.splitters.buckets);
+}
+
 /* If it failed: where names crowd, one thread would have nearly all to sort. */
 static void merge__buckets_are_even_for_any_names(void **state)
 {
@@ -445,12 +455,27 @@ static void merge__buckets_are_even_for_any_names(void **state)
     f->record_bytes = sizeof(struct eng_pair);
     for (size_t i = 0; i < sizeof patterns / sizeof *patterns; i++) {
         check(f, &random, patterns[i], 100000, i % 2 == 1);
-        uint32_t largest = 0;
-        for (uint32_t b = 0; b < f->merge.splitters.buckets; b++) {
-            largest = f->merge.size[b] > largest ? f->merge.size[b] : largest;
-        }
-        assert_true(f->merge.splitters.buckets >= 64);
-        assert_in_range(largest, 1, 4 * 100000 / f->merge.splitters.buckets);
+        check_evenness(f, 100000);
+    }
+}
+
+/* If it failed: where one thread has found everything, one would also sort all of it, in
+ * a piece that nothing can interrupt. */
+static void merge__buckets_are_even_beside_a_list_of_nothing(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {93};
+    struct eng_counts counts;
+    uint64_t hash[2];
+    for (uint32_t i = 0; i < 2; i++) {
+        f->record_bytes = records[i];
+        f->threads = 1;
+        fill(f, &random, SORTED, 100000, false);
+        f->threads = 2;
+        eng_found_begin(&f->found[1], &f->pool, f->record_bytes, f->limit);
+        assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+        assert_int_equal(f->out.count, 100000);
+        check_evenness(f, 100000);
     }
 }
 
@@ -467,6 +492,7 @@ int main(void)
         TEST(merge__is_given_up_when_cancelled_unless_it_is_short),
         TEST(merge__warm_allocates_nothing),
         TEST(merge__buckets_are_even_for_any_names),
+        TEST(merge__buckets_are_even_beside_a_list_of_nothing),
     };
     return cmocka_run_group_tests_name("eng_merge", tests, NULL, NULL);
 }

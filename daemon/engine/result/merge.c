@@ -221,8 +221,10 @@ static int plan(struct eng_merge *merge)
         share->first = (uint32_t)merge->total;
         share->count = (uint32_t)share->found->count;
         merge->total += share->found->count;
-        eng_name_range_add(&range, &share->found->range.low);
-        eng_name_range_add(&range, &share->found->range.high);
+        if (share->count > 0) { /* the range of nothing is not within any other */
+            eng_name_range_add(&range, &share->found->range.low);
+            eng_name_range_add(&range, &share->found->range.high);
+        }
     }
     merge->kept = merge->total < found->limit ? merge->total : found->limit;
     merge->out->record_bytes = found->record_bytes;
