@@ -35,6 +35,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/query.h \
     daemon/engine/elementary/rebase.c \
     daemon/engine/elementary/rebase.h \
+    daemon/engine/elementary/separate.c \
+    daemon/engine/elementary/separate.h \
     daemon/engine/elementary/solve.c \
     daemon/engine/elementary/solve.h \
     daemon/engine/elementary/test.c \

@@ -36,6 +36,7 @@ ENG_TESTS = \
     tests/unit/test_eng_sieve \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_plane \
+    tests/unit/test_eng_separate \
     tests/unit/test_eng_solve \
     tests/unit/test_eng_batch \
     tests/unit/test_eng_hash \
@@ -118,6 +119,10 @@ tests_unit_test_eng_sieve_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_exact_SOURCES = tests/unit/test_eng_exact.c
 tests_unit_test_eng_exact_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_exact_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_separate_SOURCES = tests/unit/test_eng_separate.c
+tests_unit_test_eng_separate_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_separate_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_solve_SOURCES = tests/unit/test_eng_solve.c
 tests_unit_test_eng_solve_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -22,6 +22,7 @@
 #include "motion.h"
 #include "plane.h"
 #include "rebase.h"
+#include "separate.h"
 #include "vec.h"
 
 /* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
@@ -311,107 +312,33 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     return false;
 }
 
-/* Smallest and largest coordinate of points first .. last - 1. */
-static void bounds(const double (*x)[3], int first, int last, int axis, double *low,
-                   double *high)
+/* The filter takes half the time of the bracket kernel, and the search ten times that. */
+static bool is_filtered(const struct eng_query *query)
 {
-    *low = *high = x[first][axis];
-#pragma GCC unroll 3
-    for (int i = first + 1; i < last; i++) {
-        *low = eng_least(*low, x[i][axis]);
-        *high = eng_most(*high, x[i][axis]);
+    static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
+    struct eng_point points[4];
+    uint32_t pair = 0;
+    for (int i = 0; i < 4; i++) {
+        memcpy(points[i].x0, query->x[0][i], sizeof points[i].x0);
+        memcpy(points[i].x1, query->x[1][i], sizeof points[i].x1);
     }
-}
-
-/* Is one feature above the other along x, y or z at both ends, and so all the time? Of
- * the pairs whose swept boxes overlap most are told apart like this, by comparisons
- * alone. *size: no less than any coordinate of a difference between points of both. */
-static bool axis_separates(const struct eng_query *query, int split, double *size)
-{
-    bool apart = false;
-    *size = 0;
-#pragma GCC unroll 3
-    for (int axis = 0; axis < 3; axis++) {
-        bool above = true;
-        bool below = true;
-#pragma GCC unroll 2
-        for (int end = 0; end < 2; end++) {
-            double low[2];
-            double high[2];
-            bounds(query->x[end], 0, split, axis, &low[0], &high[0]);
-            bounds(query->x[end], split, 4, axis, &low[1], &high[1]);
-            above &= low[0] > high[1];
-            below &= high[0] < low[1];
-            *size = eng_most(*size, eng_most(high[0] - low[1], high[1] - low[0]));
-        }
-        apart |= above | below;
-    }
-    return apart;
-}
-
-/* Is one feature above the other along x +- y, y +- z or z +- x at both ends? Of what the
- * axes leave more than half ends here, at a third of the time of the cubic. */
-static bool diagonal_separates(const struct eng_query *query, int split, double size)
-{
-    const double margin = 8 * ENG_U * size;
-    for (int axis = 0; axis < 3; axis++) {
-        int next = (axis + 1) % 3;
-        double low[2] = {INFINITY, INFINITY};
-        double high[2] = {-INFINITY, -INFINITY};
-#pragma GCC unroll 2
-        for (int end = 0; end < 2; end++) {
-            const double(*x)[3] = query->x[end];
-#pragma GCC unroll 2
-            for (int a = 0; a < split; a++) {
-#pragma GCC unroll 3
-                for (int b = split; b < 4; b++) {
-                    double first = x[b][axis] - x[a][axis];
-                    double second = x[b][next] - x[a][next];
-                    low[0] = eng_least(low[0], first + second);
-                    high[0] = eng_most(high[0], first + second);
-                    low[1] = eng_least(low[1], first - second);
-                    high[1] = eng_most(high[1], first - second);
-                }
-            }
-        }
-        if (low[0] > margin || low[1] > margin || high[0] < -margin ||
-            high[1] < -margin) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* The certain rejections that take the least time. */
-static bool separates(const struct eng_query *query, int split)
-{
-    double size;
-    return axis_separates(query, split, &size) || diagonal_separates(query, split, size);
+    return eng_kernels_of(ENG_ISA_SCALAR)
+               ->filter(query->kind, points, quads, &pair, 1, &pair) == 0;
 }
 
 bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
                struct eng_exact *exact, struct eng_hit *hit)
 {
-    static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
-    struct eng_point points[4];
-    uint32_t pair = 0;
-    uint32_t index;
-    uint32_t unsure;
-    struct eng_bracketed out = {.index = &index, .hits = hit, .unsure = &unsure};
-    if (query->kind == ENG_VF ? separates(query, 1) : separates(query, 2)) {
+    if (eng_query_separates(query)) {
         return false;
     }
-    for (int i = 0; i < 4; i++) {
-        memcpy(points[i].x0, query->x[0][i], sizeof points[i].x0);
-        memcpy(points[i].x1, query->x[1][i], sizeof points[i].x1);
+    switch (eng_decide(query, tolerance, t_end, hit)) {
+    case ENG_MISSES:
+        return false;
+    case ENG_MEETS:
+        return true;
+    case ENG_OPEN:
+        break;
     }
-    const struct eng_kernels *kernels = eng_kernels_of(ENG_ISA_SCALAR);
-    kernels->bracket(query->kind, points, quads, &pair, 1, tolerance, t_end, &out);
-    if (out.unsure_count == 0) {
-        return out.hit_count > 0;
-    }
-    /* It takes half the time of the bracket kernel, and the search ten times that. */
-    pair = 0;
-    return kernels->filter(query->kind, points, quads, &pair, 1, &pair) > 0 &&
-           eng_search(query, tolerance, t_end, exact, hit);
+    return !is_filtered(query) && eng_search(query, tolerance, t_end, exact, hit);
 }

@@ -120,6 +120,14 @@ struct eng_kernels {
                     double tolerance, double t_end, struct eng_bracketed *out);
 };
 
+/* What `bracket` says of one pair, which is a chunk of its own. */
+enum eng_decision { ENG_MISSES, ENG_MEETS, ENG_OPEN };
+
+/* The same, bit for bit, in half the time: of the scalar set alone. ENG_MEETS: *hit is
+ * set; a contact that begins after t_end is a miss. */
+enum eng_decision eng_decide(const struct eng_query *query, double tolerance,
+                             double t_end, struct eng_hit *hit);
+
 /* The kernels of an instruction set; NULL if this processor, or this build, has none. */
 const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
 

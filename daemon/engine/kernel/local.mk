@@ -10,7 +10,9 @@ kernel_sources = \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
     daemon/engine/kernel/cubic.h \
+    daemon/engine/kernel/enclose.h \
     daemon/engine/kernel/filter.c \
+    daemon/engine/kernel/interval.h \
     daemon/engine/kernel/join.c \
     daemon/engine/kernel/four.h \
     daemon/engine/kernel/kernel.h \
@@ -24,6 +26,7 @@ kernel_sources = \
     daemon/engine/kernel/narrow.c \
     daemon/engine/kernel/narrow.h \
     daemon/engine/kernel/near.h \
+    daemon/engine/kernel/pieces.h \
     daemon/engine/kernel/points.h \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
@@ -39,7 +42,7 @@ kernel_cflags = $(AM_CFLAGS) -fno-trapping-math -fno-math-errno $(PCCD_KERNEL_CF
 noinst_LTLIBRARIES += libkernel_scalar.la
 kernel_libraries = libkernel_scalar.la
 
-libkernel_scalar_la_SOURCES = $(kernel_sources)
+libkernel_scalar_la_SOURCES = $(kernel_sources) daemon/engine/kernel/decide.c
 libkernel_scalar_la_CPPFLAGS = $(kernel_cppflags) \
     -DENG_ISA=scalar -DENG_ISA_NUMBER=ENG_ISA_SCALAR -DENG_VECTOR_BYTES=8
 libkernel_scalar_la_CFLAGS = $(kernel_cflags)

@@ -17,15 +17,10 @@ struct eng_motion_lanes {
     eng_d size[3]; /* largest coordinate at both ends */
 };
 
-ENG_INLINE struct eng_motion_lanes eng_motion_load(enum eng_kind kind,
-                                                   const struct eng_group *group)
+/* x[point][end], points as in struct eng_query. */
+ENG_INLINE struct eng_motion_lanes eng_motion_of(enum eng_kind kind, struct eng_v x[4][2])
 {
     struct eng_motion_lanes motion;
-    struct eng_v x[4][2];
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) {
-        eng_group_load(group, i, x[i]);
-    }
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
         struct eng_v *v = motion.v[end];
@@ -44,6 +39,17 @@ ENG_INLINE struct eng_motion_lanes eng_motion_load(enum eng_kind kind,
         motion.size[k] = eng_v_reach(motion.v[0][k], motion.v[1][k]);
     }
     return motion;
+}
+
+ENG_INLINE struct eng_motion_lanes eng_motion_load(enum eng_kind kind,
+                                                   const struct eng_group *group)
+{
+    struct eng_v x[4][2];
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) {
+        eng_group_load(group, i, x[i]);
+    }
+    return eng_motion_of(kind, x);
 }
 
 /* Where the features are in a bracket. */

@@ -1,0 +1,100 @@
+/* tests/unit/test_eng_separate.c - fixed directions between two features.
+ *
+ * Room:     engine (separate.h).
+ * Does:     queries of small whole numbers against the nine directions one by one, and
+ *           planted contacts in places where sums are rounded.
+ * Threads:  one.
+ * Source:   daemon/engine/elementary/separate.h.
+ */
+#include "eng_kit.h"
+
+#include "separate.h"
+
+#define DIRECTIONS 9
+
+static const int directions[DIRECTIONS][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},
+                                              {1, 1, 0},  {1, -1, 0}, {0, 1, 1},
+                                              {0, 1, -1}, {1, 0, 1},  {-1, 0, 1}};
+
+/* Is the second feature above the first at both ends, or below it at both? */
+static bool is_apart_along(const struct eng_query *query, const int d[3])
+{
+    int split = query->kind == ENG_VF ? 1 : 2;
+    bool above = true;
+    bool below = true;
+    for (int end = 0; end < 2; end++) {
+        for (int a = 0; a < split; a++) {
+            for (int b = split; b < 4; b++) {
+                double gap = 0; /* of small whole numbers: exact */
+                for (int k = 0; k < 3; k++) {
+                    gap += d[k] * (query->x[end][b][k] - query->x[end][a][k]);
+                }
+                above = above && gap > 0;
+                below = below && gap < 0;
+            }
+        }
+    }
+    return above || below;
+}
+
+/* If it failed: a direction would be left out, or a pair that only a direction between
+ * them tells apart, or one that changes sides, would be dropped. */
+static void separate__says_what_nine_directions_say(void **state)
+{
+    (void)state;
+    struct kit_random random = {811};
+    int alone[2][DIRECTIONS] = {{0}};
+    int apart = 0;
+    enum { ROUNDS = 200000 };
+    for (int round = 0; round < ROUNDS; round++) {
+        struct eng_query query = {.kind = round % 2 ? ENG_EE : ENG_VF};
+        for (int i = 0; i < 24; i++) {
+            query.x[i / 12][i / 3 % 4][i % 3] = kit_integer(&random, 6);
+        }
+        int count = 0;
+        int last = 0;
+        for (int k = 0; k < DIRECTIONS; k++) {
+            if (is_apart_along(&query, directions[k])) {
+                count++;
+                last = k;
+            }
+        }
+        assert_int_equal(eng_query_separates(&query), count > 0);
+        apart += count > 0;
+        alone[query.kind == ENG_EE][last] += count == 1;
+    }
+    for (int k = 0; k < DIRECTIONS; k++) {
+        assert_true(alone[0][k] > 50 && alone[1][k] > 50);
+    }
+    assert_true(apart > ROUNDS / 50 && apart < ROUNDS / 2);
+}
+
+/* If it failed: a contact would be missed whose sums of coordinates are rounded. */
+static void separate__never_drops_a_contact(void **state)
+{
+    (void)state;
+    struct kit_random random = {812};
+    for (int round = 0; round < 60000; round++) {
+        struct eng_query query;
+        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        assert_false(eng_query_separates(&query));
+        /* A sixth of the numbers moved by a bit: less than any margin. */
+        struct eng_query near = query;
+        for (int i = 0; i < 24; i++) {
+            double *x = &near.x[i / 12][i / 3 % 4][i % 3];
+            *x = kit_below(&random, 6) == 0 ? *x * (1 + 0x1p-52) : *x;
+        }
+        assert_true(!eng_query_separates(&near) || is_apart_along(&near, directions[0]) ||
+                    is_apart_along(&near, directions[1]) ||
+                    is_apart_along(&near, directions[2]));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(separate__says_what_nine_directions_say),
+        cmocka_unit_test(separate__never_drops_a_contact),
+    };
+    return cmocka_run_group_tests_name("eng_separate", tests, NULL, NULL);
+}
