@@ -18,11 +18,13 @@ bench_model_model_SOURCES = \
     bench/model/record.h \
     bench/model/record_merge.c \
     bench/model/record_refit.c \
+    bench/model/record_wide.c \
     bench/model/sim.c \
     bench/model/sim.h \
     bench/model/sim_paper.c \
     bench/model/sim_refit.c \
     bench/model/sim_steal.c \
+    bench/model/sim_wide.c \
     bench/model/table.c \
     bench/model/table.h \
     bench/model/task.c \

@@ -17,7 +17,9 @@ static void step(struct bench_world *world, const struct bench_frames *frames,
                  struct eng_step_result *result)
 {
     struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
+    settings.method = way->method;
     settings.threads = way->threads;
+    settings.team_always = true;
     settings.scheduler = way->scheduler;
     settings.high_level = way->high_level;
     settings.refit = way->refit;

@@ -19,6 +19,7 @@ struct model_way {
     enum eng_scheduler scheduler;
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;
+    enum eng_method method; /* wide: by stealing */
 };
 
 /* Nanoseconds. The parts are minima: other work on the machine only adds to them. */

@@ -2,8 +2,9 @@
  *
  * Room:     bench/model.
  * Does:     record what every task of a real step costs, measure what it costs that
- *           threads meet, replay both schedulers for 1 to 64 threads, check the replay
- *           against itself and against steps measured here, write CSV for the figures.
+ *           threads meet, replay both schedulers of the method paper and the method wide
+ *           for 1 to 64 threads, check the replay against itself and against steps
+ *           measured here, write CSV for the figures.
  * Threads:  one, but for the steps that are measured.
  */
 #include <math.h>
@@ -25,6 +26,7 @@
 struct options {
     bool smoke;
     bool fifth_only;
+    bool wide_only;     /* not the method paper, which takes most of the time */
     const char *wanted; /* part of a scene's name; NULL: all of `modelled` */
     const char *folder; /* where the CSV files go */
     uint32_t validate[VALIDATE_MAX];
@@ -52,15 +54,19 @@ static const struct scheme schemes[] = {
     {"paper",
      "round-robin",
      "paper",
-     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER}},
+     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER, ENG_METHOD_PAPER}},
     {"paper",
      "disjoint",
      "paper",
-     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_PAPER}},
+     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_PAPER, ENG_METHOD_PAPER}},
     {"steal",
      "none",
      "even",
-     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN}},
+     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_METHOD_PAPER}},
+    {"wide",
+     "none",
+     "even",
+     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_METHOD_WIDE}},
 };
 #define SCHEMES (sizeof schemes / sizeof schemes[0])
 
@@ -107,6 +113,7 @@ static void predict(struct run *run, const struct scheme *scheme,
                                 .machine = run->machine,
                                 .serial = one->ingest + one->rest,
                                 .merge_alone = one->merge,
+                                .method = scheme->way.method,
                                 .scheduler = scheme->way.scheduler,
                                 .high_level = scheme->way.high_level,
                                 .refit = scheme->way.refit};
@@ -125,14 +132,20 @@ static void print(const struct run *run, const struct scheme *scheme, uint32_t t
                     &(struct model_row){run->name, scheme->scheduler, scheme->high_level,
                                         scheme->refit, threads,
                                         run->alone.total / o->total, o});
-    if (threads == 1 || threads == 2 ||
-        (threads >= 8 && (threads & (threads - 1)) == 0)) {
+    if ((threads & (threads - 1)) == 0) {
         printf("%-16s %-6s %3u %9.3f ms %6.2fx  refit %.3f low %.3f high %.3f merge %.3f "
-               "serial %.3f wait %.3f\n",
+               "serial %.3f wait %.3f critical %.3f largest %.3f\n",
                run->name, scheme->scheduler, threads, o->total * 1e-6,
                run->alone.total / o->total, o->refit * 1e-6, o->low * 1e-6,
-               o->high * 1e-6, o->merge * 1e-6, o->serial * 1e-6, o->wait * 1e-6);
+               o->high * 1e-6, o->merge * 1e-6, o->serial * 1e-6, o->wait * 1e-6,
+               o->critical * 1e-6, o->largest * 1e-6);
     }
+}
+
+static const char *name_of(const struct scheme *scheme, uint32_t threads)
+{
+    bool has_scheduler = threads > 1 || scheme->way.method == ENG_METHOD_WIDE;
+    return has_scheduler ? scheme->scheduler : "serial";
 }
 
 /* Beside what was measured here with as many threads. */
@@ -148,14 +161,13 @@ static void validate(const struct run *run, const struct scheme *scheme, uint32_
         }
         double error = output->total / m->step - 1;
         fprintf(run->validation, "%s,%s,%u,%.4f,%.4f,%.4f,%.3f,%.3f\n", run->name,
-                threads > 1 ? scheme->scheduler : "serial", threads, m->step * 1e-6,
-                output->total * 1e-6, error, 1 / m->ratio,
-                run->alone.total / output->total);
+                name_of(scheme, threads), threads, m->step * 1e-6, output->total * 1e-6,
+                error, 1 / m->ratio, run->alone.total / output->total);
         printf("%-16s %-6s %3u measured %.3f ms, predicted %.3f: %+.1f %%; speed-up "
                "%.2f, predicted %.2f (measured: refit %.3f detection %.3f merge %.3f, "
                "%.0f hand-overs)\n",
-               run->name, threads > 1 ? scheme->scheduler : "serial", threads,
-               m->step * 1e-6, output->total * 1e-6, 100 * error, 1 / m->ratio,
+               run->name, name_of(scheme, threads), threads, m->step * 1e-6,
+               output->total * 1e-6, 100 * error, 1 / m->ratio,
                run->alone.total / output->total, m->refit * 1e-6, m->detection * 1e-6,
                m->merge * 1e-6, m->hand_overs);
     }
@@ -168,30 +180,38 @@ static void replay(struct run *run)
         uint32_t count = run->options->counts[c];
         model_division_init(&division, &run->record, count);
         bench_check(division.consistent, run->name, "every pass meets the same pairs");
+        bool is_first = true;
         for (size_t s = 0; s < SCHEMES; s++) {
             struct model_output output;
+            if (schemes[s].way.method != run->record.method) {
+                continue;
+            }
             predict(run, &schemes[s], &division, &output);
             print(run, &schemes[s], count, &output);
-            if (count > 1 || s == 0) {
+            if (count > 1 || is_first) {
                 validate(run, &schemes[s], count, &output);
             }
+            is_first = false;
         }
         model_division_deinit(&division);
         fflush(stdout);
     }
 }
 
-static void model_scene(struct run *run, const struct bench_frames *frames)
+static void model_method(struct run *run, const struct bench_frames *frames,
+                         enum eng_method method)
 {
     struct model_way ways[MODEL_MEASURED_MAX];
     struct bench_world world;
     uint32_t count = 0;
-    ways[count++] =
-        (struct model_way){1, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN};
+    ways[count++] = (struct model_way){1, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN,
+                                       ENG_REFIT_EVEN, method};
     for (uint32_t i = 0; i < run->options->validate_count; i++) {
         for (size_t s = 0; s < SCHEMES && count < MODEL_MEASURED_MAX; s++) {
-            ways[count] = schemes[s].way;
-            ways[count++].threads = run->options->validate[i];
+            if (schemes[s].way.method == method) {
+                ways[count] = schemes[s].way;
+                ways[count++].threads = run->options->validate[i];
+            }
         }
     }
     run->measured_count = count;
@@ -200,16 +220,30 @@ static void model_scene(struct run *run, const struct bench_frames *frames)
                               run->options->turns, run->measured),
                 run->name, "all ways give the same answer");
     run->record = (struct model_record){.scene = world.scene,
+                                        .method = method,
                                         .passes = run->options->passes,
                                         .clock_ns = run->machine->clock,
                                         .unit_grain = run->options->grain[0],
                                         .pair_grain = run->options->grain[1]};
     model_record_init(&run->record);
-    model_refit_calibrate(&run->record, run->measured[0].refit);
+    if (method == ENG_METHOD_WIDE) {
+        model_wide_calibrate(&run->record.wide, run->measured[0].refit,
+                             run->measured[0].detection);
+    } else {
+        model_refit_calibrate(&run->record, run->measured[0].refit);
+    }
     bench_check(run->record.consistent, run->name, "every pass meets the same tasks");
     replay(run);
     model_record_deinit(&run->record);
     bench_world_deinit(&world);
+}
+
+static void model_scene(struct run *run, const struct bench_frames *frames)
+{
+    model_method(run, frames, ENG_METHOD_WIDE);
+    if (!run->options->wide_only) {
+        model_method(run, frames, ENG_METHOD_PAPER);
+    }
 }
 
 /* The first fifth of the way to the next frame: the paper ran five steps a frame. */
@@ -343,6 +377,8 @@ static bool parse(int argc, char **argv, struct options *options)
             options->passes = 3;
         } else if (strcmp(argv[i], "--fifth") == 0) {
             options->fifth_only = true;
+        } else if (strcmp(argv[i], "--wide") == 0) {
+            options->wide_only = true;
         } else if (strncmp(argv[i], "--into=", 7) == 0) {
             options->folder = argv[i] + 7;
         } else if (argv[i][0] == '-') {
@@ -374,7 +410,8 @@ int main(int argc, char **argv)
     }
     if (!parse(argc, argv, &options)) {
         fprintf(stderr,
-                "usage: model [--smoke] [--fifth] [--into=FOLDER] [--threads=N,...]\n"
+                "usage: model [--smoke] [--fifth] [--wide] [--into=FOLDER] "
+                "[--threads=N,...]\n"
                 "    [--validate-threads=N,...] [--grain=UNIT,PAIR] [--passes=N]\n"
                 "    [--turns=N] [SCENE]\n");
         return 2;

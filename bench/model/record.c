@@ -180,32 +180,12 @@ static void walk_disjoint(struct model_division *division,
     model_record_end(&recorder);
 }
 
-/* The medians of `passes` become `tasks`. */
-static bool take_medians(struct model_tasks *tasks, struct model_tasks *passes,
-                         uint32_t count)
-{
-    bool consistent = model_tasks_median(passes, count);
-    *tasks = passes[0];
-    for (uint32_t pass = 1; pass < count; pass++) {
-        model_tasks_deinit(&passes[pass]);
-    }
-    free(passes);
-    return consistent;
-}
-
-static struct model_tasks *new_passes(uint32_t count)
-{
-    struct model_tasks *passes = bench_alloc(count, sizeof *passes);
-    memset(passes, 0, count * sizeof *passes);
-    return passes;
-}
-
 static void record_high(struct model_division *division,
                         const struct model_record *record)
 {
     struct eng_assignment assignment;
-    struct model_tasks *round_robin = new_passes(record->passes);
-    struct model_tasks *disjoint = new_passes(record->passes);
+    struct model_tasks *round_robin = model_tasks_passes(record->passes);
+    struct model_tasks *disjoint = model_tasks_passes(record->passes);
     struct eng_worker *workers[MODEL_THREADS_MAX];
     struct eng_team team = {.scene = record->scene,
                             .workers = workers,
@@ -235,9 +215,9 @@ static void record_high(struct model_division *division,
         walk_round_robin(division, record, &team, &round_robin[pass]);
         walk_disjoint(division, record, &disjoint[pass]);
     }
-    bool same = take_medians(&division->tasks, round_robin, record->passes);
+    bool same = model_tasks_take_medians(&division->tasks, round_robin, record->passes);
     division->consistent =
-        take_medians(&division->disjoint, disjoint, record->passes) && same;
+        model_tasks_take_medians(&division->disjoint, disjoint, record->passes) && same;
     eng_assignment_deinit(&assignment);
 }
 
@@ -247,6 +227,12 @@ void model_division_init(struct model_division *division,
     struct model_walker walker;
     memset(division, 0, sizeof *division);
     division->threads = threads;
+    if (record->method == ENG_METHOD_WIDE) {
+        division->owner = model_wide_owners(record, threads);
+        division->consistent = true;
+        model_merge_init(&division->merge, record, threads);
+        return;
+    }
     model_walker_init(&walker, record->scene);
     division->walker = &walker;
     record_high(division, record);
@@ -261,6 +247,7 @@ void model_division_deinit(struct model_division *division)
 {
     model_tasks_deinit(&division->tasks);
     model_tasks_deinit(&division->disjoint);
+    free(division->owner);
     model_refit_deinit(&division->refit[ENG_REFIT_EVEN]);
     model_refit_deinit(&division->refit[ENG_REFIT_PAPER]);
     memset(division, 0, sizeof *division);
@@ -272,8 +259,12 @@ void model_record_init(struct model_record *record)
     const uint32_t passes = record->passes;
     struct model_walker *walker = &record->walker;
     struct steal_stack stack = {NULL, 0, 0};
-    struct model_tasks *units = new_passes(passes);
-    struct model_tasks *steal = new_passes(passes);
+    if (record->method == ENG_METHOD_WIDE) {
+        model_wide_init(record);
+        return;
+    }
+    struct model_tasks *units = model_tasks_passes(passes);
+    struct model_tasks *steal = model_tasks_passes(passes);
     record->unit_of = bench_alloc(scene->node_capacity, sizeof *record->unit_of);
     memset(record->unit_of, 0xff, scene->node_capacity * sizeof *record->unit_of);
     model_walker_init(walker, scene);
@@ -282,8 +273,8 @@ void model_record_init(struct model_record *record)
         walk_units(record, walker, &units[pass]);
         walk_steal(record, walker, &steal[pass], &stack);
     }
-    bool same = take_medians(&record->units, units, passes);
-    record->consistent = take_medians(&record->steal, steal, passes) && same;
+    bool same = model_tasks_take_medians(&record->units, units, passes);
+    record->consistent = model_tasks_take_medians(&record->steal, steal, passes) && same;
     free(stack.items);
     struct model_tasks again = {NULL, 0, 0};
     walk_units(record, walker, &again);
@@ -296,6 +287,7 @@ void model_record_deinit(struct model_record *record)
 {
     model_tasks_deinit(&record->units);
     model_tasks_deinit(&record->steal);
+    model_wide_deinit(&record->wide);
     free(record->unit_of);
     free(record->blocks);
     model_walker_deinit(&record->walker);

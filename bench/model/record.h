@@ -3,7 +3,8 @@
  * Room:     bench/model; engine headers.
  * Does:     walk over the scene as its last step left it, by one worker, in the order in
  *           which one thread would: all task units (the paper's scheduler), all tasks of
- *           work stealing, the high-level nodes for one number of threads, the refit.
+ *           work stealing, the high-level nodes for one number of threads, the refit. Of
+ *           the method wide: the tasks and the chunks of the refit.
  * Threads:  one.
  *
  * The walk calls the engine's own functions for what takes time; which node belongs to
@@ -20,9 +21,23 @@
 #define MODEL_THREADS_MAX 64u
 #define MODEL_NO_TASK     UINT32_MAX
 
+/* The method wide: boxes in chunks, and tasks that all come from those dealt out. */
+struct model_wide {
+    double *chunk_ns[ENG_WIDE_KINDS];
+    uint32_t chunk_count[ENG_WIDE_KINDS];
+    double above_ns; /* boxes above the chunks, by one thread */
+    double deal_ns;  /* from the roots to the first tasks, by one thread */
+    double enter_ns; /* each thread gets ready to search */
+    uint64_t *dealt; /* the first tasks, as the engine names them: tasks.items[0 ..] */
+    uint32_t dealt_count;
+    struct model_tasks tasks;
+};
+
 /* What does not depend on the number of threads. */
 struct model_record {
     struct eng_scene *scene;
+    enum eng_method method; /* paper: all but `wide`; wide: that, and what to merge */
+    struct model_wide wide;
     uint32_t passes; /* medians are over so many */
     double clock_ns;
     uint32_t unit_grain; /* of work stealing */
@@ -80,11 +95,23 @@ struct model_division {
     double begin_ns;             /* eng_schedule_paper_begin */
     struct model_refit refit[2]; /* enum eng_refit_scheme */
     struct model_merge merge;
+    uint32_t *owner;             /* wide: who is dealt each of the first tasks */
     struct model_walker *walker; /* while it is recorded */
     bool consistent;
 };
 
-/* The fields `scene`, `passes`, `clock_ns` and the grains are filled in already. */
+/* Tasks and chunks of the method wide; who gets the first tasks. */
+void model_wide_init(struct model_record *record);
+void model_wide_deinit(struct model_wide *wide);
+uint32_t *model_wide_owners(const struct model_record *record, uint32_t threads);
+/* The boxes of all chunks and above them, as one thread makes them. */
+double model_wide_refit_ns(const struct model_wide *wide);
+/* As model_refit_calibrate, and the same for the tasks: all parts are then as the fastest
+ * steps by one thread had them, whatever the clock did while each task was timed. */
+void model_wide_calibrate(struct model_wide *wide, double refit_ns, double detection_ns);
+
+/* The fields `scene`, `method`, `passes`, `clock_ns` and the grains are filled in
+ * already. */
 void model_record_init(struct model_record *record);
 void model_record_deinit(struct model_record *record);
 

@@ -191,12 +191,31 @@ static double merge_work(const struct model_input *input)
            input->division->threads * (merge->survey_ns + merge->divide_ns);
 }
 
+static bool is_wide(const struct model_input *input)
+{
+    return input->method == ENG_METHOD_WIDE;
+}
+
+static double refit_work(const struct model_input *input)
+{
+    return is_wide(input)
+               ? model_wide_refit_ns(&input->record->wide)
+               : model_refit_ns(&input->division->refit[input->refit], input->record);
+}
+
+/* The first tasks are those below the roots, which one thread looks at too. */
+static double detection_work(const struct model_input *input)
+{
+    const struct model_record *record = input->record;
+    return is_wide(input) ? model_tasks_ns(&record->wide.tasks) + record->wide.deal_ns
+                          : model_tasks_ns(&record->units);
+}
+
 void model_alone(const struct model_input *input, struct model_output *output)
 {
     memset(output, 0, sizeof *output);
-    output->refit = output->refit_work =
-        model_refit_ns(&input->division->refit[input->refit], input->record);
-    output->low = output->low_work = model_tasks_ns(&input->record->units);
+    output->refit = output->refit_work = refit_work(input);
+    output->low = output->low_work = detection_work(input);
     output->merge = output->merge_work = input->merge_alone;
     output->serial = input->serial;
     output->total = output->refit + output->low + output->merge + output->serial;
@@ -213,7 +232,11 @@ void model_simulate(const struct model_input *input, struct model_output *output
     sim.count = input->division->threads;
     start_region(&sim);
     double begin = sim.threads[0].now; /* the others may come later */
-    sim_refit(&sim);
+    if (is_wide(input)) {
+        sim_refit_wide(&sim);
+    } else {
+        sim_refit(&sim);
+    }
     double refitted = sim_latest(&sim);
     if (input->scheduler == ENG_SCHEDULER_STEAL) {
         sim_steal(&sim);
@@ -236,7 +259,6 @@ void model_simulate(const struct model_input *input, struct model_output *output
     output->high = detected - low_end;
     output->merge = end - detected;
     output->total = end + input->serial;
-    output->refit_work =
-        model_refit_ns(&input->division->refit[input->refit], input->record);
+    output->refit_work = refit_work(input);
     output->merge_work = merge_work(input);
 }

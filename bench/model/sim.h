@@ -21,7 +21,8 @@ struct model_input {
     const struct model_machine *machine;
     double serial;      /* before and after the region: ingest, commit, preparation */
     double merge_alone; /* by a step of one thread */
-    enum eng_scheduler scheduler;
+    enum eng_method method;
+    enum eng_scheduler scheduler; /* wide: stealing */
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;
 };
@@ -103,6 +104,7 @@ void sim_work(struct sim_thread *thread, double ns);
 
 /* The refit; all may look at the boxes after it. */
 void sim_refit(struct sim *sim);
+void sim_refit_wide(struct sim *sim);
 
 /* The schedulers, from the refit's end to their own; no barrier after. */
 void sim_steal(struct sim *sim);

@@ -222,28 +222,46 @@ static double longest_chain(const struct model_tasks *tasks)
         }
         chain[i] += task->walk_ns;
     }
-    double longest = chain[0];
+    double longest = 0;
+    for (uint32_t i = 0; i < tasks->count; i++) {
+        longest = fmax(longest, chain[i]);
+    }
     free(chain);
     return longest;
 }
 
+/* The first tasks: that of the root to who ended the refit; by the method wide, those
+ * that were dealt out. */
+static void deal(struct stealing *s, const struct model_input *input)
+{
+    bool is_wide = input->method == ENG_METHOD_WIDE;
+    s->waiting = is_wide ? input->record->wide.dealt_count : 1;
+    for (uint32_t i = 0; i < s->waiting; i++) {
+        uint32_t owner = is_wide ? input->division->owner[i] : s->sim->refit_thread;
+        struct stealer *stealer = &s->stealers[owner];
+        *entry_of(stealer, stealer->bottom++) = (struct entry){i, 0};
+    }
+}
+
 void sim_steal(struct sim *sim)
 {
+    const struct model_record *record = sim->input->record;
     struct stealing s = {.sim = sim,
-                         .tasks = &sim->input->record->steal,
-                         .active_line = {0, UINT32_MAX},
-                         .active = 1,
-                         .waiting = 1};
+                         .tasks = sim->input->method == ENG_METHOD_WIDE
+                                      ? &record->wide.tasks
+                                      : &record->steal,
+                         .active_line = {0, UINT32_MAX}};
     s.stealers = bench_alloc(sim->count, sizeof *s.stealers);
     memset(s.stealers, 0, sim->count * sizeof *s.stealers);
+    deal(&s, sim->input);
     for (uint32_t i = 0; i < sim->count; i++) {
         s.stealers[i].victim = (i + 1) % sim->count;
-        if (i != sim->refit_thread) {
+        if (s.stealers[i].top == s.stealers[i].bottom) {
             begin_search(&s, i);
+        } else {
+            s.active++;
         }
     }
-    struct stealer *first = &s.stealers[sim->refit_thread];
-    *entry_of(first, first->bottom++) = (struct entry){0, 0};
     while (next_event(&s)) {
     }
     free(s.stealers);

@@ -17,12 +17,12 @@ trap 'rm -rf "$work"' EXIT
 "$top_builddir/bench/model/model" --smoke --into="$work" >"$work/log" 2>&1
 tap_result $? model__agrees_with_itself "$work/log"
 
-# If this failed, a scheduler or a number of threads would be missing from the figures.
+# If this failed, a method, a scheduler or a number of threads would be missing from the figures.
 awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; columns = NF; next }
     { rows[$at["scheduler"] " " $at["high_level"]]++; bad += NF != columns }
     $at["p"] == 1 && $at["speedup"] != "1.000" { print; bad++ }
     END { for (way in rows) { print way, rows[way]; kinds++; bad += rows[way] != 20 }
-          exit bad > 0 || kinds < 2 }' "$work/model.csv" >"$work/log"
+          exit bad > 0 || kinds != 4 }' "$work/model.csv" >"$work/log"
 tap_result $? model__writes_a_row_for_each_way_and_number "$work/log"
 
 draw() {

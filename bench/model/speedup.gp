@@ -1,4 +1,5 @@
-# speedup.gp - speed-up over threads, as the paper's Figure 7, for both schedulers.
+# speedup.gp - speed-up over threads, as the paper's Figure 7, for both schedulers and the
+# method wide by stealing.
 #
 # The paper prints its speed-ups for eight threads alone (section 7.1); its curves are
 # not numbers, so only those are drawn: 6.4 cloth, 6.7 breaking dragon, 7.3 n-body.
@@ -38,6 +39,9 @@ plot x with lines lc rgb '#999999' dt 3 title 'ideal', \
     for [i = 1:scene_count] rows(word(scenes, i), 'paper', 'round-robin', \
         'v["speedup"]') using 1:2 with linespoints lc i dt 2 lw 1.5 pt 6 ps 0.5 \
         title word(scenes, i) . ", paper's scheduler", \
+    for [i = 1:scene_count] rows(word(scenes, i), 'wide', 'none', 'v["speedup"]') \
+        using 1:2 with linespoints lc i dt 3 lw 1.5 pt 5 ps 0.4 \
+        title word(scenes, i) . ', method wide', \
     '-' using 1:2:3 with labels point pt 2 ps 1.5 lc rgb 'black' left offset 1,0 \
         font ',9' title 'published'
 8 6.4 "cloth 6.4"

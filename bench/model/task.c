@@ -63,7 +63,7 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-bool model_tasks_median(struct model_tasks *passes, uint32_t pass_count)
+static bool take_median(struct model_tasks *passes, uint32_t pass_count)
 {
     double *walk = bench_alloc(pass_count, sizeof *walk);
     double *tests = bench_alloc(pass_count, sizeof *tests);
@@ -84,6 +84,25 @@ bool model_tasks_median(struct model_tasks *passes, uint32_t pass_count)
     free(walk);
     free(tests);
     return same;
+}
+
+struct model_tasks *model_tasks_passes(uint32_t count)
+{
+    struct model_tasks *passes = bench_alloc(count, sizeof *passes);
+    memset(passes, 0, count * sizeof *passes);
+    return passes;
+}
+
+bool model_tasks_take_medians(struct model_tasks *tasks, struct model_tasks *passes,
+                              uint32_t count)
+{
+    bool consistent = take_median(passes, count);
+    *tasks = passes[0];
+    for (uint32_t pass = 1; pass < count; pass++) {
+        model_tasks_deinit(&passes[pass]);
+    }
+    free(passes);
+    return consistent;
 }
 
 double model_tasks_ns(const struct model_tasks *tasks)
@@ -119,14 +138,22 @@ static uint64_t used_ns(void)
     return (uint64_t)used.tv_sec * 1000000000u + (uint64_t)used.tv_nsec;
 }
 
-static const struct eng_chunk *chunk_of(const struct eng_worker *worker, int kind)
+static uint32_t waiting_of(const struct model_recorder *recorder, int kind)
 {
-    return kind == ENG_VF ? &worker->vf : &worker->ee;
+    const struct eng_worker *worker = recorder->worker;
+    if (recorder->is_wide) {
+        return worker->wide->join.chunks[kind].count;
+    }
+    return kind == ENG_VF ? worker->vf.count : worker->ee.count;
 }
 
-static uint64_t tested_of(const struct eng_worker *worker, int kind)
+static uint64_t tested_of(const struct model_recorder *recorder, int kind)
 {
-    return kind == ENG_VF ? worker->tally.candidates_vf : worker->tally.candidates_ee;
+    const struct eng_tally *tally = &recorder->worker->tally;
+    if (recorder->is_wide) { /* the tally also counts what the join left out in time */
+        return recorder->flushed[kind];
+    }
+    return kind == ENG_VF ? tally->candidates_vf : tally->candidates_ee;
 }
 
 void model_record_begin(struct model_recorder *recorder, struct eng_worker *worker,
@@ -139,6 +166,27 @@ void model_record_begin(struct model_recorder *recorder, struct eng_worker *work
     recorder->used_ns = used_ns();
     recorder->looked_ns = eng_now_ns();
     recorder->begin_ns = eng_now_ns();
+}
+
+/* Who counts the chunks of the method wide, and what a chunk goes through. */
+static struct model_recorder *counting;
+static void (*flush_really)(void *owner, enum eng_kind kind,
+                            struct eng_wide_chunk *chunk);
+
+static void count_and_flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
+{
+    counting->flushed[kind] += chunk->count;
+    flush_really(owner, kind, chunk);
+}
+
+void model_record_begin_wide(struct model_recorder *recorder, struct eng_worker *worker,
+                             struct model_tasks *tasks, double clock_ns)
+{
+    model_record_begin(recorder, worker, tasks, clock_ns);
+    recorder->is_wide = true;
+    counting = recorder;
+    flush_really = worker->wide->join.flush;
+    worker->wide->join.flush = count_and_flush;
 }
 
 /* `count` candidates of a kind, the oldest, were tested at `each_ns`. */
@@ -166,7 +214,7 @@ static double charge_tests(struct model_recorder *recorder, double share)
     double tests_ns = share * (double)(worker->record.tests_ns - recorder->tests_ns);
     uint64_t count[MODEL_KINDS];
     for (int kind = 0; kind < MODEL_KINDS; kind++) {
-        count[kind] = tested_of(worker, kind) - recorder->tested[kind];
+        count[kind] = tested_of(recorder, kind) - recorder->tested[kind];
         recorder->tested[kind] += count[kind];
     }
     if (count[0] + count[1] > 0) {
@@ -198,9 +246,8 @@ void model_record_close(struct model_recorder *recorder, uint32_t task)
 {
     double elapsed_ns = (double)(eng_now_ns() - recorder->begin_ns);
     double share = share_used(recorder, elapsed_ns);
-    const struct eng_worker *worker = recorder->worker;
     for (int kind = 0; kind < MODEL_KINDS; kind++) {
-        uint64_t emitted = tested_of(worker, kind) + chunk_of(worker, kind)->count;
+        uint64_t emitted = tested_of(recorder, kind) + waiting_of(recorder, kind);
         uint32_t added = (uint32_t)(emitted - recorder->emitted[kind]);
         recorder->emitted[kind] = emitted;
         recorder->tasks->items[task].candidates[kind] = added;
@@ -217,7 +264,11 @@ void model_record_close(struct model_recorder *recorder, uint32_t task)
 
 void model_record_end(struct model_recorder *recorder)
 {
-    eng_taskunit_flush(recorder->worker);
+    if (recorder->is_wide) {
+        eng_wide_join_flush(&recorder->worker->wide->join);
+    } else {
+        eng_taskunit_flush(recorder->worker);
+    }
     double elapsed_ns = (double)(eng_now_ns() - recorder->begin_ns);
     charge_tests(recorder, share_used(recorder, elapsed_ns));
 }

@@ -16,6 +16,7 @@
 #ifndef MODEL_TASK_H
 #define MODEL_TASK_H
 
+#include "wide_test.h"
 #include "worker.h"
 
 #define MODEL_KINDS 2 /* enum eng_kind */
@@ -39,9 +40,13 @@ struct model_tasks {
 uint32_t model_tasks_add(struct model_tasks *tasks, uint32_t count);
 void model_tasks_deinit(struct model_tasks *tasks);
 
-/* passes[0] gets the medians over all passes of each task's times. False: the passes do
- * not have the same tasks with the same candidates, so their times mean nothing. */
-bool model_tasks_median(struct model_tasks *passes, uint32_t pass_count);
+/* `count` empty lists. */
+struct model_tasks *model_tasks_passes(uint32_t count);
+/* The medians over all passes of each task's times become `tasks`; `passes` are freed.
+ * False: they do not have the same tasks with the same candidates, so their times mean
+ * nothing. */
+bool model_tasks_take_medians(struct model_tasks *tasks, struct model_tasks *passes,
+                              uint32_t count);
 
 /* The sum of both times over all tasks. */
 double model_tasks_ns(const struct model_tasks *tasks);
@@ -60,6 +65,8 @@ struct model_recorder {
     uint64_t looked_ns; /* when the processor's own time was last asked for, */
     uint64_t used_ns;   /* and what it was */
     uint64_t tests_ns;
+    bool is_wide;                  /* chunks are those of the method wide, */
+    uint64_t flushed[MODEL_KINDS]; /* of which so many candidates left */
     uint64_t emitted[MODEL_KINDS];
     uint64_t tested[MODEL_KINDS];
     /* First in, first out; never more tasks than candidates in a chunk and one. */
@@ -73,6 +80,9 @@ double model_clock_ns(void);
 /* `worker` has begun a step and done nothing. */
 void model_record_begin(struct model_recorder *recorder, struct eng_worker *worker,
                         struct model_tasks *tasks, double clock_ns);
+/* The same by the method wide, whose eng_method_calls.enter the worker has called. */
+void model_record_begin_wide(struct model_recorder *recorder, struct eng_worker *worker,
+                             struct model_tasks *tasks, double clock_ns);
 /* All that was done since the last close, or begin, was this task. */
 void model_record_close(struct model_recorder *recorder, uint32_t task);
 /* Test what is left in the chunks. */
