@@ -47,7 +47,7 @@ static void measure_alone(struct model_machine *machine)
 {
     static struct eng_deque deque;
     static atomic_uint counter;
-    struct bench_samples samples[6] = {0};
+    struct bench_samples samples[5] = {0};
     pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     eng_deque_init(&deque);
     for (int repeat = 0; repeat < 21; repeat++) {
@@ -78,19 +78,13 @@ static void measure_alone(struct model_machine *machine)
             pthread_mutex_unlock(&mutex);
         }
         bench_add(&samples[4], per(begin_ns, LOOPS));
-        begin_ns = eng_now_ns();
-        for (uint32_t i = 0; i < 100; i++) {
-            sched_yield();
-        }
-        bench_add(&samples[5], per(begin_ns, 100));
     }
     machine->local = median_of(&samples[0]);
     machine->push = median_of(&samples[1]);
     machine->pop = median_of(&samples[2]);
     machine->probe = median_of(&samples[3]);
     machine->lock = median_of(&samples[4]);
-    machine->yield = median_of(&samples[5]);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 5; i++) {
         bench_free(&samples[i]);
     }
 }
@@ -416,7 +410,6 @@ void model_machine_print(const struct model_machine *machine, FILE *out)
                 {"lock and unlock, fought for", machine->lock_fought},
                 {"signal, the caller", machine->signal},
                 {"signal to running", machine->wake},
-                {"yield", machine->yield},
                 {"turn of the paper's loop", machine->unit},
                 {"barrier of two", machine->barrier},
                 {"turn of a waiting loop", machine->relax},

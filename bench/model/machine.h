@@ -30,7 +30,6 @@ struct model_machine {
     double lock_fought;   /* lock and unlock, two threads taking turns without pause */
     double signal;        /* pthread_cond_signal with a sleeper: the caller's time */
     double wake;          /* from that call's begin to the sleeper running */
-    double yield;         /* sched_yield with nobody waiting */
     double unit;          /* a turn of the paper's main loop besides the task unit */
     double barrier;       /* of an OpenMP team of two that arrive together */
     double relax;         /* eng_relax */

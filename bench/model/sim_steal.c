@@ -32,7 +32,6 @@ struct stealer {
     uint32_t victim; /* next to be looked at; STEALING: from whom */
     uint32_t tried;  /* SEARCHING: seats looked at in this round */
     uint32_t relaxes;
-    uint32_t failed_rounds;
     uint32_t top; /* free-running, as in the deque */
     uint32_t bottom;
     struct entry entries[ENG_DEQUE_MAX];
@@ -91,7 +90,6 @@ static void begin_search(struct stealing *s, uint32_t thread)
     stealer->doing = SEARCHING;
     stealer->tried = 0;
     stealer->relaxes = 1;
-    stealer->failed_rounds = 0;
     s->searching++;
 }
 
@@ -121,9 +119,6 @@ static void end_round(struct stealing *s, uint32_t thread)
     at->now += machine->relax * stealer->relaxes;
     if (stealer->relaxes < ENG_STEAL_RELAXES_MAX) {
         stealer->relaxes *= 2;
-    }
-    if (++stealer->failed_rounds % ENG_STEAL_ROUNDS == 0) {
-        at->now += machine->yield;
     }
 }
 

@@ -103,6 +103,8 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/trace.c \
     daemon/engine/schedule/trace.h \
     daemon/engine/schedule/units.h \
+    daemon/engine/schedule/wait.c \
+    daemon/engine/schedule/wait.h \
     daemon/engine/schedule/worker.c \
     daemon/engine/schedule/worker.h \
     daemon/engine/status.h \

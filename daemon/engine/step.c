@@ -19,6 +19,7 @@
 #include "schedule.h"
 #include "stage.h"
 #include "step_memory.h"
+#include "wait.h"
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
@@ -154,6 +155,7 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
             begin_tasks(team, worker, by_paper);
         }
         eng_refit_await(team, worker);
+        eng_wait_return(worker, team->count);
         if (!is_last) {
             method->enter(worker);
         }
@@ -167,6 +169,7 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
         }
         method->leave(worker);
         eng_answer_by_team(team->scene->memory, team, worker);
+        eng_wait_for_all(worker); /* the runtime's barrier would lend nobody anything */
     }
     uint64_t merge_ns = team->scene->memory->merge.begin_ns;
     uint64_t end_ns = merge_ns > 0 ? merge_ns : eng_now_ns();

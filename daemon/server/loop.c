@@ -307,6 +307,7 @@ static uint64_t make_epoch(void)
 static int serve(struct srv_loop *loop)
 {
     int status = init_handles(loop);
+    srv_priority_punctual(); /* the team sleeps for 20 us at a time where it must */
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "the event loop cannot be set up");
         uv_run(&loop->uv, UV_RUN_DEFAULT); /* close what there is */

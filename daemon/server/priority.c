@@ -1,7 +1,7 @@
 /* priority.c - how soon a thread gets a processor.
  *
  * Room:     server. See priority.h.
- * Does:     two system calls, one of which the C library does not know.
+ * Does:     three system calls, one of which the C library does not know.
  * Threads:  [any].
  * Source:   sched_setattr(2); from Linux 6.12 on the fair scheduler takes sched_runtime
  *           for the length of a slice; one that wakes with a shorter slice runs before
@@ -10,14 +10,16 @@
 #include "priority.h"
 
 #include <stdint.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 /* Shorter than anybody's (0.7 ms on one processor, more on more), and long enough that a
  * tick, which ends the slice of one that has had its length, seldom ends this one. */
-#define SLICE_NS    500000u
-#define NICE_BEHIND 10 /* of the thread alone, on Linux */
+#define SLICE_NS       500000u
+#define NICE_BEHIND    10 /* of the thread alone, on Linux */
+#define TIMER_SLACK_NS 1000u
 
 /* struct sched_attr of <linux/sched/types.h>, which does not go with <sched.h>. */
 struct attributes {
@@ -40,6 +42,11 @@ void srv_priority_prompt(void)
         attributes.runtime_ns = SLICE_NS;
         (void)syscall(SYS_sched_setattr, 0, &attributes, 0);
     }
+}
+
+void srv_priority_punctual(void)
+{
+    (void)prctl(PR_SET_TIMERSLACK, TIMER_SLACK_NS, 0, 0, 0);
 }
 
 void srv_priority_behind(void)

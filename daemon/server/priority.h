@@ -14,6 +14,9 @@
  * more time than others do. Not in the sandbox. */
 void srv_priority_prompt(void);
 
+/* This thread sleeps as long as it says, not up to 50 us longer. Not in the sandbox. */
+void srv_priority_punctual(void);
+
 /* This thread's work can wait: beside another it gets a tenth of what that gets. */
 void srv_priority_behind(void);
 

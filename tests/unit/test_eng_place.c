@@ -12,7 +12,9 @@
 #include <omp.h>
 #include <pthread.h>
 #include <sched.h>
+#include <stdatomic.h>
 #include <string.h>
+#include <time.h>
 
 #include "place.h"
 
@@ -185,8 +187,126 @@ static void place__steps_bind_their_team_only(void **state)
     int before = allowed_count();
     apart(step_with_places, &stepping);
     assert_int_equal(stepping.sight.count, stepping.threads);
-    check_bound(&stepping.sight, &stepping.places);
+    for (uint32_t i = 0; i < stepping.sight.count; i++) {
+        assert_int_equal(stepping.sight.allowed[i], 1); /* its own, or one lent to it */
+    }
     assert_int_equal(allowed_count(), before);
+}
+
+/* ---- lending ----------------------------------------------------------------------- */
+
+#define BURNERS 3
+
+/* One thread works, the other waits for it and looks. */
+struct lending {
+    struct eng_places places;
+    pthread_t burners[BURNERS];
+    atomic_bool burn;
+    atomic_bool is_ready;
+    atomic_bool is_done;
+    uint64_t work_ns; /* of a processor; 0: the thread waits, too */
+    uint32_t moved;   /* looks that moved it */
+    int cpu;          /* where it ended its work */
+    int cpu_after;    /* and where it was sent back to */
+    int allowed_after;
+};
+
+static void *burn(void *data)
+{
+    struct lending *lending = data;
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(lending->places.cpu[1], &set);
+    (void)sched_setaffinity(0, sizeof set, &set);
+    while (atomic_load(&lending->burn)) {
+    }
+    return NULL;
+}
+
+static uint64_t thread_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+static void pause_us(long us)
+{
+    nanosleep(&(struct timespec){0, us * 1000}, NULL);
+}
+
+/* The thread that others wait for. */
+static void work(struct lending *lending)
+{
+    uint64_t end_ns = thread_ns() + lending->work_ns;
+    eng_place_set_waiting(&lending->places, 1, lending->work_ns == 0);
+    atomic_store(&lending->is_ready, true);
+    if (lending->work_ns == 0) {
+        pause_us(20000);
+    }
+    while (thread_ns() < end_ns) {
+    }
+    lending->cpu = sched_getcpu();
+    atomic_store(&lending->is_done, true);
+    eng_place_return(&lending->places, 1, 2);
+    lending->cpu_after = sched_getcpu();
+    lending->allowed_after = allowed_count();
+}
+
+static void *lend(void *data)
+{
+    struct lending *lending = data;
+    struct eng_place_look look = {0, 0};
+#pragma omp parallel num_threads(2)
+    {
+        uint32_t thread = (uint32_t)omp_get_thread_num();
+        eng_place_thread(&lending->places, thread, 2);
+        if (thread == 1) {
+            work(lending);
+        }
+        while (thread == 0 && !atomic_load(&lending->is_done)) {
+            if (atomic_load(&lending->is_ready)) {
+                lending->moved += eng_place_lend(&lending->places, 0, 2, &look);
+            }
+            pause_us(50);
+        }
+    }
+    return NULL;
+}
+
+/* If it failed: a team would wait for the next tick, and the next, for one of its threads
+ * whose processor somebody else has taken; or that thread would stay where it is in the
+ * way of another. */
+static void place__who_waits_lends_its_processor(void **state)
+{
+    static struct lending lending;
+    (void)state;
+    (void)usable(&lending.places);
+    lending.work_ns = 50000000;
+    atomic_store(&lending.burn, true);
+    for (int i = 0; i < BURNERS; i++) {
+        assert_int_equal(pthread_create(&lending.burners[i], NULL, burn, &lending), 0);
+    }
+    apart(lend, &lending);
+    atomic_store(&lending.burn, false);
+    for (int i = 0; i < BURNERS; i++) {
+        assert_int_equal(pthread_join(lending.burners[i], NULL), 0);
+    }
+    assert_int_equal(lending.moved, 1);
+    assert_int_equal(lending.cpu, lending.places.cpu[0]);
+    assert_int_equal(lending.cpu_after, lending.places.cpu[1]);
+    assert_int_equal(lending.allowed_after, 1);
+}
+
+/* If it failed: threads that wait, asleep, for a third one would be thrown together. */
+static void place__who_waits_itself_is_not_moved(void **state)
+{
+    static struct lending lending;
+    (void)state;
+    (void)usable(&lending.places);
+    apart(lend, &lending);
+    assert_int_equal(lending.moved, 0);
+    assert_int_equal(lending.cpu, lending.places.cpu[1]);
 }
 
 int main(void)
@@ -197,6 +317,8 @@ int main(void)
         cmocka_unit_test(place__without_places_nobody_is_bound),
         cmocka_unit_test(place__each_thread_has_its_own_processor),
         cmocka_unit_test(place__crowd_may_run_anywhere),
+        cmocka_unit_test(place__who_waits_lends_its_processor),
+        cmocka_unit_test(place__who_waits_itself_is_not_moved),
         CREW_TEST(place__steps_bind_their_team_only),
     };
     return cmocka_run_group_tests_name("eng_place", tests, NULL, NULL);

@@ -7,6 +7,7 @@
 #include "answer.h"
 
 #include "clock.h"
+#include "wait.h"
 
 /* Mode first: of what was found before the bound had shrunk to its last value, keep what
  * may attain the earliest time. */
@@ -96,19 +97,19 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
         return;
     }
     if (worker->settings->mode == ENG_MODE_FIRST) {
-        eng_worker_barrier(worker); /* the bound is final when all have searched */
+        eng_wait_for_all(worker); /* the bound is final when all have searched */
         keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
     }
     uint64_t begin_ns = eng_now_ns();
     keep_in_time(worker, team->count);
     eng_merge_survey(merge, team->count, worker->thread);
     end_part(worker, begin_ns);
-    eng_worker_barrier(worker);
+    eng_wait_for_all(worker);
     if (eng_merge_is_shared(merge)) {
         begin_ns = eng_now_ns();
         eng_merge_divide(merge, worker->thread);
         end_part(worker, begin_ns);
-        eng_worker_barrier(worker);
+        eng_wait_for_all(worker);
         begin_ns = eng_now_ns();
         eng_merge_finish(merge, worker->thread);
         end_part(worker, begin_ns);

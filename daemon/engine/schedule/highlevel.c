@@ -37,6 +37,7 @@
 
 #include "rebuild.h"
 #include "taskunit.h"
+#include "wait.h"
 
 static void perform_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
@@ -103,11 +104,11 @@ static void perform_round_robin(struct eng_team *team, struct eng_worker *worker
         eng_highlevel_expand(team, worker, node);
         worker->record.high_ns += eng_now_ns() - begin_ns;
     }
-    eng_worker_barrier(worker);
+    eng_wait_for_all(worker);
     uint64_t begin_ns = eng_now_ns();
     uint32_t performed = perform_share(team, worker);
     end_part(worker, node, begin_ns, performed);
-    eng_worker_barrier(worker); /* the pairs make room for the next node's */
+    eng_wait_for_all(worker); /* the pairs make room for the next node's */
 }
 
 /* Follow the pair (n, m) of `level` one level down; false: there is nothing there for
@@ -168,7 +169,7 @@ static void perform_disjoint(struct eng_team *team, struct eng_worker *worker,
             performed = eng_highlevel_phase(worker, node, phase, levels);
         }
         end_part(worker, node, begin_ns, performed);
-        eng_worker_barrier(worker); /* what comes next has nodes of all of these */
+        eng_wait_for_all(worker); /* what comes next has nodes of all of these */
     }
 }
 

@@ -19,10 +19,8 @@
 #define ENG_STEAL_UNIT_GRAIN 128u
 #define ENG_STEAL_PAIR_GRAIN 128u
 
-/* Stealing: failed rounds over all victims, with a pause of up to 3 us after each, before
- * the processor is offered to others. */
-#define ENG_STEAL_ROUNDS 16u
-/* Stealing: looks at nothing in a pause between two rounds, doubled from 1. */
+/* Stealing: moments (wait.h) of a pause between two rounds over all victims, doubled from
+ * 1: up to some 3 us. */
 #define ENG_STEAL_RELAXES_MAX 64u
 
 /* Returns when no task is left or the step was stopped. `worker` is the

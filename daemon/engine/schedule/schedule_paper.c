@@ -18,6 +18,7 @@
 #include "schedule.h"
 
 #include "method.h"
+#include "wait.h"
 
 void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
 {
@@ -216,7 +217,7 @@ static void perform_all_units(struct eng_team *team, struct eng_worker *worker)
 void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker)
 {
     perform_all_units(team, worker);
-    eng_worker_barrier(worker);
+    eng_wait_for_all(worker);
     if (worker->thread == 0) {
         team->low_end_ns = eng_now_ns();
     }

@@ -18,10 +18,8 @@
  */
 #include "schedule.h"
 
-#include <sched.h>
-
 #include "method.h"
-#include "relax.h"
+#include "wait.h"
 
 void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker)
 {
@@ -77,22 +75,19 @@ static bool steal(struct eng_team *team, struct eng_worker *worker, uint64_t *ta
 /* A task of another worker; false: all are finished. */
 static bool search(struct eng_team *team, struct eng_worker *worker, uint64_t *task)
 {
-    uint64_t begin_ns = eng_now_ns();
+    struct eng_wait wait;
     uint32_t relaxes = 1;
-    uint32_t failed_rounds = 0;
     bool found = false;
+    eng_wait_begin(&wait, worker);
     while (!found && atomic_load_explicit(&team->active, memory_order_acquire) > 0) {
         found = steal(team, worker, task);
-        for (uint32_t i = 0; i < relaxes && !found; i++) {
-            eng_relax();
+        bool has_slept = false;
+        for (uint32_t i = 0; i < relaxes && !found && !has_slept; i++) {
+            has_slept = eng_wait_moment(&wait);
         }
         relaxes = relaxes < ENG_STEAL_RELAXES_MAX ? 2 * relaxes : relaxes;
-        if (!found && ++failed_rounds % ENG_STEAL_ROUNDS == 0) {
-            worker->record.sleeps++;
-            sched_yield();
-        }
     }
-    eng_worker_waited(worker, begin_ns);
+    eng_wait_end(&wait);
     return found;
 }
 
@@ -111,6 +106,8 @@ void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker)
     }
     while (has_task) {
         perform(team, worker, task);
+        /* Whoever waited finds what we have pushed, and needs its processor. */
+        eng_wait_return(worker, team->count);
         has_task = eng_deque_pop(&worker->deque, &task);
         if (!has_task) {
             leave(team);

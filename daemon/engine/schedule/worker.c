@@ -7,16 +7,9 @@
  */
 #include "worker.h"
 
-#include <sched.h>
 #include <string.h>
 
 #include "memory.h"
-#include "relax.h"
-
-/* Looks at a counter before the processor is offered to others, some 10 us: the thread
- * that is waited for runs on another processor unless there are more threads than those.
- */
-#define SPINS_BEFORE_YIELD 256u
 
 /* By this much more than the tolerance a contact may begin after its toi. */
 #define BEGINS_LATER 0x1p-48
@@ -102,6 +95,8 @@ void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settin
     const double whole_step = 1;
     uint64_t bits;
     memcpy(&bits, &whole_step, sizeof bits);
+    atomic_init(&stop->meeting.arrived, 0);
+    atomic_init(&stop->meeting.round, 0);
     stop->cancel = settings->cancel;
     stop->deadline_ns = settings->deadline_ns;
     atomic_init(&stop->reason, ENG_COMPLETE);
@@ -187,29 +182,4 @@ void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
     worker->record.wait_ns += end_ns - begin_ns;
     eng_trace_add(worker->settings->trace, worker->thread, ENG_TRACE_WAIT, begin_ns,
                   end_ns, 0, 0);
-}
-
-void eng_worker_wait_for(struct eng_worker *worker, const atomic_uint *counter,
-                         uint32_t value)
-{
-    if (atomic_load_explicit(counter, memory_order_acquire) == value) {
-        return;
-    }
-    uint64_t begin_ns = eng_now_ns();
-    uint32_t spins = 0;
-    while (atomic_load_explicit(counter, memory_order_acquire) != value) {
-        if (++spins < SPINS_BEFORE_YIELD) {
-            eng_relax();
-        } else {
-            sched_yield();
-        }
-    }
-    eng_worker_waited(worker, begin_ns);
-}
-
-void eng_worker_barrier(struct eng_worker *worker)
-{
-    uint64_t begin_ns = eng_now_ns();
-#pragma omp barrier
-    eng_worker_waited(worker, begin_ns);
 }

@@ -52,8 +52,15 @@ struct eng_pair_queue {
 
 static_assert(ENG_UNITS_MAX > ENG_LEVELS_MAX + 1, "task units of the method paper");
 
+/* Where the threads of a region wait for each other (wait.h). */
+struct eng_meeting {
+    _Alignas(128) atomic_uint arrived;
+    _Alignas(128) atomic_uint round; /* how often all have been there */
+};
+
 /* What the workers of a step share besides the scene. */
 struct eng_stop {
+    struct eng_meeting meeting;
     const atomic_bool *cancel;
     uint64_t deadline_ns;
     atomic_int reason;   /* enum eng_incomplete, set by the worker that saw it */
@@ -153,13 +160,6 @@ static inline void eng_worker_trace(const struct eng_worker *worker,
 
 /* The worker was without work since `begin_ns`. */
 void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns);
-
-/* Wait until the counter has that value: what was released with it is visible then. */
-void eng_worker_wait_for(struct eng_worker *worker, const atomic_uint *counter,
-                         uint32_t value);
-
-/* Wait for the other threads of the region; every one of them calls it. */
-void eng_worker_barrier(struct eng_worker *worker);
 
 /* Mode first: a proved contact has certainly begun at `time`. */
 void eng_worker_tighten(struct eng_worker *worker, double time);

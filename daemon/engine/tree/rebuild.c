@@ -8,14 +8,10 @@
  */
 #include "rebuild.h"
 
-#include <sched.h>
-
 #include "grow.h"
 #include "metric.h"
 #include "refit.h"
-
-/* Looks at a gate that another thread holds, before the processor is offered to it. */
-#define LOOKS_BEFORE_YIELD 256u
+#include "wait.h"
 
 /* Nodes of a part of the tree over the objects that is worth a look: two objects can be
  * arranged in one way only. */
@@ -225,14 +221,14 @@ static void examine_region(struct eng_worker *worker, uint32_t root)
 static uint32_t wait_for(struct eng_worker *worker, const atomic_uint *gate,
                          uint32_t busy)
 {
-    uint32_t seen = busy;
+    struct eng_wait wait;
+    uint32_t seen;
     worker->record.lock_waits++;
-    for (uint32_t looks = 1; seen == busy; looks++) {
-        if (looks % LOOKS_BEFORE_YIELD == 0) {
-            sched_yield();
-        }
-        seen = atomic_load_explicit(gate, memory_order_acquire);
+    eng_wait_begin(&wait, worker);
+    while ((seen = atomic_load_explicit(gate, memory_order_acquire)) == busy) {
+        eng_wait_moment(&wait);
     }
+    eng_wait_end(&wait);
     return seen;
 }
 

@@ -19,6 +19,7 @@
 #include <omp.h>
 
 #include "subtree.h"
+#include "wait.h"
 
 void eng_refit_vertices(struct eng_scene *scene, struct eng_range range)
 {
@@ -187,7 +188,7 @@ bool eng_refit_by_team(struct eng_team *team, struct eng_worker *worker)
     uint64_t begin_ns = eng_now_ns();
     vertices_by_team(team);
     record(worker, begin_ns);
-    eng_worker_wait_for(worker, &team->refit.vertices_done, plan->vertices.count);
+    eng_wait_for(worker, &team->refit.vertices_done, plan->vertices.count);
     begin_ns = eng_now_ns();
     uint32_t done = rest_by_team(team);
     record(worker, begin_ns);
@@ -207,5 +208,5 @@ void eng_refit_release(struct eng_team *team)
 
 void eng_refit_await(struct eng_team *team, struct eng_worker *worker)
 {
-    eng_worker_wait_for(worker, &team->refit.released, 1);
+    eng_wait_for(worker, &team->refit.released, 1);
 }

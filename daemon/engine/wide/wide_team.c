@@ -9,6 +9,7 @@
  */
 #include "wide_team.h"
 
+#include "wait.h"
 #include "wide.h"
 #include "world.h"
 
@@ -49,7 +50,7 @@ bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker)
     /* Release: pairs with the acquire of the wait. */
     atomic_fetch_add_explicit(&team->refit.vertices_done, made, memory_order_acq_rel);
     record(worker, begin_ns);
-    eng_worker_wait_for(worker, &team->refit.vertices_done, vertices);
+    eng_wait_for(worker, &team->refit.vertices_done, vertices);
     begin_ns = eng_now_ns();
     uint32_t done = make_chunks(team, worker, ENG_WIDE_EDGES);
     done += make_chunks(team, worker, ENG_WIDE_FACES);
