@@ -87,7 +87,14 @@ bench_roofline_SOURCES = \
 bench_roofline_CPPFLAGS = $(bench_engine_cppflags)
 bench_roofline_LDADD = $(bench_engine_libs)
 
-bench_wide_SOURCES = bench/wide.c $(bench_engine_sources)
+bench_wide_SOURCES = \
+    bench/floor.c \
+    bench/floor.h \
+    bench/quiet.c \
+    bench/quiet.h \
+    bench/wide.c \
+    $(bench_engine_sources)
+bench_wide_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_wide_CPPFLAGS = $(bench_engine_cppflags)
 bench_wide_LDADD = $(bench_engine_libs)
 
