@@ -8,6 +8,7 @@ check_LTLIBRARIES += libengkit.la
 libengkit_la_SOURCES = \
     tests/unit/eng_blast.c \
     tests/unit/eng_blast.h \
+    tests/unit/eng_boxes.h \
     tests/unit/eng_case.c \
     tests/unit/eng_case.h \
     tests/unit/eng_crew.c \

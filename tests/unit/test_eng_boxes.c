@@ -4,24 +4,15 @@
  * Does:     compare each with plain code: rounding, unions, joins of two blocks.
  * Threads:  one.
  */
-#include "eng_kit.h"
+#include "eng_boxes.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "aabb.h"
-#include "kernel.h"
 
-#define BLOCKS  4u
-#define BOXES   (BLOCKS * ENG_WIDE)
 #define ROUNDS  40u
 #define NOT_SET 0xdeadbeefu
-
-struct lists {
-    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
-    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
-    uint32_t count;
-};
 
 struct fixture {
     struct eng_extents boxes[BOXES];
@@ -44,28 +35,9 @@ static struct eng_box plain(const struct eng_extents *box)
     return out;
 }
 
-/* Boxes of which about a third meet: some touch exactly, some are nowhere. */
 static void fill(struct fixture *f, struct kit_random *random)
 {
-    for (uint32_t i = 0; i < BOXES; i++) {
-        for (int end = 0; end < 2; end++) {
-            for (int k = 0; k < 4; k++) {
-                float lo = (float)kit_integer(random, 12);
-                float size = (float)kit_below(random, 10);
-                f->boxes[i].side[ENG_LOW0 + end][k] = 0 - lo;
-                f->boxes[i].side[ENG_HIGH0 + end][k] = lo + size;
-            }
-        }
-        for (int k = 0; k < 3; k++) {
-            f->corner[k][i] = kit_below(random, BOXES);
-        }
-        if (i % 11 == 5) {
-            float *bound = &f->boxes[i].side[0][0];
-            for (int k = 0; k < 16; k++) {
-                bound[k] = ENG_NOWHERE;
-            }
-        }
-    }
+    fill_boxes(f->boxes, f->corner, random);
     eng_kernels_of(ENG_ISA_SCALAR)->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
 }
 
@@ -305,9 +277,7 @@ static void boxes__are_joined_up_to_a_time(void **state)
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             if (kernels) {
                 run(kernels, &f, which, 0, round % 2, (float)t, &out);
-                assert_int_equal(out.count, expected.count);
-                assert_memory_equal(out.a, expected.a, out.count * sizeof *out.a);
-                assert_memory_equal(out.b, expected.b, out.count * sizeof *out.b);
+                assert_same_lists(&out, &expected);
             }
         }
     }
@@ -355,9 +325,7 @@ static void compare_near(struct fixture *f, enum which which, uint32_t m, double
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
         if (kernels) {
             run_job(kernels, f, which, 0, m, ENG_JOIN_NEAR, (float)t, false, &out);
-            assert_int_equal(out.count, expected.count);
-            assert_memory_equal(out.a, expected.a, out.count * sizeof *out.a);
-            assert_memory_equal(out.b, expected.b, out.count * sizeof *out.b);
+            assert_same_lists(&out, &expected);
         }
     }
 }
@@ -406,9 +374,7 @@ static void boxes__that_stand_still_are_joined_as_those_that_move(void **state)
                 run(kernels, &f, which, round % 3, round % 2, 1, &moving);
                 run_job(kernels, &f, which, round % 3, round % 2, ENG_JOIN_SWEPT, 1,
                         false, &swept);
-                assert_int_equal(swept.count, moving.count);
-                assert_memory_equal(swept.a, moving.a, swept.count * sizeof *swept.a);
-                assert_memory_equal(swept.b, moving.b, swept.count * sizeof *swept.b);
+                assert_same_lists(&swept, &moving);
                 pairs += swept.count;
             }
         }

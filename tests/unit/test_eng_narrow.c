@@ -6,26 +6,17 @@
  *           take to them and leave them.
  * Threads:  one.
  */
-#include "eng_kit.h"
+#include "eng_boxes.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "kernel.h"
 #include "step.h"
 #include "wide_narrow.h"
 #include "world.h"
 
-#define BLOCKS 4u
-#define BOXES  (BLOCKS * ENG_WIDE)
 #define ROUNDS 60u
 #define CELL   0x1p-10 /* of the boxes below; their bounds are whole numbers */
-
-struct lists {
-    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
-    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
-    uint32_t count;
-};
 
 struct fixture {
     struct eng_extents boxes[BOXES];
@@ -46,34 +37,11 @@ static struct eng_narrowing narrowing_around(double cell, double middle)
     return narrowing;
 }
 
-static void set_nowhere(struct eng_extents *box)
-{
-    float *bound = &box->side[0][0];
-    for (int k = 0; k < 16; k++) {
-        bound[k] = ENG_NOWHERE;
-    }
-}
-
-/* Boxes with whole bounds of which about a third meet; some are nowhere. */
 static void fill(struct fixture *f, struct kit_random *random)
 {
     struct eng_narrowing narrowing = narrowing_around(CELL, 0);
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
-    for (uint32_t i = 0; i < BOXES; i++) {
-        for (int end = 0; end < 2; end++) {
-            for (int k = 0; k < 4; k++) {
-                float lo = (float)kit_integer(random, 12);
-                f->boxes[i].side[ENG_LOW0 + end][k] = 0 - lo;
-                f->boxes[i].side[ENG_HIGH0 + end][k] = lo + (float)kit_below(random, 10);
-            }
-        }
-        for (int k = 0; k < 3; k++) {
-            f->corner[k][i] = kit_below(random, BOXES);
-        }
-        if (i % 11 == 5) {
-            set_nowhere(&f->boxes[i]);
-        }
-    }
+    fill_boxes(f->boxes, f->corner, random);
     scalar->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
     assert_true(scalar->narrow_blocks(f->blocks, f->around, BLOCKS, &narrowing, f->narrow,
                                       f->narrow_around));
@@ -210,13 +178,6 @@ static void join(const struct eng_kernels *kernels, const struct fixture *f, boo
                        : kernels->join_faces(job, 0, m, false, out->a, out->b);
 }
 
-static void assert_same(const struct lists *a, const struct lists *b)
-{
-    assert_int_equal(a->count, b->count);
-    assert_memory_equal(a->a, b->a, a->count * sizeof *a->a);
-    assert_memory_equal(a->b, b->b, a->count * sizeof *a->b);
-}
-
 /* Bounds that are whole numbers of cells, far more than the numbers are off by: if the
  * pairs were not the same as those of the boxes themselves, some would be lost, or
  * features that share a vertex would collide. */
@@ -238,7 +199,7 @@ static void narrow__joins_find_the_same_pairs(void **state)
                 struct eng_join narrow = job;
                 join(kernels, &f, way % 2 == 1, false, round % 3, &job, &expected);
                 join(kernels, &f, way % 2 == 1, true, round % 3, &narrow, &found);
-                assert_same(&found, &expected);
+                assert_same_lists(&found, &expected);
                 assert_int_equal(narrow.tests, job.tests);
                 pairs += found.count;
                 apart += narrow.apart_in_time;
@@ -326,7 +287,7 @@ static void narrow__joins_go_up_to_a_time(void **state)
             }
             join(kernels, &f, edges, true, m, &job, isa == 0 ? &expected : &found);
             if (isa > 0) {
-                assert_same(&found, &expected);
+                assert_same_lists(&found, &expected);
             }
         }
         check_until(&f, &all, &expected, t, around, &gone[around]);

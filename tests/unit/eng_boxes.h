@@ -1,0 +1,63 @@
+/* tests/unit/eng_boxes.h - blocks of boxes that meet now and then.
+ *
+ * Room:     engine (kernel.h).
+ * Does:     make boxes with small whole bounds for the tests of joins, and hold the pairs
+ *           that a join finds.
+ * Threads:  one. Inline only.
+ */
+#ifndef TEST_ENG_BOXES_H
+#define TEST_ENG_BOXES_H
+
+#include "eng_kit.h"
+#include "kernel.h"
+
+#define BLOCKS 4u
+#define BOXES  (BLOCKS * ENG_WIDE)
+
+/* What a join finds. */
+struct lists {
+    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t count;
+};
+
+static inline void assert_same_lists(const struct lists *a, const struct lists *b)
+{
+    assert_int_equal(a->count, b->count);
+    assert_memory_equal(a->a, b->a, a->count * sizeof *a->a);
+    assert_memory_equal(a->b, b->b, a->count * sizeof *a->b);
+}
+
+/* A box that meets none. */
+static inline void set_nowhere(struct eng_extents *box)
+{
+    float *bound = &box->side[0][0];
+    for (int k = 0; k < 16; k++) {
+        bound[k] = ENG_NOWHERE;
+    }
+}
+
+/* Boxes of which about a third meet: some touch exactly, some are nowhere; corners that
+ * many features share. */
+static inline void fill_boxes(struct eng_extents boxes[BOXES], uint32_t corner[3][BOXES],
+                              struct kit_random *random)
+{
+    for (uint32_t i = 0; i < BOXES; i++) {
+        for (int end = 0; end < 2; end++) {
+            for (int k = 0; k < 4; k++) {
+                float lo = (float)kit_integer(random, 12);
+                float size = (float)kit_below(random, 10);
+                boxes[i].side[ENG_LOW0 + end][k] = 0 - lo;
+                boxes[i].side[ENG_HIGH0 + end][k] = lo + size;
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            corner[k][i] = kit_below(random, BOXES);
+        }
+        if (i % 11 == 5) {
+            set_nowhere(&boxes[i]);
+        }
+    }
+}
+
+#endif
