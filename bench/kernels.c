@@ -228,6 +228,45 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
     bench_free(&again);
 }
 
+/* Contacts that the solver proves by itself, one after the other, their points at
+ * hand. */
+static void measure_contacts(const struct bench_work *work,
+                             const struct bench_candidates *c, struct eng_exact *exact)
+{
+    const char *name = work->world.source->name;
+    struct bench_samples ns = {0};
+    struct eng_query *queries = bench_alloc(c->count, sizeof *queries);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        struct eng_hit hit;
+        uint64_t before = exact->queries;
+        load(work->world.scene, c, i, &queries[count]);
+        if (eng_solve(&queries[count], TOLERANCE, 1, exact, &hit) &&
+            exact->queries == before) {
+            count++;
+        }
+    }
+    for (unsigned r = 0; r < repeats && count > 0; r++) {
+        uint64_t found = 0;
+        uint64_t begin_ns = bench_now_ns();
+        for (uint32_t i = 0; i < count; i++) {
+            struct eng_hit hit;
+            found += eng_solve(&queries[i], TOLERANCE, 1, exact, &hit);
+        }
+        double each_ns = (double)(bench_now_ns() - begin_ns) / count;
+        bench_check(found == count, name, "a contact was there once and not again");
+        if (r > 0) {
+            bench_add(&ns, each_ns);
+        }
+    }
+    if (ns.count > 0) {
+        print(name, c->kind == ENG_VF ? "VF solver, contacts" : "EE solver, contacts",
+              "ns", &ns, NULL, NULL);
+    }
+    free(queries);
+    bench_free(&ns);
+}
+
 /* Queries that the solver cannot decide by itself, put to exact arithmetic at once. */
 static void measure_exact(const struct bench_work *work, const struct bench_candidates *c,
                           struct eng_exact *exact)
@@ -403,6 +442,8 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     eng_exact_init(&exact);
     measure_tests(&work, &work.vf, &exact);
     measure_tests(&work, &work.ee, &exact);
+    measure_contacts(&work, &work.vf, &exact);
+    measure_contacts(&work, &work.ee, &exact);
     measure_exact(&work, &work.vf, &exact);
     measure_exact(&work, &work.ee, &exact);
     measure_boxes(&work);
