@@ -2,7 +2,10 @@
  *
  * Room:     engine.
  * Does:     put a 128-byte header with the size before each block, so that bytes can be
- *           counted down when a block goes.
+ *           counted down when a block goes. Blocks are aligned here: glibc's
+ *           aligned_alloc cuts pieces off a larger block on both sides, and up to version
+ *           2.37 seldom finds a freed one again (its bug 14581), so that the memory of a
+ *           daemon whose clients come and go crept up.
  * Threads:  [any]; counters and limit are atomics.
  */
 #include "memory.h"
@@ -15,10 +18,27 @@
 #define ALIGNMENT    128u
 #define HEADER_BYTES ALIGNMENT
 
+/* malloc aligns to that much by itself; the rest is for the alignment. */
+#define ORIGIN_BYTES (ALIGNMENT - _Alignof(max_align_t))
+
+struct header {
+    size_t total; /* bytes charged */
+    void *origin; /* what malloc gave */
+};
+
+_Static_assert(sizeof(struct header) <= HEADER_BYTES, "it stands before the block");
+
 static atomic_uint_fast64_t alloc_count;
 static atomic_uint_fast64_t alloc_bytes;
 static atomic_uint_fast64_t byte_limit = UINT64_MAX;
 static atomic_uint_fast64_t refused_count;
+
+/* The first aligned place of a block of malloc. */
+static unsigned char *align(void *origin)
+{
+    uintptr_t place = (uintptr_t)origin;
+    return (unsigned char *)origin + (-place & (ALIGNMENT - 1));
+}
 
 /* Count a block before it is made: together the threads of a team keep the limit. */
 static bool charge(size_t total)
@@ -45,21 +65,23 @@ void *eng_alloc(size_t count, size_t bytes)
     if (!charge(total)) {
         return NULL;
     }
-    unsigned char *base = aligned_alloc(ALIGNMENT, total);
-    if (!base) {
+    void *origin = malloc(total + ORIGIN_BYTES);
+    if (!origin) {
         atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
         return NULL;
     }
-    memcpy(base, &total, sizeof total);
+    unsigned char *base = align(origin);
+    struct header header = {.total = total, .origin = origin};
+    memcpy(base, &header, sizeof header);
     atomic_fetch_add_explicit(&alloc_count, 1, memory_order_relaxed);
     return base + HEADER_BYTES;
 }
 
-static size_t total_of(const void *block)
+static struct header header_of(const void *block)
 {
-    size_t total;
-    memcpy(&total, (const unsigned char *)block - HEADER_BYTES, sizeof total);
-    return total;
+    struct header header;
+    memcpy(&header, (const unsigned char *)block - HEADER_BYTES, sizeof header);
+    return header;
 }
 
 void *eng_realloc(void *block, size_t count, size_t bytes)
@@ -68,7 +90,7 @@ void *eng_realloc(void *block, size_t count, size_t bytes)
     if (!grown || !block) {
         return grown;
     }
-    size_t old_bytes = total_of(block) - HEADER_BYTES;
+    size_t old_bytes = header_of(block).total - HEADER_BYTES;
     size_t new_bytes = count * bytes;
     memcpy(grown, block, old_bytes < new_bytes ? old_bytes : new_bytes);
     eng_free(block);
@@ -80,8 +102,9 @@ void eng_free(void *block)
     if (!block) {
         return;
     }
-    atomic_fetch_sub_explicit(&alloc_bytes, total_of(block), memory_order_relaxed);
-    free((unsigned char *)block - HEADER_BYTES);
+    struct header header = header_of(block);
+    atomic_fetch_sub_explicit(&alloc_bytes, header.total, memory_order_relaxed);
+    free(header.origin);
 }
 
 uint64_t eng_alloc_count(void)
