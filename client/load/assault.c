@@ -81,10 +81,14 @@ void load_assault_begin(struct load_assault *assault, struct load *load)
     assault->crash_ns = assault->begin_ns + (uint64_t)load->settings.pause_ms * 1000000u;
 }
 
-/* How many of `all` kills may have been made by now. */
-static uint64_t due(const struct load_assault *assault, uint64_t all)
+/* Of a run that takes a set time, workers are killed in this part: how memory goes on is
+ * seen over the rest, of one worker. */
+#define CRASH_PART (1.0 / 6)
+
+/* How many of `all` kills that are spread over a part of the run may have been made. */
+static uint64_t due(const struct load_assault *assault, uint64_t all, double part)
 {
-    double whole_ns = load_settings_ns(&assault->load->settings);
+    double whole_ns = load_settings_ns(&assault->load->settings) * part;
     double share = (double)(load_now_ns() - assault->begin_ns) / fmax(whole_ns, 1);
     return share < 1 ? (uint64_t)ceil(share * (double)all) : all;
 }
@@ -99,7 +103,7 @@ static void kill_victims(struct load_assault *assault)
             end(victim, &assault->strays);
             assault->kills++;
         }
-        if (victim->pid == 0 && assault->kills < due(assault, settings->kills)) {
+        if (victim->pid == 0 && assault->kills < due(assault, settings->kills, 1)) {
             renew(assault, i);
         }
     }
@@ -109,7 +113,7 @@ static void kill_worker(struct load_assault *assault)
 {
     const struct load_settings *settings = &assault->load->settings;
     uint64_t pause_ns = (uint64_t)settings->pause_ms * 1000000u;
-    if (assault->crashes >= due(assault, settings->crashes) ||
+    if (assault->crashes >= due(assault, settings->crashes, CRASH_PART) ||
         load_now_ns() < assault->crash_ns) {
         return;
     }

@@ -39,8 +39,9 @@ load: pccd-load$(EXEEXT) pccdd$(EXEEXT)
 kills: pccd-load$(EXEEXT) pccdd$(EXEEXT)
 	./pccd-load --daemon ./pccdd --clients 64 --requests 1000 --victims 16 \
 	    --kill-clients $(KILL_CLIENTS) --kill-worker $(KILL_WORKERS)
-# Clients that ask some 60 times a second; one is killed four times a second, the daemon once
-# in six minutes.
+# Clients that ask some 60 times a second; one is killed four times a second, and the daemon
+# once for each six minutes, all in the first sixth of the time: over the rest one worker's
+# memory is to be flat.
 soak: pccd-load$(EXEEXT) pccdd$(EXEEXT)
 	./pccd-load --daemon ./pccdd --clients 50 --think-ms 16 --minutes $(SOAK_MINUTES) --flat \
 	    --kill-clients $$(( 240 * $(SOAK_MINUTES) )) \

@@ -22,6 +22,7 @@
 /* How long the daemon may take to let go of what killed clients held: a session outlives
  * its connection for some seconds. */
 #define BASELINE_MS 20000u
+#define IDLE_MS     500u /* for the end of its last connection */
 
 /* ---- options ----------------------------------------------------------------------- */
 
@@ -224,6 +225,14 @@ static void settle(const struct load *load, struct load_outcome *outcome)
     }
 }
 
+/* Of the process that serves, when no client is there: it gives free pages back then. */
+static int64_t idle_memory(const struct load *load)
+{
+    pid_t pid = load_target_pid(load);
+    load_sleep_ms(IDLE_MS);
+    return pid > 0 ? load_target_memory(pid) : -1;
+}
+
 static bool run(struct load *load, struct load_target *target)
 {
     struct load_outcome outcome = {.ended = true};
@@ -235,6 +244,7 @@ static bool run(struct load *load, struct load_target *target)
         load_crowd_find_truth(load, &outcome.truth_records) != 0) {
         atomic_store(&load->shared->failed, true);
     }
+    outcome.idle_before_kib = idle_memory(load);
     uint32_t count = atomic_load(&load->shared->failed) ? 0 : gather(load, crowd);
     uint64_t begin_ns = load_now_ns();
     atomic_store(&load->shared->go, true);
@@ -243,6 +253,7 @@ static bool run(struct load *load, struct load_target *target)
     outcome.seconds = (double)(load_now_ns() - begin_ns) * 1e-9;
     load_assault_end(&assault);
     settle(load, &outcome);
+    outcome.idle_after_kib = idle_memory(load);
     if (target->supervisor > 0) {
         outcome.ended = load_target_stop(target);
     }

@@ -13,8 +13,13 @@
 
 /* A slope that is not noise, and that would add up to so much over the run, is growth. */
 #define ERRORS_SURE   4.0
-#define GROWTH_KIB    1024.0
+#define FLOORS_MIN    4u
+#define GROWTH_KIB    512.0
 #define GROWTH_PIECES 8.0
+
+/* How much more a worker may hold at its end, without clients, than one that has served
+ * them one by one: what a full house leaves, some 0.7 MiB for fifty, and a third more. */
+#define IDLE_KIB (14 * 4 / 3)
 
 bool load_holdings_equal(const struct load_holdings *a, const struct load_holdings *b)
 {
@@ -84,6 +89,18 @@ static bool print_holdings(const struct load_holdings *before,
     return load_holdings_equal(before, after);
 }
 
+/* What no client holds any more is free or leaked. Returns whether it is little. */
+static bool print_idle(const struct load *load, const struct load_outcome *outcome)
+{
+    int64_t limit = outcome->idle_before_kib + (int64_t)IDLE_KIB * load->settings.clients;
+    bool is_little = outcome->idle_before_kib > 0 && outcome->idle_after_kib > 0 &&
+                     outcome->idle_after_kib <= limit;
+    printf("%-20s %12" PRId64 " %12" PRId64 "  before and after, %" PRId64 " at most%s\n",
+           "idle memory KiB", outcome->idle_before_kib, outcome->idle_after_kib, limit,
+           is_little ? "" : " GROWS");
+    return is_little || !load->settings.flat;
+}
+
 static bool print_slopes(const struct load *load, const struct load_watch *watch,
                          double seconds)
 {
@@ -94,10 +111,12 @@ static bool print_slopes(const struct load *load, const struct load_watch *watch
         double growth = slope.per_min * seconds / 60;
         bool grows = slope.per_min > ERRORS_SURE * slope.error &&
                      growth > (gauge == LOAD_MEMORY ? GROWTH_KIB : GROWTH_PIECES);
-        printf("%-20s %12.0f  mean; %+.3f +- %.3f a minute (%zu samples)%s\n",
+        printf("%-20s %12.0f  floor; %+.3f +- %.3f a minute (%zu minutes)%s\n",
                names[gauge], slope.mean, slope.per_min, slope.error, slope.count,
-               grows ? " GROWS" : "");
-        is_flat = is_flat && !grows;
+               grows                       ? " GROWS"
+               : slope.count >= FLOORS_MIN ? ""
+                                           : " too short");
+        is_flat = is_flat && !grows && slope.count >= FLOORS_MIN;
     }
     return is_flat || !load->settings.flat;
 }
@@ -122,6 +141,7 @@ bool load_report(const struct load *load, const struct load_outcome *outcome,
     print_checksum(load);
     bool is_back = print_holdings(&outcome->before, &outcome->after);
     bool is_flat = print_slopes(load, watch, outcome->seconds);
+    is_flat = print_idle(load, outcome) && is_flat;
     /* A round without contacts would prove little. */
     bool is_telling = outcome->truth_records > load->settings.clients;
     bool is_good = is_right && is_back && is_flat && is_telling && outcome->ended &&

@@ -17,6 +17,9 @@ struct load_outcome {
     uint32_t bad_processes; /* of the crowd, that did not end in order */
     bool ended;             /* the daemon ended in order, if it was ours */
     struct load_holdings before, after;
+    int64_t
+        idle_before_kib;    /* anonymous memory, when every client of the truth is gone */
+    int64_t idle_after_kib; /* and of the last worker at the end */
 };
 
 /* Returns whether nothing was lost, doubled, crossed or wrong, all adds up, and the

@@ -13,6 +13,7 @@
 
 #define EVERY_NS 1000000000u
 #define WARM_S   60.0
+#define WINDOW_S 60.0
 
 void load_watch_begin(struct load_watch *watch)
 {
@@ -118,7 +119,46 @@ struct load_slope load_slope_of(const struct load_sample *samples, size_t count,
     return slope;
 }
 
+static void lower(struct load_sample *floor, const struct load_sample *sample)
+{
+    for (enum load_gauge gauge = 0; gauge < LOAD_GAUGES; gauge++) {
+        floor->value[gauge] = fmin(floor->value[gauge], sample->value[gauge]);
+    }
+}
+
+size_t load_floors_of(const struct load_sample *samples, size_t count, double window_s,
+                      double warm_s, struct load_sample *floors)
+{
+    size_t floor_count = 0;
+    double begin_s = 0; /* of the worker's windows */
+    double window = -1; /* the one that floors[floor_count] is of; -1: none */
+    for (size_t i = 0; i < count; i++) {
+        if (i == 0 || samples[i].pid != samples[i - 1].pid) {
+            begin_s = samples[i].at_s + warm_s;
+            window = -1;
+        }
+        double at = floor((samples[i].at_s - begin_s) / window_s);
+        if (at == window && at >= 0) {
+            lower(&floors[floor_count], &samples[i]);
+        } else if (at >= 0) {
+            floor_count += window >= 0; /* that one is over */
+            floors[floor_count] = samples[i];
+            floors[floor_count].at_s = begin_s + (at + 0.5) * window_s;
+            window = at;
+        }
+    }
+    return floor_count;
+}
+
 struct load_slope load_watch_slope(const struct load_watch *watch, enum load_gauge gauge)
 {
-    return load_slope_of(watch->samples, watch->count, gauge, WARM_S);
+    struct load_slope slope = {0};
+    struct load_sample *floors = calloc(watch->count + 1, sizeof *floors);
+    if (floors) {
+        size_t count =
+            load_floors_of(watch->samples, watch->count, WINDOW_S, WARM_S, floors);
+        slope = load_slope_of(floors, count, gauge, 0);
+    }
+    free(floors);
+    return slope;
 }

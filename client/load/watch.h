@@ -2,9 +2,12 @@
  *
  * Room:     client/load. May include: load.h.
  * Does:     sample memory, descriptors and mappings once a second; fit a line through
- *           each by least squares. Each worker has a level of its own, and all of them
- *           one slope: a worker that was started anew begins elsewhere. What a worker
- *           does in its first seconds is left out: it takes what it needs then.
+ *           the floors of each by least squares. Each worker has a level of its own, and
+ *           all of them one slope: a worker that was started anew begins elsewhere. What
+ *           a worker does in its first seconds is left out: it takes what it needs then.
+ *           A floor is the least of a minute: above it memory comes and goes, with
+ *           sessions that wait for their clients to come back, and with free pages that
+ *           the daemon gives back to the system now and then; a leak lifts the floor.
  * Threads:  one.
  */
 #ifndef LOAD_WATCH_H
@@ -30,10 +33,10 @@ struct load_watch {
 };
 
 struct load_slope {
-    size_t count;   /* samples that were used */
+    size_t count;   /* samples or floors that were used */
     double mean;    /* of the values */
     double per_min; /* slope */
-    double error;   /* its standard error, as if samples were independent */
+    double error;   /* its standard error, as if they were independent */
 };
 
 void load_watch_begin(struct load_watch *watch);
@@ -42,7 +45,14 @@ void load_watch_deinit(struct load_watch *watch);
 /* A sample if one is due. */
 void load_watch_turn(struct load_watch *watch, const struct load *load);
 
+/* Through the floors. */
 struct load_slope load_watch_slope(const struct load_watch *watch, enum load_gauge gauge);
+
+/* The floors of the samples of each worker, over windows of window_s after its first
+ * warm_s: each an entry of floors[count]. One that the worker did not live to the end of
+ * does not count. Returns how many there are. */
+size_t load_floors_of(const struct load_sample *samples, size_t count, double window_s,
+                      double warm_s, struct load_sample *floors);
 
 /* Of the samples as given. */
 struct load_slope load_slope_of(const struct load_sample *samples, size_t count,

@@ -220,6 +220,52 @@ static void watch__fits_a_slope_through_every_worker(void **state)
     assert_true(slope.error < 1);
 }
 
+/* Eight minutes of one worker, with a sawtooth of free pages that come and go, and near
+ * the end a stall of which much is left for half a minute. */
+static void make_saw(struct load_sample *samples, double per_s)
+{
+    for (uint32_t i = 0; i < 480; i++) {
+        samples[i] = (struct load_sample){.at_s = i, .pid = 10};
+        samples[i].value[LOAD_MEMORY] = 26000 + 40.0 * (i % 35) + 9.0 * (i % 4) +
+                                        per_s * i + (i >= 420 && i < 450 ? 5000 : 0);
+    }
+}
+
+/* If this failed, what comes and goes would look like a leak, or hide one. */
+static void watch__floors_show_a_leak_and_nothing_else(void **state)
+{
+    static struct load_sample samples[480];
+    struct load_sample floors[480];
+    (void)state;
+    make_saw(samples, 0);
+    struct load_slope raw = load_slope_of(samples, 480, LOAD_MEMORY, 60);
+    assert_true(raw.per_min > 4 * raw.error); /* as it was: a false alarm */
+    size_t count = load_floors_of(samples, 480, 60, 60, floors);
+    assert_int_equal(count, 6); /* the last minute is not over */
+    struct load_slope slope = load_slope_of(floors, count, LOAD_MEMORY, 0);
+    assert_true(slope.per_min < 4 * slope.error && slope.per_min < 20);
+    make_saw(samples, 40.0 / 60);
+    count = load_floors_of(samples, 480, 60, 60, floors);
+    slope = load_slope_of(floors, count, LOAD_MEMORY, 0);
+    assert_true(slope.per_min > 20 && slope.per_min < 60);
+    assert_true(slope.per_min > 4 * slope.error);
+}
+
+/* If this failed, the floor of one worker would be taken for another's, or the first
+ * seconds of a worker for its floor. */
+static void watch__floors_are_of_one_worker_each(void **state)
+{
+    static struct load_sample samples[300];
+    struct load_sample floors[300];
+    (void)state;
+    make_series(samples, 0);
+    assert_int_equal(load_floors_of(samples, 300, 30, 10, floors), 6);
+    for (uint32_t i = 0; i < 6; i++) {
+        assert_int_equal(floors[i].pid, 10 + (int)(i / 2));
+        assert_true(floors[i].value[LOAD_MEMORY] == 5000 + 900 * (i / 2));
+    }
+}
+
 /* If two clients sent the same, an answer that went to the wrong one would be right. */
 static void shape__is_different_for_every_client_and_position(void **state)
 {
@@ -247,6 +293,8 @@ int main(void)
         JUDGE_TEST(judge__tells_errors_that_were_asked_for),
         JUDGE_TEST(tally__has_quantiles_to_an_eighth),
         JUDGE_TEST(watch__fits_a_slope_through_every_worker),
+        JUDGE_TEST(watch__floors_show_a_leak_and_nothing_else),
+        JUDGE_TEST(watch__floors_are_of_one_worker_each),
         JUDGE_TEST(shape__is_different_for_every_client_and_position),
     };
     return cmocka_run_group_tests_name("load_judge", tests, NULL, NULL);
