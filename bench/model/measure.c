@@ -81,6 +81,7 @@ bool model_measure(struct bench_world *world, const struct bench_frames *frames,
         }
         measured[i] = (struct model_measured){.way = ways[i],
                                               .step = p50[STEP],
+                                              .least = least[STEP],
                                               .ratio = p50[RATIO],
                                               .hand_overs = p50[HAND_OVERS],
                                               .ingest = least[INGEST],

@@ -26,6 +26,7 @@ struct model_way {
 struct model_measured {
     struct model_way way;
     double step;  /* median */
+    double least; /* step */
     double ratio; /* median over the turns: this step to the first way's of the turn */
     double hand_overs; /* median: nodes received, tasks taken from others */
     double ingest;

@@ -160,14 +160,14 @@ static void validate(const struct run *run, const struct scheme *scheme, uint32_
             continue;
         }
         double error = output->total / m->step - 1;
-        fprintf(run->validation, "%s,%s,%u,%.4f,%.4f,%.4f,%.3f,%.3f\n", run->name,
+        fprintf(run->validation, "%s,%s,%u,%.4f,%.4f,%.4f,%.3f,%.3f,%.4f\n", run->name,
                 name_of(scheme, threads), threads, m->step * 1e-6, output->total * 1e-6,
-                error, 1 / m->ratio, run->alone.total / output->total);
-        printf("%-16s %-6s %3u measured %.3f ms, predicted %.3f: %+.1f %%; speed-up "
-               "%.2f, predicted %.2f (measured: refit %.3f detection %.3f merge %.3f, "
-               "%.0f hand-overs)\n",
+                error, 1 / m->ratio, run->alone.total / output->total, m->least * 1e-6);
+        printf("%-16s %-6s %3u measured %.3f ms, least %.3f, predicted %.3f: %+.1f %%; "
+               "speed-up %.2f, predicted %.2f (measured: refit %.3f detection %.3f "
+               "merge %.3f, %.0f hand-overs)\n",
                run->name, name_of(scheme, threads), threads, m->step * 1e-6,
-               output->total * 1e-6, 100 * error, 1 / m->ratio,
+               m->least * 1e-6, output->total * 1e-6, 100 * error, 1 / m->ratio,
                run->alone.total / output->total, m->refit * 1e-6, m->detection * 1e-6,
                m->merge * 1e-6, m->hand_overs);
     }
@@ -433,7 +433,7 @@ int main(int argc, char **argv)
                        .validation = create(options.folder, "validation.csv")};
     model_table_begin(run.model);
     fprintf(run.validation, "scene,scheduler,p,measured_ms,predicted_ms,error,"
-                            "measured_speedup,predicted_speedup\n");
+                            "measured_speedup,predicted_speedup,least_ms\n");
     model_all(&run);
     fclose(run.model);
     fclose(run.validation);
