@@ -45,6 +45,21 @@ ENG_INLINE void guess(enum look look, struct lanes *lanes)
     lanes->slope = zero - 1;
 }
 
+/* One lane waits for nobody else: a branch that goes the usual way takes no time, where
+ * what it leaves out would stand in the chain from root to root. */
+ENG_INLINE bool is_all(eng_dm m)
+{
+    return ENG_D_LANES == 1 && __builtin_expect(eng_dm_bits(m) != 0, 1);
+}
+
+ENG_INLINE eng_d clamped(eng_d x, eng_d low, eng_d high)
+{
+    if (is_all(eng_dm_and(eng_d_less(low, x), eng_d_less(x, high)))) {
+        return x;
+    }
+    return eng_d_min(eng_d_max(x, low), high);
+}
+
 /* One step nearer to all roots. Which lanes still move decides nothing about others. */
 ENG_INLINE void move(enum look look, struct lanes *lanes)
 {
@@ -56,13 +71,15 @@ ENG_INLINE void move(enum look look, struct lanes *lanes)
     eng_d limit = zero + (look == LOOK_FALLING ? STEP_FALLING : STEP_ALL);
     eng_dm is_small = eng_d_at_most(eng_d_abs(step.step), limit);
     if (look == LOOK_FALLING) {
-        next = eng_d_min(eng_d_max(next, zero), one);
+        next = clamped(next, zero, one);
     } else {
         eng_dm before = eng_d_less(zero, step.value);
         eng_d low = eng_d_select(before, s, lanes->low_l);
         eng_d high = eng_d_select(before, lanes->high_r, s);
         eng_dm good = eng_dm_and(eng_d_less(low, next), eng_d_less(next, high));
-        next = eng_d_select(eng_dm_or(is_small, good), next, 0.5 * (low + high));
+        if (!is_all(good)) {
+            next = eng_d_select(eng_dm_or(is_small, good), next, 0.5 * (low + high));
+        }
         lanes->low_l = low;
         lanes->high_r = high;
     }
