@@ -56,7 +56,8 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
     int fd;
 
     memcpy(address.sun_path, path, strlen(path)); /* checked: shorter than sun_path */
-    (void)snprintf(client->url, sizeof(client->url), "unix:%s", path);
+    memcpy(client->url, "unix:", 5);
+    memcpy(client->url + 5, path, strlen(path) + 1);
     fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd < 0) {
         return cli_fail(client, PCCD_E_SYSTEM, "socket: %s", strerror(errno));
@@ -87,8 +88,33 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
     return take_socket(client, fd);
 }
 
+/* Hello and its answer; with_held: see link.h. */
+static int exchange(struct pccd_client *client, const struct proto_HELLO_request *request,
+                    bool with_held, struct proto_HELLO_result *result,
+                    uint64_t deadline_ns)
+{
+    struct cli_call *call = NULL;
+    int rc = cli_call_send(client, PROTO_METHOD_HELLO, request, CLI_SLOT_NONE,
+                           deadline_ns, &call);
+
+    if (rc != 0) {
+        return rc;
+    }
+    call->result = result;
+    rc = with_held ? cli_call_resend_all(client, deadline_ns) : 0;
+    rc = rc != 0 ? rc : cli_call_wait(client, call, deadline_ns);
+    if (rc == 0) {
+        return cli_call_finish(client, call);
+    }
+    cli_call_drop(client, call);
+    return rc == PCCD_E_TIMEOUT ? cli_fail(client, rc, "no answer to %s in time",
+                                           proto_messages[PROTO_METHOD_HELLO].name)
+                                : rc;
+}
+
 /* The first message. A daemon that refuses the session says why in its goaway. */
-static int say_hello(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
+static int say_hello(struct pccd_client *client, bool with_held, uint64_t deadline_ns,
+                     bool *resumed)
 {
     struct cli_link *link = &client->link;
     struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
@@ -99,11 +125,12 @@ static int say_hello(struct pccd_client *client, uint64_t deadline_ns, bool *res
                                           .token_hi = link->token[0],
                                           .token_lo = link->token[1]};
     struct proto_HELLO_result result;
+    const char *name;
     int rc;
 
-    (void)snprintf(request.client, sizeof(request.client), "%s",
-                   link->name[0] != '\0' ? link->name : program_invocation_short_name);
-    rc = cli_call_sync(client, PROTO_METHOD_HELLO, &request, &result, deadline_ns);
+    name = link->name[0] != '\0' ? link->name : program_invocation_short_name;
+    memcpy(request.client, name, strnlen(name, sizeof(request.client) - 1));
+    rc = exchange(client, &request, with_held, &result, deadline_ns);
     if (rc == PCCD_E_DISCONNECTED && client->goaway != 0) {
         return cli_fail(client, client->goaway, "%s", client->dead_text);
     }
@@ -147,7 +174,8 @@ static int check_owner(struct pccd_client *client)
     return 0;
 }
 
-static int open_session(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
+static int open_session(struct pccd_client *client, bool with_held, uint64_t deadline_ns,
+                        bool *resumed)
 {
     const struct cli_link *link = &client->link;
     int rc = open_socket(client, link->path, deadline_ns);
@@ -155,14 +183,14 @@ static int open_session(struct pccd_client *client, uint64_t deadline_ns, bool *
     if (rc == 0 && link->way != CLI_WAY_URL) {
         rc = check_owner(client);
     }
-    return rc != 0 ? rc : say_hello(client, deadline_ns, resumed);
+    return rc != 0 ? rc : say_hello(client, with_held, deadline_ns, resumed);
 }
 
 /* The same, and nothing is left of a connection that failed. */
 static int open_first(struct pccd_client *client, uint64_t deadline_ns)
 {
     bool resumed = false;
-    int rc = open_session(client, deadline_ns, &resumed);
+    int rc = open_session(client, false, deadline_ns, &resumed);
 
     if (rc != 0) {
         cli_rpc_close(client);
@@ -268,14 +296,15 @@ static int launch_again(struct pccd_client *client, uint64_t deadline_ns)
     return PCCD_E_NODAEMON;
 }
 
-int cli_link_again(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
+int cli_link_again(struct pccd_client *client, bool with_held, uint64_t deadline_ns,
+                   bool *resumed)
 {
-    int rc = open_session(client, deadline_ns, resumed);
+    int rc = open_session(client, with_held, deadline_ns, resumed);
 
     if (rc == PCCD_E_NODAEMON && client->link.way != CLI_WAY_URL) {
         rc = launch_again(client, deadline_ns);
         if (rc == 0) {
-            rc = open_session(client, deadline_ns, resumed);
+            rc = open_session(client, with_held, deadline_ns, resumed);
         }
     }
     return rc;

@@ -17,9 +17,11 @@
 int cli_link_first(struct pccd_client *client, uint64_t deadline_ns);
 
 /* Another connection, under the number of the socket's descriptor; with a new daemon
- * where this client starts daemons and nobody listens. *resumed: the session goes on,
- * else it is a new one. */
-int cli_link_again(struct pccd_client *client, uint64_t deadline_ns, bool *resumed);
+ * where this client starts daemons and nobody listens. with_held: calls that are held are
+ * sent behind hello, before its answer. *resumed: the session goes on, else it is a new
+ * one. */
+int cli_link_again(struct pccd_client *client, bool with_held, uint64_t deadline_ns,
+                   bool *resumed);
 
 /* Say that nobody comes back. */
 void cli_link_bye(struct pccd_client *client);

@@ -34,22 +34,6 @@ static bool is_unanswered(const struct cli_call *call)
     return call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
 }
 
-/* The held call that was sent first. */
-static struct cli_call *find_first_held(struct pccd_client *client)
-{
-    struct cli_call *first = NULL;
-
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        struct cli_call *call = &client->calls[i];
-
-        if (is_unanswered(call) && call->held &&
-            (first == NULL || call->serial < first->serial)) {
-            first = call;
-        }
-    }
-    return first;
-}
-
 /* Part of a mesh's upload, which another daemon must be sent from the beginning. */
 static bool is_upload(const struct cli_call *call)
 {
@@ -76,10 +60,8 @@ static void end_call(struct pccd_client *client, struct cli_call *call, int stat
 
 /* Requests are computed in their order, so that a daemon most likely ended over the first
  * one that it left without an answer. */
-static void blame_first(struct pccd_client *client)
+static void blame(struct pccd_client *client, struct cli_call *first)
 {
-    struct cli_call *first = find_first_held(client);
-
     if (first != NULL && is_upload(first)) {
         client->link.uploads_ended++; /* its caller starts over, or gives up (mesh.c) */
     } else if (first != NULL && ++first->daemons_ended >= client->link.daemons_max) {
@@ -101,19 +83,6 @@ static void end_uploads(struct pccd_client *client)
     }
 }
 
-static int send_again(struct pccd_client *client)
-{
-    for (struct cli_call *call; (call = find_first_held(client)) != NULL;) {
-        int rc = cli_call_resend(client, call, cli_deadline(client, -1));
-
-        if (rc != 0) {
-            return rc;
-        }
-        client->link.info.resent++;
-    }
-    return 0;
-}
-
 /* Forget what this file has sent; hold the rest. */
 static void hold_all(struct pccd_client *client, bool rest)
 {
@@ -128,9 +97,30 @@ static void hold_all(struct pccd_client *client, bool rest)
     }
 }
 
+/* Whether what is held may go right behind hello: another daemon is to be told of nothing
+ * before it, and however hello is answered there is no cause to keep it back. It saves a
+ * round trip, and with a thousand clients that come back at once everybody's. */
+static bool needs_no_answer(const struct pccd_client *client)
+{
+    bool needs = !client->keeps || client->kept_meshes != NULL ||
+                 client->kept_scenes != NULL || client->ring.upload.base != NULL ||
+                 client->link.tries > 1;
+
+    for (uint32_t i = 0; i < client->calls_end; i++) {
+        const struct cli_call *call = &client->calls[i];
+
+        needs =
+            needs ||
+            (is_unanswered(call) && call->held &&
+             (is_upload(call) || call->daemons_ended + 1 >= client->link.daemons_max));
+    }
+    return !needs;
+}
+
 static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
 {
-    int rc = cli_link_again(client, deadline_ns, resumed);
+    struct cli_call *first = cli_call_first_held(client);
+    int rc = cli_link_again(client, needs_no_answer(client), deadline_ns, resumed);
 
     if (rc != 0 || *resumed) {
         return rc;
@@ -145,7 +135,9 @@ static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *re
         return rc;
     }
     client->link.told_anew++;
-    blame_first(client);
+    if (first != NULL) {
+        blame(client, first);
+    }
     end_uploads(client);
     return 0;
 }
@@ -163,7 +155,7 @@ static int try_once(struct pccd_client *client, uint64_t deadline_ns)
     cli_fds_close(client);
     rc = open_again(client, deadline_ns, &resumed);
     if (rc == 0) {
-        rc = send_again(client);
+        rc = cli_call_resend_all(client, cli_deadline(client, -1));
     }
     link->is_recovering = false;
     hold_all(client, rc != 0);

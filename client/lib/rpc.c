@@ -95,7 +95,8 @@ int cli_lose(struct pccd_client *client, const char *why)
         link->tries = 0;
     }
     link->is_down = true;
-    return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
+    memcpy(client->error, client->dead_text, sizeof(client->error));
+    return PCCD_E_DISCONNECTED;
 }
 
 int cli_alive(struct pccd_client *client)
@@ -296,8 +297,22 @@ static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
     }
 }
 
-int cli_call_resend(struct pccd_client *client, struct cli_call *call,
-                    uint64_t deadline_ns)
+struct cli_call *cli_call_first_held(struct pccd_client *client)
+{
+    struct cli_call *first = NULL;
+
+    for (uint32_t i = 0; i < client->calls_end; i++) {
+        struct cli_call *call = &client->calls[i];
+
+        if ((call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
+            call->held && (first == NULL || call->serial < first->serial)) {
+            first = call;
+        }
+    }
+    return first;
+}
+
+static int resend(struct pccd_client *client, struct cli_call *call, uint64_t deadline_ns)
 {
     int rc =
         proto_encode_request(&client->encoder, call->id, call->method, &call->params);
@@ -310,6 +325,19 @@ int cli_call_resend(struct pccd_client *client, struct cli_call *call,
     rc = send_encoded(client, deadline_ns);
     call->held = call->held || (rc != 0 && call->state != CLI_CALL_DONE);
     return rc;
+}
+
+int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns)
+{
+    for (struct cli_call *call; (call = cli_call_first_held(client)) != NULL;) {
+        int rc = resend(client, call, deadline_ns);
+
+        if (rc != 0) {
+            return rc;
+        }
+        client->link.info.resent++;
+    }
+    return 0;
 }
 
 static uint32_t steps_inflight(const struct pccd_client *client)

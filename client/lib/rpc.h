@@ -45,9 +45,11 @@ int cli_receive(struct pccd_client *client);
  * PCCD_E_TIMEOUT or PCCD_E_DISCONNECTED. */
 int cli_progress(struct pccd_client *client, uint64_t deadline_ns);
 
-/* Send a held call once more, unchanged. */
-int cli_call_resend(struct pccd_client *client, struct cli_call *call,
-                    uint64_t deadline_ns);
+/* Of the held calls the one that was sent first; NULL: none is held. */
+struct cli_call *cli_call_first_held(struct pccd_client *client);
+
+/* Send every held call once more, unchanged, in their order. */
+int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns);
 
 /* Requests whose replies have not come. */
 uint32_t cli_call_inflight(const struct pccd_client *client);

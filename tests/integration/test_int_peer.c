@@ -38,6 +38,7 @@
 
 /* The false daemon's side of the connection. */
 struct false_daemon {
+    int listener;
     int socket;
     struct proto_decoder *decoder;
     struct proto_envelope envelope; /* of the last request */
@@ -52,6 +53,15 @@ static char url[96];
 static pid_t child;
 
 /* ---- in the child ------------------------------------------------------------------ */
+
+/* The next one, in place of the last. */
+static void take_client(void)
+{
+    if (peer.socket > 0) {
+        (void)close(peer.socket);
+    }
+    peer.socket = accept(peer.listener, NULL, NULL);
+}
 
 /* Take the next request; ends the process when there is none. */
 static int next_request(void)
@@ -78,7 +88,8 @@ static void answer(uint32_t id, int method, const void *result, const int *fds, 
 
 static void answer_hello(uint32_t version)
 {
-    struct proto_HELLO_result result = {.version = version, .pid = 4711};
+    struct proto_HELLO_result result = {
+        .version = version, .features = PROTO_FEATURE_RESUME, .pid = 4711};
 
     if (next_request() == PROTO_METHOD_HELLO) {
         answer(peer.envelope.id, PROTO_METHOD_HELLO, &result, NULL, 0);
@@ -125,7 +136,7 @@ static void answer_step(uint32_t id, uint64_t offset, uint64_t count, uint32_t b
 
 typedef void (*script_fn)(void);
 
-/* Start the false daemon with a script; it accepts one client. */
+/* Start the false daemon with a script; it accepts one client before. */
 static void start_peer(script_fn script)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -144,11 +155,12 @@ static void start_peer(script_fn script)
     assert_true(child >= 0);
     if (child == 0) {
         test_end_with_parent();
-        peer.socket = accept(listener, NULL, NULL);
+        peer.listener = listener;
         peer.decoder = proto_decoder_new();
-        if (peer.socket < 0 || peer.decoder == NULL) {
+        if (peer.decoder == NULL) {
             _exit(1);
         }
+        take_client();
         script();
         _exit(0);
     }
@@ -512,6 +524,58 @@ static void peer__of_another_user_is_not_spoken_to(void **state)
     (void)rmdir(directory);
 }
 
+/* ---- coming back ------------------------------------------------------------------- */
+
+/* End over a ping. The next daemon has hello and the ping before it answers either, and
+ * refuses both; the third one answers. */
+static void refuse_once(void)
+{
+    struct proto_PING_request ping;
+    struct proto_PING_result pong = {.token = 0};
+    struct proto_error error = {.code = PCCD_E_BUSY};
+    uint32_t ids[2];
+
+    answer_hello(PROTO_VERSION_MAX);
+    (void)next_request();
+    take_client();
+    for (int i = 0; i < 2; i++) {
+        (void)next_request();
+        ids[i] = peer.envelope.id;
+    }
+    for (int i = 0; i < 2; i++) {
+        (void)proto_encode_error(&peer.encoder, ids[i], &error);
+        (void)proto_send(peer.socket, peer.encoder.data, peer.encoder.bytes, NULL, 0);
+    }
+    take_client();
+    answer_hello(PROTO_VERSION_MAX);
+    (void)next_request();
+    (void)proto_decode_body(&peer.envelope, &proto_messages[PROTO_METHOD_PING].request,
+                            &ping, &error);
+    pong.token = ping.token;
+    answer(peer.envelope.id, PROTO_METHOD_PING, &pong, NULL, 0);
+}
+
+/* If it failed, a thousand clients of a daemon that has crashed would wait for one more
+ * round trip of each other; or what was sent behind a hello that is refused would be
+ * lost, or have the refusal for its answer. */
+static void peer__that_refuses_hello_has_not_answered_what_came_behind(void **state)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct pccd_link_info info;
+
+    (void)state;
+    start_peer(refuse_once);
+    pccd_options_init(&options);
+    options.url = url;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_int_equal(pccd_link(client, &info), 0);
+    assert_int_equal(info.reconnects, 1);
+    assert_int_equal(info.resent, 2);
+    pccd_close(client);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -528,6 +592,8 @@ int main(void)
         cmocka_unit_test_teardown(peer__that_stops_answering_bounds_what_is_begun,
                                   stop_peer),
         cmocka_unit_test(peer__of_another_user_is_not_spoken_to),
+        cmocka_unit_test_teardown(
+            peer__that_refuses_hello_has_not_answered_what_came_behind, stop_peer),
     };
 
     return cmocka_run_group_tests_name("peer", tests, NULL, NULL);
