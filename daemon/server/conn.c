@@ -300,7 +300,8 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
         close_fds(fds, fd_count);
         return;
     }
-    int status = conn->reply_count > 0
+    bool waits = conn->reply_count > 0 || conn->is_corked;
+    int status = waits
                      ? PCCD_E_AGAIN
                      : proto_send(conn->fd, message->data, message->bytes, fds, fd_count);
     if (status != PCCD_E_AGAIN) {
@@ -316,7 +317,7 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
         fail(conn, "the client does not read its replies");
     } else if (queue_reply(conn, message, fds, fd_count) != 0) {
         fail(conn, "no memory to queue a reply");
-    } else {
+    } else if (!conn->is_corked) {
         watch(conn);
     }
 }
@@ -394,13 +395,25 @@ static bool read_one(struct srv_conn *conn)
 }
 
 /* Few at a turn: 16 of them would serve two fifths more of messages that are sent many
- * ahead, and as many of others; but others' answers would be later by half. */
+ * ahead, and as many of others; but others' answers would be later by half.
+ *
+ * A client that comes back sends behind hello what had no answer. It is woken once for
+ * the answers to both, and not for that to hello alone: with a thousand clients at once a
+ * sixth of all switches between processes. */
 void srv_conn_read(struct srv_conn *conn)
 {
     if (conn->put_off != NULL) {
         return;
     }
+    conn->is_corked = conn->is_new;
+    conn->is_new = false;
     for (uint32_t i = 0; i < PROTO_MESSAGES_PER_TURN && read_one(conn); i++) {
+    }
+    if (conn->is_corked) {
+        conn->is_corked = false;
+        if (conn->fd >= 0 && conn->state != SRV_CONN_BROKEN) {
+            flush(conn);
+        }
     }
 }
 
@@ -457,6 +470,7 @@ int srv_conn_new(struct srv_loop *loop, int fd, const struct srv_peer *peer)
     }
     conn->loop = loop;
     conn->fd = fd;
+    conn->is_new = true;
     if (uv_poll_init(&loop->uv, &conn->poll, fd) != 0) {
         srv_closer_push(loop->closer, fd);
         free(conn);

@@ -48,6 +48,8 @@ struct srv_conn {
     struct srv_reply *reply_first;
     struct srv_reply *reply_last;
     uint32_t reply_count;
+    bool is_new;    /* nothing has been read yet */
+    bool is_corked; /* replies wait until what has come first is read */
 };
 
 /* A connection on an accepted, non-blocking socket. Takes `fd` over, also on failure.
