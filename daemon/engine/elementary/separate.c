@@ -27,8 +27,8 @@ INLINE ends most(ends a, ends b)
     return (ends)_mm_max_pd((__m128d)a, (__m128d)b);
 }
 
-/* At both ends? */
-INLINE bool is_less(ends a, ends b)
+/* At both ends? 1 or 0: answers are brought together without a branch. */
+INLINE unsigned is_less(ends a, ends b)
 {
     return _mm_movemask_pd(_mm_cmplt_pd((__m128d)a, (__m128d)b)) == 3;
 }
@@ -45,7 +45,7 @@ INLINE ends most(ends a, ends b)
     return (ends){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
 }
 
-INLINE bool is_less(ends a, ends b)
+INLINE unsigned is_less(ends a, ends b)
 {
     return a[0] < b[0] && a[1] < b[1];
 }
@@ -72,7 +72,7 @@ INLINE struct extent extent_of(const ends *x, int first, int last)
  * of both. */
 INLINE bool axis_separates(const ends x[3][4], int split, double *size)
 {
-    bool apart = false;
+    unsigned apart = 0;
     ends far = {0, 0};
 #pragma GCC unroll 3
     for (int axis = 0; axis < 3; axis++) {
@@ -82,7 +82,7 @@ INLINE bool axis_separates(const ends x[3][4], int split, double *size)
         far = most(far, most(a.high - b.low, b.high - a.low));
     }
     *size = far[0] > far[1] ? far[0] : far[1];
-    return apart;
+    return apart != 0;
 }
 
 /* Is one above the other along x + y or x - y? */
@@ -105,8 +105,8 @@ INLINE bool diagonal_separates(const ends x[4], const ends y[4], int split, ends
             rest.high = is_first ? d : most(rest.high, d);
         }
     }
-    return is_less(margin, sum.low) | is_less(margin, rest.low) |
-           is_less(sum.high, -margin) | is_less(rest.high, -margin);
+    return (is_less(margin, sum.low) | is_less(margin, rest.low) |
+            is_less(sum.high, -margin) | is_less(rest.high, -margin)) != 0;
 }
 
 INLINE bool separates(const struct eng_query *query, int split)
