@@ -285,3 +285,14 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     *result = r;
     return ENG_OK;
 }
+
+void eng_step_nothing(const struct eng_step_settings *settings,
+                      struct eng_step_result *result)
+{
+    *result = (struct eng_step_result){.mode = settings->mode,
+                                       .method = method_of(settings),
+                                       .incomplete = ENG_INCOMPLETE_DEADLINE,
+                                       .verdict = ENG_VERDICT_NONE,
+                                       .toi_first = 2};
+    eng_answer_nothing(result);
+}

@@ -191,4 +191,9 @@ struct eng_step_result {
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result);
 
+/* What it would say of a step that has to end before it begins: nothing was found. Of the
+ * settings, mode, method and scheduler matter. [any] */
+void eng_step_nothing(const struct eng_step_settings *settings,
+                      struct eng_step_result *result);
+
 #endif

@@ -3,7 +3,8 @@
  * Room:     server. See compute.h.
  * Does:     a mutex, a condition, lanes that wait for their turn, and a list of finished
  *           jobs.
- * Does not: hold the lock while a job runs or while `done` or `notify` are called.
+ * Does not: hold the lock while a job runs or while `done` or `notify` are called;
+ *           `change` takes no other.
  * Threads:  [loop] and [compute]; the mutex is the only lock of the server, so there is
  *           no lock order to keep.
  */
@@ -272,6 +273,18 @@ bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job)
     bool queued = job->state == SRV_JOB_QUEUED;
     if (queued) {
         unlink_job(compute, job);
+    }
+    unlock(compute);
+    return queued;
+}
+
+bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
+                       void (*change)(struct srv_job *job, void *context), void *context)
+{
+    lock(compute);
+    bool queued = job->state == SRV_JOB_QUEUED;
+    if (queued) {
+        change(job, context);
     }
     unlock(compute);
     return queued;

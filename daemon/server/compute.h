@@ -64,7 +64,7 @@ struct srv_job {
     srv_job_fn run;     /* [compute] */
     srv_job_fn done;    /* [loop]; may free the job */
     atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
-    bool goes_on; /* [compute] set by `run`: a part is done; call it again */
+    bool goes_on;       /* [compute] set by `run`: a part is done; call it again */
 };
 
 struct srv_compute {
@@ -107,6 +107,11 @@ void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
 /* Take a queued job out of its lane; its `run` and `done` are not called. false: it was
  * not queued any more. [loop] */
 bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job);
+
+/* Call `change` of a job that is queued, which cannot begin meanwhile; it stays where it
+ * is. false: it was not queued any more, and nothing was called. [loop] */
+bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
+                       void (*change)(struct srv_job *job, void *context), void *context);
 
 /* Call `done` of every finished job, in the order in which they finished. [loop] */
 uint32_t srv_compute_drain(struct srv_compute *compute);

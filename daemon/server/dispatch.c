@@ -110,6 +110,15 @@ void srv_dispatch_answer(struct srv_session *session, struct srv_request *reques
     answer(session, &question, &request->result, error, request->fds, fd_count);
 }
 
+void srv_dispatch_answer_early(struct srv_session *session,
+                               const struct srv_request *request, const void *result)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(session->state == SRV_SESSION_OPEN && !request->is_held);
+    const struct question question = {request->arrival_ns, request->id, request->method};
+    answer(session, &question, result, NULL, NULL, 0);
+}
+
 void srv_dispatch_violation(struct srv_session *session, int code, const char *text)
 {
     srv_assert_loop();
@@ -224,10 +233,11 @@ static int refuse_busy(struct srv_call *call)
     if ((proto_messages[call->method].flags & PROTO_F_COMPUTE) == 0) {
         return 0;
     }
-    if (call->session->request_count >= SRV_REQUESTS_MAX) {
+    uint32_t count = call->session->request_count - call->session->overdue_count;
+    if (count >= SRV_REQUESTS_MAX) {
         return proto_error_set(&call->error, PCCD_E_BUSY,
-                               "%u requests are in flight, no more than %u may be",
-                               call->session->request_count, SRV_REQUESTS_MAX);
+                               "%u requests are in flight, no more than %u may be", count,
+                               SRV_REQUESTS_MAX);
     }
     if (srv_session_request(call->session, call->id) != NULL) {
         return proto_error_set(&call->error, PCCD_E_STATE,

@@ -94,11 +94,12 @@ int srv_on_SHM_ATTACH(struct srv_call *call)
     struct srv_session *session = call->session;
     struct srv_loop *loop = session->loop;
     struct proto_SHM_ATTACH_result sizes = {0};
-    if (session->request_count > 0) {
+    uint32_t unanswered = session->request_count - session->overdue_count;
+    if (unanswered > 0) {
         return proto_error_set(&call->error, PCCD_E_STATE,
                                "a ring is attached only while nothing is in flight; %u "
                                "requests are",
-                               session->request_count);
+                               unanswered);
     }
     int status = srv_ring_sizes(&call->params.SHM_ATTACH, &sizes, &call->error);
     if (status != 0) {

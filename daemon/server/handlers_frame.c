@@ -5,6 +5,7 @@
  * Does not: hold back an answer that does not fit: a page is returned and a cursor.
  * Threads:  [loop], but for functions named work_ and their helpers.
  */
+#include <stdlib.h>
 #include <string.h>
 
 #include "call.h"
@@ -18,6 +19,10 @@
 #define TOLERANCE_DEFAULT 1e-6
 #define TOLERANCE_MIN     1e-12
 #define TOLERANCE_MAX     1.0
+
+/* Copied on [loop] out of the slot of a step that is answered before its turn: some
+ * 100 us. One that needs more is answered in its turn. */
+#define EARLY_BYTES_MAX (1u << 20)
 
 static_assert(sizeof(struct proto_FRAME_SUBMIT_result) ==
                   sizeof(struct proto_FRAME_FETCH_result),
@@ -76,14 +81,12 @@ static int write_page(struct srv_request *request, uint64_t first,
 /* ---- submit ------------------------------------------------------------------------ */
 
 /* Arrival plus the client's budget; 0: none. */
-static uint64_t deadline_of(const struct srv_request *request)
+static uint64_t deadline_of(uint64_t budget_ns, uint64_t arrival_ns)
 {
-    uint64_t budget_ns = request->params.FRAME_SUBMIT.deadline_ns;
     if (budget_ns == 0) {
         return 0;
     }
-    return budget_ns > UINT64_MAX - request->arrival_ns ? UINT64_MAX
-                                                        : request->arrival_ns + budget_ns;
+    return budget_ns > UINT64_MAX - arrival_ns ? UINT64_MAX : arrival_ns + budget_ns;
 }
 
 /* What the engine says of the step, in the wire's terms, but for the page. [compute] */
@@ -146,33 +149,40 @@ static void describe_sharing(const struct eng_step_settings *settings, uint32_t 
     }
 }
 
+/* The choices of a step, checked before. [any] */
+static void choose(const struct proto_FRAME_SUBMIT_request *submit,
+                   struct eng_step_settings *settings)
+{
+    settings->mode = (enum eng_mode)submit->mode;
+    settings->method = (enum eng_method)submit->method;
+    if (submit->scheduler != PCCD_SCHEDULER_DEFAULT) {
+        settings->scheduler = (enum eng_scheduler)(submit->scheduler - 1);
+    }
+    if (submit->high_level != PCCD_HIGH_LEVEL_DEFAULT) {
+        settings->high_level = (enum eng_high_level)(submit->high_level - 1);
+    }
+    if (submit->refit != PCCD_REFIT_DEFAULT) {
+        settings->refit = (enum eng_refit_scheme)(submit->refit - 1);
+    }
+}
+
 /* The engine's settings for a request that was checked. [compute] */
 static struct eng_step_settings settings_of(struct srv_request *request)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     const struct srv_options *options = request->session->loop->options;
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.mode = (enum eng_mode)submit->mode;
-    settings.method = (enum eng_method)submit->method;
+    choose(submit, &settings);
     settings.threads = submit->threads == 0 || submit->threads > options->threads_max
                            ? options->threads_max
                            : submit->threads;
     settings.tolerance = submit->tolerance == 0.0 ? TOLERANCE_DEFAULT : submit->tolerance;
-    settings.deadline_ns = deadline_of(request);
+    settings.deadline_ns = deadline_of(submit->deadline_ns, request->arrival_ns);
     settings.cancel = &request->job.cancel;
     settings.contact_max = options->contacts_max;
     settings.trace = request->session->loop->step_trace;
     settings.places =
         request->session->loop->is_pinned ? &request->session->loop->places : NULL;
-    if (submit->scheduler != PCCD_SCHEDULER_DEFAULT) {
-        settings.scheduler = (enum eng_scheduler)(submit->scheduler - 1);
-    }
-    if (submit->high_level != PCCD_HIGH_LEVEL_DEFAULT) {
-        settings.high_level = (enum eng_high_level)(submit->high_level - 1);
-    }
-    if (submit->refit != PCCD_REFIT_DEFAULT) {
-        settings.refit = (enum eng_refit_scheme)(submit->refit - 1);
-    }
     return settings;
 }
 
@@ -207,13 +217,64 @@ static int check_head(struct srv_request *request)
     return srv_ring_reserve(request->plan.ring, 1, 0, &page, &data, &request->error);
 }
 
+/* A step that was answered before its turn: it only moves what it moves. What goes wrong
+ * is what the next step of its scene is answered. [compute] */
+static int move_early(struct srv_request *request)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_scene *engine = NULL;
+    int status = srv_scene_engine(scene, &engine);
+    if (status != 0) {
+        status = proto_error_set(&request->error, status, "no memory for the scene");
+    } else {
+        eng_stage_begin(engine);
+        if (submit->segments > 0) {
+            status = srv_ring_stage_copy(request->copy, request->copy_bytes, submit,
+                                         scene, request->session->loop->segments,
+                                         &request->upload_bytes, &request->error);
+        }
+        if (status == 0) {
+            status = compute_step(request, engine);
+        }
+        if (status != 0) {
+            eng_stage_abort(engine);
+        }
+    }
+    if (status != 0) {
+        scene->owed = request->error;
+        return status;
+    }
+    request->result.FRAME_SUBMIT = scene->answer;
+    return 0;
+}
+
+/* What an earlier step could not be told any more. [compute] */
+static int take_owed(struct srv_request *request)
+{
+    struct srv_scene *scene = request->plan.scene;
+    int code = scene->owed.code;
+    if (code == 0) {
+        return 0;
+    }
+    request->error = scene->owed;
+    scene->owed.code = 0;
+    return code;
+}
+
 static int work_submit(struct srv_request *request)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_scene *scene = request->plan.scene;
     struct eng_scene *engine = NULL;
     uint64_t start_ns = srv_now_ns();
-    int status = check_head(request);
+    if (request->is_answered) {
+        return move_early(request);
+    }
+    int status = take_owed(request);
+    if (status == 0) {
+        status = check_head(request);
+    }
     if (status != 0) {
         return status;
     }
@@ -243,6 +304,43 @@ static int work_submit(struct srv_request *request)
     answer->ns_merge += end_ns - copy_ns;
     answer->ns_step += end_ns - copy_ns;
     return status;
+}
+
+/* It is to end, and others are still before it: the answer is known. [loop] */
+static void answer_submit_early(struct srv_request *request, enum pccd_incomplete why)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_session *session = request->session;
+    struct srv_quota *quota = &session->loop->quota;
+    const struct srv_ring *ring = request->plan.ring;
+    struct proto_error error = {0};
+    uint64_t bytes = 0;
+    uint8_t *copy = NULL;
+    if (submit->segments > 0) {
+        bytes = ring->slot_stride < EARLY_BYTES_MAX ? ring->slot_stride : EARLY_BYTES_MAX;
+        if (srv_quota_charge(quota, session->user, SRV_QUOTA_SHM_BYTES, bytes, &error) !=
+            0) {
+            return;
+        }
+        copy = srv_ring_copy_slot(ring, submit, bytes);
+    }
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result nothing;
+    struct proto_FRAME_SUBMIT_result answer;
+    choose(submit, &settings);
+    eng_step_nothing(&settings, &nothing);
+    describe(&nothing, &answer);
+    answer.incomplete = why;
+    answer.step = submit->step;
+    answer.ns_queue = srv_now_ns() - request->arrival_ns;
+    /* Storing it changes nothing. */
+    answer.release =
+        atomic_load_explicit(&ring->shared->result_head.value, memory_order_relaxed);
+    bool can = copy != NULL || submit->segments == 0;
+    if (!(can && srv_request_answer_early(request, &answer, copy, bytes)) && bytes > 0) {
+        free(copy);
+        srv_quota_refund(quota, session->user, SRV_QUOTA_SHM_BYTES, bytes);
+    }
 }
 
 static void finish_submit(struct srv_request *request)
@@ -336,7 +434,10 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
                             .finish = finish_submit,
                             .ring = ring,
                             .scene = scene,
-                            .takes_slot = submit->segments > 0};
+                            .takes_slot = submit->segments > 0,
+                            .answer_early = answer_submit_early,
+                            .deadline_ns =
+                                deadline_of(submit->deadline_ns, call->arrival_ns)};
     return srv_request_start(call, &plan);
 }
 

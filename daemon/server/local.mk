@@ -32,6 +32,7 @@ libserver_la_SOURCES = \
     daemon/server/metrics.c daemon/server/metrics.h \
     daemon/server/now.h \
     daemon/server/options.c daemon/server/options.h \
+    daemon/server/overdue.c daemon/server/overdue.h \
     daemon/server/priority.c daemon/server/priority.h \
     daemon/server/quota.c daemon/server/quota.h \
     daemon/server/region.c daemon/server/region.h \

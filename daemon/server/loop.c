@@ -59,6 +59,7 @@ static void close_handles(struct srv_loop *loop)
     close_if_open((uv_handle_t *)&loop->grace);
     close_if_open((uv_handle_t *)&loop->stopper);
     close_if_open((uv_handle_t *)&loop->linger.timer);
+    srv_overdue_close(&loop->overdue);
 }
 
 /* Close every connection; what a client has sent meanwhile is answered first, so that it
@@ -278,6 +279,7 @@ static int init_handles(struct srv_loop *loop)
     uv_timer_init(&loop->uv, &loop->grace);
     uv_prepare_init(&loop->uv, &loop->stopper);
     srv_linger_init(loop);
+    srv_overdue_init(&loop->overdue, &loop->uv);
     uv_signal_init(&loop->uv, &loop->sigterm);
     uv_signal_init(&loop->uv, &loop->sigint);
     loop->idle.data = loop;

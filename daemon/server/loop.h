@@ -22,6 +22,7 @@
 #include "log.h"
 #include "metrics.h"
 #include "options.h"
+#include "overdue.h"
 #include "place.h"
 #include "quota.h"
 #include "shm.h"
@@ -48,6 +49,7 @@ struct srv_loop {
     struct srv_quota quota;
     struct srv_metrics metrics;
     struct srv_linger linger;
+    struct srv_overdue overdue;
     struct srv_laststep *last_step; /* of any session; NULL: none yet */
     struct srv_tracing *tracing;    /* the one recording; NULL: none */
     struct eng_trace *step_trace;   /* [compute] what steps record to; NULL: nothing */

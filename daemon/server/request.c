@@ -15,6 +15,7 @@
 #include "invariant.h"
 #include "linger.h"
 #include "loop.h"
+#include "overdue.h"
 #include "session.h"
 
 int srv_request_ring(struct srv_call *call, struct srv_ring **ring)
@@ -57,7 +58,7 @@ void srv_request_return_slot(struct srv_request *request)
 static void conclude(struct srv_request *request)
 {
     srv_request_return_slot(request);
-    if (request->plan.ring != NULL) {
+    if (request->plan.ring != NULL && !request->is_answered) {
         srv_ring_done(request->plan.ring);
     }
 }
@@ -124,12 +125,24 @@ static void release(const struct srv_plan *plan)
     }
 }
 
+static void drop_copy(struct srv_request *request)
+{
+    struct srv_session *session = request->session;
+    if (request->copy != NULL) {
+        srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES,
+                         request->copy_bytes);
+        free(request->copy);
+        request->copy = NULL;
+    }
+}
+
 /* Answer, and let go of everything. [loop] */
 static void done(struct srv_job *job)
 {
     struct srv_request *request = (struct srv_request *)job;
     struct srv_session *session = request->session;
     srv_assert_loop();
+    srv_overdue_remove(&session->loop->overdue, request);
     if (request->plan.finish != NULL) {
         request->plan.finish(request);
     }
@@ -137,7 +150,10 @@ static void done(struct srv_job *job)
     if (request->status == PCCD_E_QUOTA && session->state == SRV_SESSION_OPEN) {
         (void)srv_linger_evict(session->loop, session->user); /* for the next try */
     }
-    srv_dispatch_answer(session, request);
+    if (!request->is_answered) {
+        srv_dispatch_answer(session, request);
+    }
+    drop_copy(request);
     release(&request->plan);
     srv_session_unlist(session, request);
     free(request);
@@ -178,6 +194,8 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
     request->params = call->params;
     request->fds[0] = -1;
     request->fds[1] = -1;
+    request->deadline_ns = plan->deadline_ns;
+    request->overdue_at = SRV_OVERDUE_NOWHERE;
     acquire(plan);
     srv_session_enlist(session, request);
     int status = enqueue(request);
@@ -189,7 +207,46 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
                                "%u requests wait to be computed already",
                                session->loop->options->queue_max);
     }
+    if (plan->deadline_ns != 0) {
+        srv_overdue_add(&session->loop->overdue, request);
+    }
     return SRV_LATER;
+}
+
+/* ---- before their turn ------------------------------------------------------------- */
+
+struct early {
+    uint8_t *copy;
+    uint64_t copy_bytes;
+};
+
+/* Locked: it cannot begin. */
+static void mark_answered(struct srv_job *job, void *context)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    const struct early *early = context;
+    request->is_answered = true;
+    request->copy = early->copy;
+    request->copy_bytes = early->copy_bytes;
+    srv_request_return_slot(request);
+}
+
+bool srv_request_answer_early(struct srv_request *request,
+                              const struct proto_FRAME_SUBMIT_result *result,
+                              uint8_t *copy, uint64_t copy_bytes)
+{
+    srv_assert_loop();
+    struct srv_session *session = request->session;
+    struct early early = {copy, copy_bytes};
+    if (!srv_compute_amend(&session->loop->compute, &request->job, mark_answered,
+                           &early)) {
+        return false;
+    }
+    session->submit_count--;
+    session->overdue_count++;
+    srv_ring_done(request->plan.ring);
+    srv_dispatch_answer_early(session, request, result);
+    return true;
 }
 
 /* Answer a request that has been taken out of its lane. */
@@ -202,10 +259,27 @@ static void take_back(struct srv_request *request)
     done(&request->job);
 }
 
+static void try_early(struct srv_request *request, enum pccd_incomplete why)
+{
+    const struct srv_session *session = request->session;
+    if (request->plan.answer_early != NULL && session->state == SRV_SESSION_OPEN &&
+        !request->is_held && !request->is_answered &&
+        session->overdue_count < SRV_OVERDUE_MAX) {
+        request->plan.answer_early(request, why);
+    }
+}
+
+void srv_request_overdue(struct srv_request *request)
+{
+    srv_assert_loop();
+    try_early(request, PCCD_INCOMPLETE_DEADLINE);
+}
+
 void srv_request_cancel(struct srv_request *request)
 {
     srv_assert_loop();
     atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
+    try_early(request, PCCD_INCOMPLETE_CANCELLED);
     if (request->method != PROTO_METHOD_FRAME_SUBMIT && dequeue(request)) {
         take_back(request);
     }

@@ -13,6 +13,8 @@
 #include "resource.h"
 #include "ringio.h"
 
+#define SRV_OVERDUE_NOWHERE UINT32_MAX
+
 struct srv_laststep;
 struct srv_replacement;
 struct srv_request;
@@ -37,6 +39,10 @@ struct srv_plan {
     uint32_t generation;                 /* likewise */
     uint32_t object;                     /* handle in `scene` */
     bool takes_slot; /* a slot of the ring, to be returned exactly once */
+    /* [loop] It still waits for its turn, and its deadline has come or it was cancelled:
+     * answer it (srv_request_answer_early), or leave it to its turn. NULL: it is left. */
+    void (*answer_early)(struct srv_request *request, enum pccd_incomplete why);
+    uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0: none */
 };
 
 struct srv_request {
@@ -58,6 +64,11 @@ struct srv_request {
     const uint8_t *payload;         /* [compute] likewise, in its slot */
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];                     /* to send with the answer and close; -1: none */
+    uint64_t deadline_ns;           /* [loop] as the plan's */
+    uint32_t overdue_at;            /* [loop] its place in overdue.h */
+    bool is_answered;               /* before its turn; changes only while it is queued */
+    uint8_t *copy;       /* likewise: of its slot, charged to its user; NULL: none */
+    uint64_t copy_bytes; /* likewise */
 };
 
 /* Admission: the session's ring, or PCCD_E_STATE with call->error set. [loop] */
@@ -65,6 +76,17 @@ int srv_request_ring(struct srv_call *call, struct srv_ring **ring);
 /* Admission: whether slot and sequence number can be those of a written slot. [loop] */
 int srv_request_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t slot,
                      uint64_t seq);
+
+/* Its deadline has come. [loop] */
+void srv_request_overdue(struct srv_request *request);
+
+/* Answer with `result` a request that still waits for its turn, when it will do what is
+ * left without an answer: out of `copy`, of malloc, charged as SRV_QUOTA_SHM_BYTES and
+ * taken over, in the place of its slot, which is returned. False: it has begun, and
+ * nothing has changed. [loop] */
+bool srv_request_answer_early(struct srv_request *request,
+                              const struct proto_FRAME_SUBMIT_result *result,
+                              uint8_t *copy, uint64_t copy_bytes);
 
 /* Queue a request for `call`. Returns SRV_LATER, or PCCD_E_BUSY or PCCD_E_NOMEM with
  * call->error set: then neither function of the plan is called. [loop] */
@@ -74,9 +96,9 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
  * [compute] */
 void srv_request_return_slot(struct srv_request *request);
 
-/* Stop it: a queued step still runs, with its flag set, and answers what it found;
- * another queued request is answered with PCCD_E_CANCELLED at once; a running one sees
- * the flag. [loop] */
+/* Stop it: a queued step is answered at once where that is possible (answer_early), and
+ * runs in its turn with its flag set; another queued request is answered with
+ * PCCD_E_CANCELLED at once; a running one sees the flag. [loop] */
 void srv_request_cancel(struct srv_request *request);
 
 /* The client is gone: stop it without an answer. [loop] */

@@ -78,7 +78,8 @@ struct srv_scene {
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
     uint32_t placed_count;
-    bool has_answer; /* `records` and `answer` are of the last step */
+    struct proto_error owed; /* of a step that was answered before; code 0: none */
+    bool has_answer;         /* `records` and `answer` are of the last step */
     const void *records;
     struct proto_FRAME_SUBMIT_result answer; /* but for the page */
 };

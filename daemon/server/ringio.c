@@ -298,6 +298,19 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
     return 0;
 }
 
+/* Copy the table and stage all of it. */
+static int stage(struct staging *staging, uint32_t segments, struct proto_segment *table,
+                 uint64_t *bytes)
+{
+    int status = 0;
+    memcpy(table, staging->payload, staging->table_bytes); /* the one read of the table */
+    for (uint32_t at = 0; at < segments && status == 0; at++) {
+        status = take_segment(staging, &table[at], at);
+    }
+    *bytes = staging->table_bytes + staging->copied;
+    return status;
+}
+
 int srv_ring_stage(struct srv_ring *ring,
                    const struct proto_FRAME_SUBMIT_request *request,
                    struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
@@ -321,14 +334,86 @@ int srv_ring_stage(struct srv_ring *ring,
             "a table of %u segments does not fit in a slot of %llu bytes",
             request->segments, (unsigned long long)ring->slot_stride);
     }
-    memcpy(table, staging.payload, staging.table_bytes); /* the one read of the table */
-    for (uint32_t at = 0; at < request->segments && status == 0; at++) {
-        status = take_segment(&staging, &table[at], at);
-    }
-    *bytes = staging.table_bytes + staging.copied;
+    status = stage(&staging, request->segments, table, bytes);
     /* A slot that changed explains any other complaint. */
     int torn = srv_ring_check_slot(ring, request->slot, request->seq, error);
     return torn != 0 ? torn : status;
+}
+
+int srv_ring_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
+                        const struct proto_FRAME_SUBMIT_request *request,
+                        struct srv_scene *scene, struct proto_segment *table,
+                        uint64_t *bytes, struct proto_error *error)
+{
+    srv_assert_compute();
+    struct staging staging = {
+        .scene = scene,
+        .payload = copy,
+        .payload_bytes = copy_bytes,
+        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .error = error,
+    };
+    PCCD_ASSERT(staging.table_bytes <= copy_bytes);
+    return stage(&staging, request->segments, table, bytes);
+}
+
+/* Where the last segment of a copied table ends; 0: something is wrong with one. */
+static uint64_t extent_of(const struct staging *staging, uint32_t segments)
+{
+    uint64_t extent = staging->table_bytes;
+    for (uint32_t at = 0; at < segments; at++) {
+        struct proto_segment segment;
+        uint64_t bytes = 0;
+        memcpy(&segment, staging->payload + at * sizeof segment, sizeof segment);
+        if (check_segment(staging, &segment, at, &bytes) != 0) {
+            return 0;
+        }
+        uint64_t end0 = segment.offset0 == 0 ? 0 : segment.offset0 + bytes;
+        uint64_t end1 = segment.offset1 + bytes;
+        extent = end0 > extent ? end0 : extent;
+        extent = end1 > extent ? end1 : extent;
+    }
+    return extent;
+}
+
+uint8_t *srv_ring_copy_slot(const struct srv_ring *ring,
+                            const struct proto_FRAME_SUBMIT_request *request,
+                            uint64_t bytes)
+{
+    PCCD_ASSERT(request->slot < ring->slot_count && bytes <= ring->slot_stride);
+    struct proto_error error = {0};
+    struct staging staging = {
+        .payload_bytes = bytes,
+        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .error = &error,
+    };
+    const uint8_t *payload = (const uint8_t *)ring->upload.base +
+                             sizeof(struct proto_upload) +
+                             request->slot * ring->slot_stride;
+    _Atomic uint64_t *seq = &ring->shared->slots[request->slot].seq;
+    /* Acquire, and the release half of the addition of 0: as in srv_ring_open_slot and
+     * srv_ring_check_slot. */
+    if (atomic_load_explicit(seq, memory_order_acquire) != request->seq ||
+        staging.table_bytes > staging.payload_bytes) {
+        return NULL;
+    }
+    uint8_t *copy = malloc(bytes);
+    if (copy == NULL) {
+        return NULL;
+    }
+    memcpy(copy, payload, staging.table_bytes);
+    staging.payload = copy;
+    uint64_t extent = extent_of(&staging, request->segments);
+    if (extent > 0) {
+        memcpy(copy + staging.table_bytes, payload + staging.table_bytes,
+               extent - staging.table_bytes);
+    }
+    if (extent == 0 ||
+        atomic_fetch_add_explicit(seq, 0, memory_order_acq_rel) != request->seq) {
+        free(copy);
+        return NULL;
+    }
+    return copy;
 }
 
 /* ---- results ----------------------------------------------------------------------- */

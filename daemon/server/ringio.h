@@ -56,6 +56,17 @@ int srv_ring_stage(struct srv_ring *ring,
                    const struct proto_FRAME_SUBMIT_request *request,
                    struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error);
+/* The same out of a copy of the slot. [compute] */
+int srv_ring_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
+                        const struct proto_FRAME_SUBMIT_request *request,
+                        struct srv_scene *scene, struct proto_segment *table,
+                        uint64_t *bytes, struct proto_error *error);
+/* A copy of the first `bytes` of the slot of a step, of malloc. NULL: the step uses more,
+ * there is no memory, or the slot is not as it must be: whoever stages it says what is
+ * wrong. [loop] */
+uint8_t *srv_ring_copy_slot(const struct srv_ring *ring,
+                            const struct proto_FRAME_SUBMIT_request *request,
+                            uint64_t bytes);
 
 /* A page for up to `wanted` items in the result region; *data is where they go, and
  * page->position becomes the offset that the client uses. PCCD_E_INVAL: the client's

@@ -147,7 +147,7 @@ void srv_session_detach(struct srv_session *session)
 
 void srv_session_enlist(struct srv_session *session, struct srv_request *request)
 {
-    PCCD_ASSERT(session->request_count < SRV_REQUESTS_MAX);
+    PCCD_ASSERT(session->request_count < SRV_REQUESTS_MAX + SRV_OVERDUE_MAX);
     request->prev = NULL;
     request->next = session->requests;
     if (request->next != NULL) {
@@ -171,7 +171,9 @@ void srv_session_unlist(struct srv_session *session, struct srv_request *request
         request->next->prev = request->prev;
     }
     session->request_count--;
-    session->submit_count -= request->method == PROTO_METHOD_FRAME_SUBMIT;
+    session->overdue_count -= request->is_answered;
+    session->submit_count -=
+        request->method == PROTO_METHOD_FRAME_SUBMIT && !request->is_answered;
     session->loop->request_count--;
 }
 
@@ -202,7 +204,7 @@ void srv_session_hold(struct srv_session *session)
 struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id)
 {
     struct srv_request *request = session->requests;
-    while (request != NULL && request->id != id) { /* at most SRV_REQUESTS_MAX */
+    while (request != NULL && (request->id != id || request->is_answered)) {
         request = request->next;
     }
     return request;

@@ -18,6 +18,7 @@
 #include "quota.h"
 
 #define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */
+#define SRV_OVERDUE_MAX  8u    /* of one session, answered before their turn, besides */
 #define SRV_SKIPPED_MAX  2048u /* places of a session's tables that may be left empty */
 #define SRV_REFUSED_MAX  16u   /* sessions, of all users, that wait to hear so */
 
@@ -68,9 +69,10 @@ struct srv_session {
     struct srv_lane page_lane;    /* of loop->pages: its rings, which nothing uses */
     struct srv_request *requests; /* in flight, newest first */
     uint32_t request_count;
-    uint32_t submit_count; /* of these, steps */
-    uint32_t reap_count;   /* resources that are being freed */
-    uint32_t scene_count;  /* scenes in memory, those being freed too */
+    uint32_t overdue_count; /* of these, steps that were answered before their turn */
+    uint32_t submit_count;  /* other steps */
+    uint32_t reap_count;    /* resources that are being freed */
+    uint32_t scene_count;   /* scenes in memory, those being freed too */
 };
 
 /* A session for a new connection of `peer`. It is REFUSED when the user's quota of

@@ -8,6 +8,7 @@ integration_names = \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
     tests/integration/test_int_orphan \
+    tests/integration/test_int_overdue \
     tests/integration/test_int_peer \
     tests/integration/test_int_quota \
     tests/integration/test_int_replace \
@@ -53,6 +54,9 @@ tests_integration_test_int_hostile_SOURCES = tests/integration/test_int_hostile.
 tests_integration_test_int_hostile_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_hostile_LDADD = $(integration_libs)
 
+tests_integration_test_int_overdue_SOURCES = tests/integration/test_int_overdue.c
+tests_integration_test_int_overdue_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_overdue_LDADD = $(integration_libs)
 tests_integration_test_int_orphan_SOURCES = tests/integration/test_int_orphan.c
 tests_integration_test_int_orphan_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_orphan_LDADD = $(integration_libs)

@@ -410,6 +410,36 @@ static void compute__removed_jobs_do_not_run(void **state)
                 place_of(fixture, 4) < 4);
 }
 
+static void count_change(struct srv_job *job, void *context)
+{
+    (void)job;
+    ++*(int *)context;
+}
+
+/* If it failed, a request would be answered at its deadline while it is computed, and
+ * again when it is done. */
+static void compute__only_queued_jobs_are_changed(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lane;
+    struct named_job gate;
+    struct named_job job;
+    int changes = 0;
+    open_lanes(&fixture->group, &lane, 1);
+    block(fixture, &lane, &gate);
+    name_job(&job, fixture, 0, run_named);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &job.job), 0);
+    assert_true(srv_compute_amend(&fixture->compute, &job.job, count_change, &changes));
+    assert_false(srv_compute_amend(&fixture->compute, &gate.job, count_change, &changes));
+    assert_int_equal(changes, 1);
+    sem_post(&fixture->gate);
+    drain(fixture, 2);
+    assert_false(srv_compute_amend(&fixture->compute, &job.job, count_change, &changes));
+    srv_compute_stop(&fixture->compute);
+    assert_int_equal(changes, 1);
+    assert_int_equal(fixture->run_count, 1);
+}
+
 /* A step that never sees its flag would hold up every other session. */
 static void compute__running_job_sees_its_cancel_flag(void **state)
 {
@@ -460,6 +490,7 @@ int main(void)
         TEST(compute__a_job_can_be_removed_between_its_parts),
         TEST(compute__queue_is_bounded_but_not_for_reaping),
         TEST(compute__removed_jobs_do_not_run),
+        TEST(compute__only_queued_jobs_are_changed),
         TEST(compute__running_job_sees_its_cancel_flag),
         TEST(compute__completions_are_batched),
     };

@@ -27,6 +27,11 @@
 #define GENEROUS_TIMES 20.0
 #define GENEROUS_MS    100.0
 
+/* With --long: p99 beside, against alone or, where that is more, against processes that
+ * burn as much of the processors as the animals themselves, which no daemon can prevent:
+ * what is above is the daemon's fault. */
+#define FAULT_TIMES 2.0
+
 static const struct zoo_animal animals[] = {
     {"says nothing", zoo_says_nothing, true, 0, 0},
     {"never reads", zoo_never_reads, false, 0, 0},
@@ -146,6 +151,8 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
     report(animal, acts, &rounds, heap_of_each(&before, &during));
     assert_true(rounds.beside.p99_ms <=
                 GENEROUS_TIMES * rounds.alone.p99_ms + GENEROUS_MS);
+    assert_true(!is_long || rounds.beside.p99_ms <= FAULT_TIMES * rounds.alone.p99_ms ||
+                rounds.beside.p99_ms <= FAULT_TIMES * rounds.burned.p99_ms);
 #ifndef PCCD_SANITIZED /* red zones and shadows are heap, too */
     assert_true(heap_of_each(&before, &during) <= HEAP_MAX);
 #endif

@@ -25,4 +25,7 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
 void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result);
 
+/* The hash of an answer without records and without a verdict. [any] */
+void eng_answer_nothing(struct eng_step_result *result);
+
 #endif

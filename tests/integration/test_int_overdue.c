@@ -1,0 +1,257 @@
+/* test_int_overdue.c - steps that have to end before their turn.
+ *
+ * Room:     tests/integration. May include: proto, pccd.h, tests/support.
+ * Does:     let steps wait behind long ones, with deadlines that come too soon and with
+ *           cancels: they are answered at once, move what they move, and what goes wrong
+ *           later is not lost.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "fixture.h"
+#include "grid.h"
+#include "raw.h"
+
+#define SIDE         250u /* a step of 20 ms and more; its slot is copied: 750 KB */
+#define SIDE_LARGE   320u /* one that is not: 1.2 MB */
+#define DEADLINE_NS  1000000u
+#define RESULT_BYTES (32u << 20)
+#define GENEROUS_US  250000 /* the aim is 2 ms, of a machine that is left alone */
+#define TRIES        20
+
+static struct test_grid grid;
+static struct pccd_client *client;
+
+static int start_with(void **state, uint32_t side)
+{
+    struct pccd_options options;
+
+    if (test_shared_start(state) != 0) {
+        return -1;
+    }
+    pccd_options_init(&options);
+    options.url = test_shared.url;
+    options.timeout_ms = 60000;
+    options.result_bytes = RESULT_BYTES;
+    return pccd_connect(&options, &client) == 0 ? test_grid_make(client, side, &grid)
+                                                : -1;
+}
+
+static int start(void **state)
+{
+    return start_with(state, SIDE);
+}
+
+static int start_large(void **state)
+{
+    return start_with(state, SIDE_LARGE);
+}
+
+static int stop(void **state)
+{
+    pccd_close(client);
+    test_grid_free(&grid);
+    return test_shared_stop(state);
+}
+
+static void take(uint64_t step, struct pccd_answer *answer)
+{
+    assert_int_equal(pccd_wait(client, step, 60000, answer), 0);
+    assert_int_equal(answer->status, 0);
+}
+
+static void expect_whole(uint64_t step)
+{
+    struct pccd_answer answer;
+
+    take(step, &answer);
+    assert_true(test_grid_is_right(&grid, &answer));
+    pccd_answer_release(client, &answer);
+}
+
+static void expect_nothing(uint64_t step, enum pccd_incomplete why)
+{
+    struct pccd_answer answer;
+
+    take(step, &answer);
+    assert_int_equal(answer.incomplete, why);
+    assert_int_equal(answer.total, 0);
+    assert_int_equal(answer.count, 0);
+    assert_true(answer.contacts == NULL);
+    pccd_answer_release(client, &answer);
+}
+
+static bool is_answered(uint64_t step)
+{
+    struct pccd_answer answer;
+
+    if (pccd_wait(client, step, 0, &answer) == PCCD_E_AGAIN) {
+        return false;
+    }
+    fail_msg("a long step was answered before one that need not be computed");
+    return true;
+}
+
+/* If it failed, a client that shares the daemon with long steps would get no answer when
+ * it can still use it; or would find later that a motion was lost. */
+static void overdue__step_is_answered_at_its_deadline(void **state)
+{
+    const struct pccd_step_settings settings = {.deadline_ns = DEADLINE_NS};
+    uint64_t before[2];
+    uint64_t overdue;
+    uint64_t after;
+    uint64_t begin_us;
+
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(test_grid_submit(&grid, NULL, &before[0]), 0);
+        assert_int_equal(test_grid_submit(&grid, NULL, &before[1]), 0);
+        assert_int_equal(test_grid_submit(&grid, &settings, &overdue), 0);
+        begin_us = test_now_us();
+        expect_nothing(overdue, PCCD_INCOMPLETE_DEADLINE);
+        begin_us += DEADLINE_NS / 1000;
+        printf("# answered %lld us after its deadline\n",
+               (long long)(test_now_us() - begin_us));
+        assert_false(is_answered(before[1]));
+        assert_true((int64_t)(test_now_us() - begin_us) <= GENEROUS_US);
+        /* Through a slot that was free again, and from where the motion has led. */
+        assert_int_equal(test_grid_submit(&grid, NULL, &after), 0);
+        expect_whole(before[0]);
+        expect_whole(before[1]);
+        expect_whole(after);
+    }
+}
+
+/* The same for a client that changes its mind. */
+static void overdue__step_is_answered_when_it_is_cancelled(void **state)
+{
+    uint64_t before[2];
+    uint64_t cancelled;
+    uint64_t after;
+
+    (void)state;
+    assert_int_equal(test_grid_submit(&grid, NULL, &before[0]), 0);
+    assert_int_equal(test_grid_submit(&grid, NULL, &before[1]), 0);
+    assert_int_equal(test_grid_submit(&grid, NULL, &cancelled), 0);
+    assert_int_equal(pccd_cancel(client, cancelled), 0);
+    expect_nothing(cancelled, PCCD_INCOMPLETE_CANCELLED);
+    assert_false(is_answered(before[1]));
+    assert_int_equal(test_grid_submit(&grid, NULL, &after), 0);
+    expect_whole(before[0]);
+    expect_whole(before[1]);
+    expect_whole(after);
+}
+
+/* If it failed, the loop would copy for as long as others wait for it, or the positions
+ * of a large step would be lost. */
+static void overdue__large_step_is_answered_in_its_turn(void **state)
+{
+    const struct pccd_step_settings settings = {.deadline_ns = DEADLINE_NS};
+    uint64_t before;
+    uint64_t overdue;
+    uint64_t after;
+    struct pccd_answer answer;
+
+    (void)state;
+    assert_int_equal(test_grid_submit(&grid, NULL, &before), 0);
+    assert_int_equal(test_grid_submit(&grid, &settings, &overdue), 0);
+    take(overdue, &answer);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    pccd_answer_release(client, &answer);
+    expect_whole(before);
+    assert_int_equal(test_grid_submit(&grid, NULL, &after), 0);
+    expect_whole(after);
+}
+
+/* ---- what goes wrong later --------------------------------------------------------- */
+
+static struct test_raw raw;
+
+static uint32_t add_object(uint32_t scene, uint32_t mesh)
+{
+    struct proto_SCENE_ADD_request add = {.scene = scene, .mesh = mesh};
+    struct proto_SCENE_ADD_result added;
+
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    return added.object;
+}
+
+/* A step of an object that a request before it removes. Returns as test_raw_call. */
+static int submit_doomed(uint32_t scene, uint32_t object,
+                         struct proto_FRAME_SUBMIT_result *result)
+{
+    const struct proto_SCENE_REMOVE_request remove = {.scene = scene, .object = object};
+    const struct proto_segment segment = {
+        .object = object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
+    struct proto_FRAME_SUBMIT_request submit = {
+        .scene = scene, .segments = 1, .deadline_ns = DEADLINE_NS};
+    uint32_t id;
+
+    memcpy(test_raw_payload(&raw, 0), &segment, sizeof(segment));
+    memcpy(test_raw_payload(&raw, 0) + 32, test_triangle_x, sizeof(test_triangle_x));
+    submit.seq = test_raw_publish(&raw, 0);
+    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_SCENE_REMOVE, &remove), 0);
+    id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
+    return test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, result);
+}
+
+/* If it failed, a client that was told of the deadline only would go on from positions
+ * that the daemon has not. */
+static void overdue__what_goes_wrong_later_is_said_by_the_next_step(void **state)
+{
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_FRAME_SUBMIT_request still = {.segments = 0};
+    struct proto_FRAME_SUBMIT_result result;
+    uint32_t mesh = 0;
+    int rc = PCCD_E_HANDLE;
+
+    (void)state;
+    assert_true(test_raw_open(&raw, test_shared.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_attach(&raw, 2, 65536), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
+                     0);
+    assert_int_equal(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh), 0);
+    still.scene = created.scene;
+    /* Once in a while the long step ends at once, and it is told in its turn. */
+    for (int i = 0; i < TRIES && rc == PCCD_E_HANDLE; i++) {
+        uint32_t object = add_object(created.scene, mesh);
+        uint64_t step;
+
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        rc = submit_doomed(created.scene, object, &result);
+        expect_whole(step);
+    }
+    assert_int_equal(rc, 0);
+    assert_int_equal(result.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result),
+                     PCCD_E_HANDLE);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result), 0);
+    assert_int_equal(result.incomplete, PCCD_COMPLETE);
+    test_raw_close(&raw);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(overdue__step_is_answered_at_its_deadline, start,
+                                        stop),
+        cmocka_unit_test_setup_teardown(overdue__step_is_answered_when_it_is_cancelled,
+                                        start, stop),
+        cmocka_unit_test_setup_teardown(overdue__large_step_is_answered_in_its_turn,
+                                        start_large, stop),
+        cmocka_unit_test_setup_teardown(
+            overdue__what_goes_wrong_later_is_said_by_the_next_step, start, stop),
+    };
+
+    return cmocka_run_group_tests_name("overdue", tests, NULL, NULL);
+}
