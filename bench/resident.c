@@ -94,6 +94,7 @@ void bench_world_step(struct bench_world *world, const struct bench_frames *fram
 {
     const struct bench_scene *source = world->source;
     eng_stage_begin(world->scene);
+    eng_stage_share(world->scene, settings->threads, settings->places);
     for (uint32_t i = 0; i < source->object_count; i++) {
         const void *x0 = bench_frames_x(frames, 0, i);
         const void *x1 = bench_frames_x(frames, 1, i);

@@ -186,6 +186,14 @@ static struct eng_step_settings settings_of(struct srv_request *request)
     return settings;
 }
 
+/* Positions of a step may be copied by the threads that will compute it. [compute] */
+static void begin_staging(struct srv_request *request, struct eng_scene *engine)
+{
+    struct eng_step_settings settings = settings_of(request);
+    eng_stage_begin(engine);
+    eng_stage_share(engine, settings.threads, settings.places);
+}
+
 /* Run the staged step and keep its result in the scene. [compute] */
 static int compute_step(struct srv_request *request, struct eng_scene *engine)
 {
@@ -228,7 +236,7 @@ static int move_early(struct srv_request *request)
     if (status != 0) {
         status = proto_error_set(&request->error, status, "no memory for the scene");
     } else {
-        eng_stage_begin(engine);
+        begin_staging(request, engine);
         if (submit->segments > 0) {
             status = srv_ring_stage_copy(request->copy, request->copy_bytes, submit,
                                          scene, request->session->loop->segments,
@@ -282,7 +290,7 @@ static int work_submit(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status, "no memory for the scene");
     }
-    eng_stage_begin(engine);
+    begin_staging(request, engine);
     if (submit->segments > 0) {
         status = srv_ring_stage(request->plan.ring, submit, scene,
                                 request->session->loop->segments, &request->upload_bytes,

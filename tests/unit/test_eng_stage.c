@@ -427,6 +427,55 @@ static void stage__objects_neither_come_nor_go_while_staging(void **state)
     check_standing(f); /* the arrays have grown, the others stay */
 }
 
+/* Scenes with one sheet of 101 x 101 vertices, which several threads copy. */
+#define LARGE_SIDE 100u
+#define LARGE_V    ((LARGE_SIDE + 1) * (LARGE_SIDE + 1))
+
+static struct eng_scene *large_scene(void)
+{
+    struct eng_scene *scene;
+    uint32_t idx;
+    struct eng_mesh *mesh = kit_sheet(LARGE_SIDE, 0);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), ENG_OK);
+    assert_int_equal(eng_scene_vertex_count(scene, idx), LARGE_V);
+    eng_mesh_release(mesh);
+    return scene;
+}
+
+/* If it failed: a large object would be somewhere else when several threads copy its
+ * positions, or a bad coordinate among them would pass. */
+static void stage__a_team_copies_what_one_thread_does(void **state)
+{
+    (void)state;
+    static double x[2][LARGE_V][3];
+    struct kit_random random = {11};
+    for (uint32_t threads = 1; threads <= 4; threads++) {
+        struct eng_scene *scene = large_scene();
+        fill(&random, x[0], LARGE_V);
+        fill(&random, x[1], LARGE_V);
+        eng_stage_begin(scene);
+        eng_stage_share(scene, threads, NULL);
+        assert_int_equal(eng_stage_x0x1(scene, 0, ENG_F64, 0, LARGE_V, x[0], x[1]),
+                         ENG_OK);
+        assert_int_equal(run(scene), ENG_OK);
+        assert_memory_equal(end_of(scene, 0, 0), x[0], sizeof x[0]);
+        assert_memory_equal(end_of(scene, 0, 1), x[1], sizeof x[1]);
+        for (uint32_t bad = 0; bad < LARGE_V; bad += LARGE_V / 7) {
+            double kept = x[0][bad][1];
+            x[0][bad][1] = NAN;
+            eng_stage_begin(scene);
+            eng_stage_share(scene, threads, NULL);
+            assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, LARGE_V, x[0]),
+                             ENG_E_NOTFINITE);
+            eng_stage_abort(scene);
+            x[0][bad][1] = kept;
+        }
+        assert_memory_equal(end_of(scene, 0, 1), x[1], sizeof x[1]);
+        eng_scene_free(scene);
+    }
+}
+
 #define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
 
 int main(void)
@@ -444,6 +493,7 @@ int main(void)
         TEST(stage__ranges_outside_the_object_are_refused),
         TEST(stage__refused_settings_leave_positions_as_before),
         TEST(stage__objects_neither_come_nor_go_while_staging),
+        cmocka_unit_test(stage__a_team_copies_what_one_thread_does),
     };
     return cmocka_run_group_tests_name("eng_stage", tests, NULL, NULL);
 }

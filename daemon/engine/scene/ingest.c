@@ -4,15 +4,22 @@
  * Does:     memcpy a block into cache-resident private memory, then convert and check
  *           that copy. The compiler barrier after the memcpy forbids re-reading the
  *           source.
- * Threads:  [any].
+ * Threads:  [any]; by a team: [compute].
  */
 #include "ingest.h"
 
+#include <omp.h>
+#include <stdatomic.h>
 #include <string.h>
 
 #include "kernel.h"
 
 #define BLOCK 512u /* vertices a block: 12 KiB of doubles, half of a small L1 cache */
+
+/* Positions that a thread of a team takes at a time, some 10 us, and those from which on
+ * a team is woken: the step that follows needs it. */
+#define TEAM_CHUNK 2048u
+#define TEAM_MIN   8192u
 
 /* Copy once: the compiler may not assume that `from` still holds the same bytes. */
 static void copy_once(void *to, const void *from, size_t bytes)
@@ -46,6 +53,43 @@ int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t coun
         done += n;
     }
     return ENG_OK;
+}
+
+/* Positions first .. of a team's copy. */
+static int ingest_chunk(double (*out)[3], enum eng_format format, uint32_t count,
+                        const void *source, uint32_t first)
+{
+    size_t bytes = format == ENG_F64 ? 24 : 12;
+    uint32_t n = count - first < TEAM_CHUNK ? count - first : TEAM_CHUNK;
+    return eng_ingest_positions(out + first, format, n,
+                                (const unsigned char *)source + first * bytes);
+}
+
+int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
+                       const void *source, struct eng_copiers copiers)
+{
+    if (copiers.threads < 2 || count < TEAM_MIN) {
+        return eng_ingest_positions(out, format, count, source);
+    }
+    uint32_t chunks = (count + TEAM_CHUNK - 1) / TEAM_CHUNK;
+    uint32_t threads = copiers.threads;
+    atomic_uint next;
+    atomic_int status;
+    atomic_init(&next, 0);
+    atomic_init(&status, ENG_OK);
+#pragma omp parallel num_threads((int)threads)
+    {
+        eng_place_thread(copiers.places, (uint32_t)omp_get_thread_num(),
+                         (uint32_t)omp_get_num_threads());
+        for (uint32_t i = atomic_fetch_add_explicit(&next, 1, memory_order_relaxed);
+             i < chunks; i = atomic_fetch_add_explicit(&next, 1, memory_order_relaxed)) {
+            int failed = ingest_chunk(out, format, count, source, i * TEAM_CHUNK);
+            if (failed != ENG_OK) {
+                atomic_store_explicit(&status, failed, memory_order_relaxed);
+            }
+        }
+    } /* the end of the region orders all copies before what follows */
+    return atomic_load_explicit(&status, memory_order_relaxed);
 }
 
 int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_count,

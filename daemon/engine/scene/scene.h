@@ -16,6 +16,9 @@
 
 #include "mesh.h"
 
+#define ENG_THREADS_MAX 256u /* of one step */
+
+struct eng_places;
 struct eng_scene;
 
 /* How hierarchies are built. The answer does not depend on it. */
@@ -86,6 +89,11 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene);
  * Sources may be memory that another process writes: each byte is read once. */
 void eng_stage_begin(struct eng_scene *scene);
 void eng_stage_abort(struct eng_scene *scene);
+
+/* After begin: `threads` may copy what follows, placed as those of a step are (step.h);
+ * 1 and NULL unless this is called. */
+void eng_stage_share(struct eng_scene *scene, uint32_t threads,
+                     const struct eng_places *places);
 
 /* End positions; the start is the last end. `x1`: packed [count][3] in `format`. */
 int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,

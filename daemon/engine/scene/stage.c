@@ -4,7 +4,7 @@
  * Does:     end positions go straight into the buffer that becomes t = 1; the buffer that
  *           holds the current positions is not touched before commit, so an aborted step
  *           leaves no trace. Given start positions wait in a third buffer for the commit.
- * Threads:  [compute].
+ * Threads:  [compute], which copies many positions with a team.
  */
 #include "stage.h"
 
@@ -22,7 +22,15 @@ void eng_stage_begin(struct eng_scene *scene)
     scene->staging = true;
     scene->stage++;
     scene->stage_ns = 0;
+    scene->copiers = (struct eng_copiers){1, NULL};
     scene->write_count = 0;
+}
+
+void eng_stage_share(struct eng_scene *scene, uint32_t threads,
+                     const struct eng_places *places)
+{
+    scene->copiers = (struct eng_copiers){
+        threads < ENG_THREADS_MAX ? threads : ENG_THREADS_MAX, places};
 }
 
 void eng_stage_abort(struct eng_scene *scene)
@@ -98,7 +106,8 @@ int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format f
     int status = open_write(scene, object_idx, first, count, false);
     if (status == ENG_OK) {
         uint32_t v = scene->objects[object_idx].vertices.first + first;
-        status = eng_ingest_positions(scene->x[1 - scene->now] + v, format, count, x1);
+        status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
+                                    scene->copiers);
     }
     scene->stage_ns += eng_now_ns() - begin_ns;
     return status;
@@ -111,10 +120,10 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format
     int status = open_write(scene, object_idx, first, count, true);
     if (status == ENG_OK) {
         uint32_t v = scene->objects[object_idx].vertices.first + first;
-        status = eng_ingest_positions(scene->start + v, format, count, x0);
+        status = eng_ingest_by_team(scene->start + v, format, count, x0, scene->copiers);
         if (status == ENG_OK) {
-            status =
-                eng_ingest_positions(scene->x[1 - scene->now] + v, format, count, x1);
+            status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
+                                        scene->copiers);
         }
     }
     scene->stage_ns += eng_now_ns() - begin_ns;

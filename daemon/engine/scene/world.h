@@ -1,7 +1,7 @@
 /* daemon/engine/scene/world.h - the inside of a scene: flat arrays over all its objects.
  *
- * Room:     engine. May include: aabb.h, median.h, range.h, scene.h, topology.h,
- *           wide.h.
+ * Room:     engine. May include: aabb.h, ingest.h, median.h, range.h, scene.h,
+ *           topology.h, wide.h.
  * Does:     show struct eng_scene to the phases of a step: build, merge, refit,
  *           traversal, filter, solver, results.
  * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
@@ -17,6 +17,7 @@
 #include <stdatomic.h>
 
 #include "aabb.h"
+#include "ingest.h"
 #include "median.h"
 #include "range.h"
 #include "scene.h"
@@ -122,7 +123,7 @@ struct eng_scene {
     struct eng_object *objects;
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;
-    uint64_t triangle_count; /* of all objects */
+    uint64_t triangle_count;       /* of all objects */
     struct eng_replaced *replaced; /* not settled yet */
     uint32_t replaced_count;
     uint32_t replaced_capacity;
@@ -142,8 +143,7 @@ struct eng_scene {
      * is t = 0 and x[now] is t = 1. */
     double (*x[2])[3];
     unsigned now;
-    double (
-        *start)[3]; /* x0 of the step being staged, where given; allocated on first use */
+    double (*start)[3]; /* x0 of the step being staged, where given */
     uint32_t start_capacity;
 
     /* Of the method paper (tree/object.c). */
@@ -168,9 +168,9 @@ struct eng_scene {
     bool staging;
     uint64_t stage;
     uint64_t stage_ns;
-    struct eng_write *writes;
-    uint32_t write_count;
-    uint32_t write_capacity;
+    struct eng_copiers copiers; /* of its writes */
+    struct eng_write *writes;   /* [write_capacity] */
+    uint32_t write_count, write_capacity;
 
     struct eng_step_memory *memory;
     uint64_t builds; /* hierarchies built since the scene was made */

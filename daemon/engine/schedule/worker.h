@@ -21,8 +21,6 @@
 #include "units.h"
 #include "world.h"
 
-#define ENG_THREADS_MAX 256u /* of one step */
-
 /* Candidates of one kind on their way from traversal to tests. Global indices; VF: vertex
  * and triangle, EE: two edges, the one that records name first in front. */
 struct eng_chunk {
