@@ -259,12 +259,20 @@ static void take_back(struct srv_request *request)
     done(&request->job);
 }
 
+static void leave(struct srv_job *job, void *context)
+{
+    (void)job;
+    (void)context;
+}
+
+/* Not one that runs: it ends by itself, and its slot would be copied for nothing. */
 static void try_early(struct srv_request *request, enum pccd_incomplete why)
 {
-    const struct srv_session *session = request->session;
+    struct srv_session *session = request->session;
     if (request->plan.answer_early != NULL && session->state == SRV_SESSION_OPEN &&
         !request->is_held && !request->is_answered &&
-        session->overdue_count < SRV_OVERDUE_MAX) {
+        session->overdue_count < SRV_OVERDUE_MAX &&
+        srv_compute_amend(&session->loop->compute, &request->job, leave, NULL)) {
         request->plan.answer_early(request, why);
     }
 }
