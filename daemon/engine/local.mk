@@ -96,6 +96,8 @@ libengine_la_SOURCES = \
     daemon/engine/schedule/schedule_paper.c \
     daemon/engine/schedule/schedule_serial.c \
     daemon/engine/schedule/schedule_steal.c \
+    daemon/engine/schedule/seat.c \
+    daemon/engine/schedule/seat.h \
     daemon/engine/schedule/share.h \
     daemon/engine/schedule/taskunit.c \
     daemon/engine/schedule/taskunit.h \

@@ -22,11 +22,11 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
  * descriptors. */
 void srv_dispatch_answer(struct srv_session *session, struct srv_request *request);
 
-/* The client broke the rules of the stream: tell it why, with message id 0, and close. */
 /* Answer with `result` a request that goes on nevertheless. [loop] */
 void srv_dispatch_answer_early(struct srv_session *session,
                                const struct srv_request *request, const void *result);
 
+/* The client broke the rules of the stream: tell it why, with message id 0, and close. */
 void srv_dispatch_violation(struct srv_session *session, int code, const char *text);
 
 /* Refuse a client beyond its user's quota: sets call->error, fatal, and returns it. */

@@ -1,6 +1,6 @@
 /* tests/unit/test_eng_place.c - where the threads of a team run.
  *
- * Room:     engine (place.h, step.h).
+ * Room:     engine (place.h, seat.h, step.h).
  * Does:     ask the kernel where the threads of regions may run and do run.
  * Does not: check anything with a single processor.
  * Threads:  a new one for each test, since a thread that opens regions is bound too; its
@@ -17,6 +17,7 @@
 #include <time.h>
 
 #include "place.h"
+#include "seat.h"
 
 #define TEAM_MAX 64u
 
@@ -239,7 +240,7 @@ static void pause_us(long us)
 static void work(struct lending *lending)
 {
     uint64_t end_ns = thread_ns() + lending->work_ns;
-    eng_place_set_waiting(&lending->places, 1, lending->work_ns == 0);
+    eng_seat_set_waiting(&lending->places, 1, lending->work_ns == 0);
     atomic_store(&lending->is_ready, true);
     if (lending->work_ns == 0) {
         pause_us(20000);
@@ -256,7 +257,7 @@ static void work(struct lending *lending)
 static void *lend(void *data)
 {
     struct lending *lending = data;
-    struct eng_place_look look = {0, 0};
+    struct eng_seat_look look = {0, 0};
 #pragma omp parallel num_threads(2)
     {
         uint32_t thread = (uint32_t)omp_get_thread_num();
@@ -266,7 +267,7 @@ static void *lend(void *data)
         }
         while (thread == 0 && !atomic_load(&lending->is_done)) {
             if (atomic_load(&lending->is_ready)) {
-                lending->moved += eng_place_lend(&lending->places, 0, 2, &look);
+                lending->moved += eng_seat_lend(&lending->places, 0, 2, &look);
             }
             pause_us(50);
         }

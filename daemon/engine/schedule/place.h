@@ -4,13 +4,12 @@
  * Does:     give every thread of the team a processor of its own, among those that the
  *           process may use. Without it the kernel was seen to leave two threads on one
  *           processor, and the runtime's own binding would bind the other threads too.
- *           Let a thread that waits for another, whose processor somebody else has taken,
- *           lend it its own: theirs may be free at the next tick, but a tick is 4 ms.
  * Threads:  functions say.
  */
 #ifndef ENG_PLACE_H
 #define ENG_PLACE_H
 
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -19,12 +18,6 @@
 struct eng_places {
     uint32_t count; /* processors the process may use; 0: unknown, nobody is placed */
     uint16_t cpu[ENG_PLACES_MAX];
-};
-
-/* How far one that waits has got with looking at the others. All zero: not begun. */
-struct eng_place_look {
-    uint32_t mate;   /* of the others, from the next one on */
-    uint64_t ran_ns; /* of a processor it had had at the last look; 0: not looked at */
 };
 
 /* The processors that the calling thread may use. Before it is placed. The runtime sets
@@ -40,20 +33,13 @@ void eng_places_init(struct eng_places *places);
 void eng_place_thread(const struct eng_places *places, uint32_t thread,
                       uint32_t team_count);
 
-/* It was lent a processor, and others no longer wait for it: back to its own. Costs a
- * comparison otherwise. [team] */
+/* Bind `thread` to that one of the places, or to all of them (negative). [any] */
+bool eng_places_bind(const struct eng_places *places, int cpu, pthread_t thread);
+
+/* It was lent a processor (seat.h), and others no longer wait for it: back to its own.
+ * Costs a comparison otherwise. [team] */
 void eng_place_return(const struct eng_places *places, uint32_t thread,
                       uint32_t team_count);
-
-/* It waits for others, maybe asleep, and is not waited for; or no longer. [team] */
-void eng_place_set_waiting(const struct eng_places *places, uint32_t thread,
-                           bool is_waiting);
-
-/* Look at one of the others; called every 50 us or so by a thread that waits. One that
- * has not run since the last look, and may, is put on the caller's processor, where it
- * runs as soon as the caller sleeps: true. [team] */
-bool eng_place_lend(const struct eng_places *places, uint32_t thread, uint32_t team_count,
-                    struct eng_place_look *look);
 
 /* Processors of a team: those of `places`, or if it is NULL, of the first thread that
  * asks. [any] */

@@ -40,7 +40,7 @@ void eng_wait_begin(struct eng_wait *wait, struct eng_worker *worker)
         .next_ns = now_ns + LOOK_NS,
         .spin_end_ns = now_ns + (is_crowded ? SPIN_CROWDED_NS : SPIN_NS),
     };
-    eng_place_set_waiting(places, worker->thread, true);
+    eng_seat_set_waiting(places, worker->thread, true);
 }
 
 static void sleep_for(struct eng_wait *wait)
@@ -60,8 +60,8 @@ bool eng_wait_moment(struct eng_wait *wait)
     uint64_t now_ns = eng_now_ns();
     if (now_ns >= wait->next_ns) {
         wait->next_ns = now_ns + LOOK_NS;
-        if (eng_place_lend(wait->worker->settings->places, wait->worker->thread,
-                           wait->team_count, &wait->look)) {
+        if (eng_seat_lend(wait->worker->settings->places, wait->worker->thread,
+                          wait->team_count, &wait->look)) {
             wait->spin_end_ns = now_ns; /* it has our processor when we sleep */
         }
     }
@@ -74,7 +74,7 @@ bool eng_wait_moment(struct eng_wait *wait)
 
 void eng_wait_end(struct eng_wait *wait)
 {
-    eng_place_set_waiting(wait->worker->settings->places, wait->worker->thread, false);
+    eng_seat_set_waiting(wait->worker->settings->places, wait->worker->thread, false);
     eng_worker_waited(wait->worker, wait->begin_ns);
 }
 

@@ -1,9 +1,9 @@
 /* daemon/engine/schedule/wait.h - a thread without work, until others are done.
  *
- * Room:     engine. May include: place.h, worker.h.
+ * Room:     engine. May include: place.h, seat.h, worker.h.
  * Does:     spend the moments between two looks at what is waited for: spinning first,
  *           as others end within microseconds; then with looks at whether they run at
- *           all (place.h); then asleep, for longer and longer.
+ *           all (seat.h); then asleep, for longer and longer.
  * Does not: yield: beside a thread of somebody else that never sleeps this kernel gives
  *           the processor back at a tick (3.4 ms), and a thread that wakes gets it at
  *           once.
@@ -13,6 +13,7 @@
 #define ENG_WAIT_H
 
 #include "place.h"
+#include "seat.h"
 #include "worker.h"
 
 struct eng_wait {
@@ -23,7 +24,7 @@ struct eng_wait {
     uint64_t next_ns; /* when to look at another */
     uint64_t spin_end_ns;
     uint64_t sleep_ns; /* the next one's length; 0: not slept yet */
-    struct eng_place_look look;
+    struct eng_seat_look look;
 };
 
 /* Inside a region. */

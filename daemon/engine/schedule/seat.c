@@ -1,0 +1,162 @@
+/* daemon/engine/schedule/seat.c - the threads of a team, as they see each other.
+ *
+ * Room:     engine.
+ * Does:     see seat.h.
+ * Threads:  seat.h. There is one table for the process: a runtime may end its threads
+ *           after everything else of theirs is gone. Teams of several places would take
+ *           each other's seats, and lend nothing.
+ */
+#include "seat.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <time.h>
+
+#define SEATS_MAX 256u /* threads of a team */
+
+/* Of one thread of a team. */
+struct seat {
+    _Alignas(128) _Atomic(const struct eng_places *) places; /* NULL: empty */
+    atomic_bool is_waiting;
+    atomic_bool is_away; /* on a processor that was lent */
+    pthread_t thread;    /* alive while the seat is not empty and the lock is held */
+};
+
+static struct seat seats[SEATS_MAX];
+static pthread_mutex_t seats_lock =
+    PTHREAD_MUTEX_INITIALIZER; /* who sits; the last lock */
+static pthread_once_t seats_once = PTHREAD_ONCE_INIT;
+static pthread_key_t seats_key; /* a thread's own seat, left when it ends */
+static bool has_key;
+static _Thread_local struct seat *own_seat;
+
+/* The thread ends, or sits down elsewhere. */
+static void leave_seat(void *context)
+{
+    struct seat *seat = context;
+    pthread_mutex_lock(&seats_lock);
+    if (pthread_equal(seat->thread, pthread_self())) {
+        atomic_store_explicit(&seat->places, NULL, memory_order_relaxed);
+    }
+    pthread_mutex_unlock(&seats_lock);
+}
+
+static void make_key(void)
+{
+    has_key = pthread_key_create(&seats_key, leave_seat) == 0;
+}
+
+/* Without the memory for it nobody is lent a processor, and all else goes on. */
+static void sit_down(const struct eng_places *places, struct seat *seat)
+{
+    pthread_once(&seats_once, make_key);
+    if (!has_key || pthread_setspecific(seats_key, seat) != 0) {
+        return;
+    }
+    if (own_seat && own_seat != seat) {
+        leave_seat(own_seat);
+    }
+    pthread_mutex_lock(&seats_lock);
+    seat->thread = pthread_self();
+    atomic_store_explicit(&seat->is_waiting, false, memory_order_relaxed);
+    atomic_store_explicit(&seat->is_away, false, memory_order_relaxed);
+    atomic_store_explicit(&seat->places, places, memory_order_relaxed);
+    pthread_mutex_unlock(&seats_lock);
+    own_seat = seat;
+}
+
+/* NULL: none, as nobody is placed. */
+static struct seat *seat_of(const struct eng_places *places, uint32_t thread,
+                            uint32_t team_count)
+{
+    return places && team_count <= places->count && thread < SEATS_MAX ? &seats[thread]
+                                                                       : NULL;
+}
+
+void eng_seat_take(const struct eng_places *places, uint32_t thread, uint32_t team_count)
+{
+    struct seat *seat = seat_of(places, thread, team_count);
+    if (seat && (seat != own_seat ||
+                 atomic_load_explicit(&seat->places, memory_order_relaxed) != places)) {
+        sit_down(places, seat);
+    }
+}
+
+bool eng_seat_end_loan(const struct eng_places *places, uint32_t thread,
+                       uint32_t team_count)
+{
+    struct seat *seat = seat_of(places, thread, team_count);
+    if (!seat || !atomic_load_explicit(&seat->is_away, memory_order_relaxed)) {
+        return false;
+    }
+    atomic_store_explicit(&seat->is_away, false, memory_order_relaxed);
+    return true;
+}
+
+void eng_seat_set_waiting(const struct eng_places *places, uint32_t thread,
+                          bool is_waiting)
+{
+    if (places && thread < SEATS_MAX) {
+        atomic_store_explicit(&seats[thread].is_waiting, is_waiting,
+                              memory_order_relaxed);
+    }
+}
+
+/* Nanoseconds of a processor that it has had; 0: unknown. Locked, it sits. */
+static uint64_t time_of(const struct seat *seat)
+{
+    clockid_t clock;
+    struct timespec time;
+    if (pthread_getcpuclockid(seat->thread, &clock) != 0 ||
+        clock_gettime(clock, &time) != 0) {
+        return 0;
+    }
+    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
+/* Look at one that sits and is not known to wait; true: it was moved. Locked. */
+static bool look_at(const struct eng_places *places, struct seat *seat,
+                    struct eng_seat_look *look)
+{
+    uint64_t before_ns = look->ran_ns;
+    look->ran_ns = time_of(seat);
+    if (before_ns == 0) {
+        return false; /* the next look tells */
+    }
+    bool has_not_run = look->ran_ns == before_ns;
+    look->ran_ns = 0;
+    look->mate++;
+    if (!has_not_run) {
+        return false;
+    }
+    /* The flag first: the thread may run at once, and is to find it. */
+    atomic_store_explicit(&seat->is_away, true, memory_order_relaxed);
+    return eng_places_bind(places, sched_getcpu(), seat->thread);
+}
+
+bool eng_seat_lend(const struct eng_places *places, uint32_t thread, uint32_t team_count,
+                   struct eng_seat_look *look)
+{
+    if (!seat_of(places, thread, team_count) || team_count < 2) {
+        return false;
+    }
+    look->mate = look->mate < team_count - 1 ? look->mate : 0;
+    struct seat *seat =
+        seat_of(places, (thread + 1 + look->mate) % team_count, team_count);
+    if (!seat || pthread_mutex_trylock(&seats_lock) != 0) {
+        return false;
+    }
+    bool is_moved = false;
+    if (atomic_load_explicit(&seat->places, memory_order_relaxed) == places &&
+        !atomic_load_explicit(&seat->is_waiting, memory_order_relaxed) &&
+        !atomic_load_explicit(&seat->is_away, memory_order_relaxed)) {
+        is_moved = look_at(places, seat, look);
+    } else {
+        look->ran_ns = 0;
+        look->mate++;
+    }
+    pthread_mutex_unlock(&seats_lock);
+    return is_moved;
+}
