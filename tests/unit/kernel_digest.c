@@ -319,6 +319,28 @@ static void run_bracket(const struct eng_kernels *kernels, const struct ground *
     say(kernels, "bracket", bracket);
 }
 
+/* One by one what `bracket` decides in chunks: of the scalar set, which is everywhere. */
+static void run_decide(const struct eng_kernels *kernels, const struct ground *ground)
+{
+    uint64_t decide = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < 4 * PAIRS; i++) {
+        struct eng_query query = {.kind = i % 2 ? ENG_EE : ENG_VF};
+        uint32_t index = 0;
+        uint32_t unsure = 0;
+        struct eng_hit hit;
+        for (int k = 0; k < 4; k++) {
+            const struct eng_point *point = &ground->points[ground->quads[i / 4][k]];
+            memcpy(query.x[0][k], point->x0, sizeof point->x0);
+            memcpy(query.x[1][k], point->x1, sizeof point->x1);
+        }
+        enum eng_decision verdict = eng_decide(&query, 1e-6, i % 4 < 2 ? 1 : 0.375, &hit);
+        struct eng_bracketed out = {verdict == ENG_MEETS, verdict == ENG_OPEN, &index,
+                                    &hit, &unsure};
+        decide = digest_decided(decide, &out, 1);
+    }
+    say(kernels, "decide", decide);
+}
+
 int main(void)
 {
     static struct ground ground;
@@ -337,6 +359,9 @@ int main(void)
         run_sieve(kernels, &ground);
         run_tests(kernels, &ground);
         run_bracket(kernels, &ground);
+        if (isa == ENG_ISA_SCALAR) {
+            run_decide(kernels, &ground);
+        }
     }
     return 0;
 }

@@ -20,7 +20,7 @@ trap 'rm -rf "$dir"' EXIT
 compile() {
     local source
     for source in "$top_srcdir"/daemon/engine/kernel/*.c; do
-        case $source in */choose.c) continue ;; esac
+        case $1:$source in *:*/choose.c | neon:*/decide.c) continue ;; esac
         "$cross" $flags -DENG_ISA="$1" -DENG_ISA_NUMBER="ENG_ISA_${1^^}" \
             -DENG_VECTOR_BYTES="$2" -c "$source" -o "$dir/$1-$(basename "$source" .c).o" ||
             return 1
