@@ -21,6 +21,9 @@
 /* malloc aligns to that much by itself; the rest is for the alignment. */
 #define ORIGIN_BYTES (ALIGNMENT - _Alignof(max_align_t))
 
+/* What a block takes besides itself: charged with it, as many scenes are small. */
+#define BESIDES (HEADER_BYTES + ORIGIN_BYTES)
+
 struct header {
     size_t total; /* bytes charged */
     void *origin; /* what malloc gave */
@@ -58,14 +61,14 @@ void *eng_alloc(size_t count, size_t bytes)
 {
     size_t total;
     if (__builtin_mul_overflow(count, bytes, &total) ||
-        __builtin_add_overflow(total, HEADER_BYTES + ALIGNMENT - 1, &total)) {
+        __builtin_add_overflow(total, BESIDES + ALIGNMENT - 1, &total)) {
         return NULL;
     }
-    total &= ~(size_t)(ALIGNMENT - 1);
+    total = ((total - BESIDES) & ~(size_t)(ALIGNMENT - 1)) + BESIDES;
     if (!charge(total)) {
         return NULL;
     }
-    void *origin = malloc(total + ORIGIN_BYTES);
+    void *origin = malloc(total);
     if (!origin) {
         atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
         return NULL;
@@ -90,7 +93,7 @@ void *eng_realloc(void *block, size_t count, size_t bytes)
     if (!grown || !block) {
         return grown;
     }
-    size_t old_bytes = header_of(block).total - HEADER_BYTES;
+    size_t old_bytes = header_of(block).total - BESIDES;
     size_t new_bytes = count * bytes;
     memcpy(grown, block, old_bytes < new_bytes ? old_bytes : new_bytes);
     eng_free(block);

@@ -95,6 +95,7 @@ static void deal_kind(struct eng_team *team, struct eng_worker *worker,
     struct eng_wide_join *join = &worker->wide->join;
     uint32_t level = top_level(worker) - 1;
     struct eng_wide_list *below = &join->lists[level];
+    uint64_t begin_ns = eng_worker_slice(worker);
     eng_wide_join_refine(join, kind, level + 1, 0, 0);
     for (uint32_t i = 0; i < below->count; i++) {
         uint32_t a = below->a[i];
@@ -104,6 +105,7 @@ static void deal_kind(struct eng_team *team, struct eng_worker *worker,
     }
     below->count = 0;
     worker->record.task_units++;
+    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, 0, 0);
 }
 
 static void deal(struct eng_team *team, struct eng_worker *worker)
