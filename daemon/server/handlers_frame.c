@@ -63,9 +63,11 @@ static int write_page(struct srv_request *request, uint64_t first,
     if (status != 0) {
         return status;
     }
-    uint64_t count = copy_records(
-        request, data, (const uint8_t *)scene->records + first * answer->record_bytes,
-        page.count, answer->record_bytes);
+    const uint8_t *from = scene->records; /* NULL: there are none */
+    if (first > 0) {
+        from += first * answer->record_bytes;
+    }
+    uint64_t count = copy_records(request, data, from, page.count, answer->record_bytes);
     answer->first = first;
     answer->count = count;
     answer->cursor = first + count;
