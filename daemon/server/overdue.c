@@ -15,6 +15,10 @@
 #define NS_PER_MS    1000000u
 #define CAPACITY_MIN 64u
 
+/* To answer one may copy 1 MiB. When many come at a time, what else the loop has to do
+ * has its turn after that long. */
+#define TURN_NS 500000u
+
 static void put(struct srv_overdue *overdue, uint32_t at, struct srv_request *request)
 {
     overdue->heap[at] = request;
@@ -50,8 +54,9 @@ static void sink(struct srv_overdue *overdue, uint32_t at, struct srv_request *r
 
 static void on_timer(uv_timer_t *timer);
 
-/* For the first of them; a millisecond is the finest that a timer can be set to. */
-static void set_timer(struct srv_overdue *overdue)
+/* For the first of them, `least_ms` from now or later; a millisecond is the finest that a
+ * timer can be set to. */
+static void set_timer(struct srv_overdue *overdue, uint64_t least_ms)
 {
     if (overdue->count == 0) {
         uv_timer_stop(&overdue->timer);
@@ -60,21 +65,22 @@ static void set_timer(struct srv_overdue *overdue)
     uint64_t now_ns = srv_now_ns();
     uint64_t deadline_ns = overdue->heap[0]->deadline_ns;
     uint64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
+    uint64_t left_ms = left_ns / NS_PER_MS + (left_ns % NS_PER_MS != 0);
     uv_update_time(overdue->timer.loop);
-    uv_timer_start(&overdue->timer, on_timer,
-                   left_ns / NS_PER_MS + (left_ns % NS_PER_MS != 0), 0);
+    uv_timer_start(&overdue->timer, on_timer, left_ms > least_ms ? left_ms : least_ms, 0);
 }
 
 static void on_timer(uv_timer_t *timer)
 {
     struct srv_overdue *overdue = timer->data;
-    uint64_t now_ns = srv_now_ns();
-    while (overdue->count > 0 && overdue->heap[0]->deadline_ns <= now_ns) {
+    uint64_t begin_ns = srv_now_ns();
+    while (overdue->count > 0 && overdue->heap[0]->deadline_ns <= begin_ns &&
+           srv_now_ns() - begin_ns < TURN_NS) {
         struct srv_request *request = overdue->heap[0];
         srv_overdue_remove(overdue, request);
         srv_request_overdue(request);
     }
-    set_timer(overdue);
+    set_timer(overdue, 1); /* with 0, libuv would call this again at once */
 }
 
 void srv_overdue_init(struct srv_overdue *overdue, uv_loop_t *loop)
@@ -110,7 +116,7 @@ void srv_overdue_add(struct srv_overdue *overdue, struct srv_request *request)
     }
     rise(overdue, overdue->count++, request);
     if (request->overdue_at == 0) {
-        set_timer(overdue);
+        set_timer(overdue, 0);
     }
 }
 

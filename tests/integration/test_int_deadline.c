@@ -39,20 +39,13 @@ static int64_t late_us[ROUNDS_MAX];
 static int start(void **state)
 {
     const char *text = getenv("DEADLINE_ROUNDS");
-    struct pccd_options options;
 
     (void)prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0); /* pauses are as long as said */
     rounds = text != NULL ? (uint32_t)strtoul(text, NULL, 10) : rounds;
     rounds = rounds > ROUNDS_MAX ? ROUNDS_MAX : rounds;
-    if (test_shared_start(state) != 0) {
-        return -1;
-    }
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.timeout_ms = 60000;
-    options.result_bytes = RESULT_BYTES;
-    return pccd_connect(&options, &client) == 0 ? test_grid_make(client, SIDE, &grid)
-                                                : -1;
+    return test_shared_connect(state, RESULT_BYTES, &client) == 0
+               ? test_grid_make(client, SIDE, &grid)
+               : -1;
 }
 
 static int stop(void **state)

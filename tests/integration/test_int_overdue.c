@@ -32,17 +32,9 @@ static struct pccd_client *client;
 
 static int start_with(void **state, uint32_t side)
 {
-    struct pccd_options options;
-
-    if (test_shared_start(state) != 0) {
-        return -1;
-    }
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.timeout_ms = 60000;
-    options.result_bytes = RESULT_BYTES;
-    return pccd_connect(&options, &client) == 0 ? test_grid_make(client, side, &grid)
-                                                : -1;
+    return test_shared_connect(state, RESULT_BYTES, &client) == 0
+               ? test_grid_make(client, side, &grid)
+               : -1;
 }
 
 static int start(void **state)

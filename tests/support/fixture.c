@@ -22,6 +22,20 @@ int test_shared_stop(void **state)
     return test_daemon_finish(&test_shared) ? 0 : -1;
 }
 
+int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client **client)
+{
+    struct pccd_options options;
+
+    if (test_shared_start(state) != 0) {
+        return -1;
+    }
+    pccd_options_init(&options);
+    options.url = test_shared.url;
+    options.timeout_ms = 60000;
+    options.result_bytes = result_bytes;
+    return pccd_connect(&options, client) == 0 ? 0 : -1;
+}
+
 int test_crossing_open(void **state)
 {
     struct test_crossing *crossing = calloc(1, sizeof(*crossing));

@@ -16,6 +16,10 @@ extern struct test_daemon test_shared;
 int test_shared_start(void **state);
 int test_shared_stop(void **state);
 
+/* Start it, and connect a client that waits for a minute, with a result region of so many
+ * bytes. Returns 0 or -1. */
+int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client **client);
+
 /* Of a test: a client of that daemon and the smallest scene of its own; *state is a
  * struct test_crossing. */
 int test_crossing_open(void **state);
