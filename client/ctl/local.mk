@@ -5,34 +5,37 @@ noinst_LTLIBRARIES += libctl.la
 
 # Everything but main, so that tests can link what they test.
 libctl_la_SOURCES = \
-    client/ctl/check_run.c client/ctl/check_run.h \
-    client/ctl/cloth_scene.c client/ctl/cloth_scene.h \
-    client/ctl/cmd_check.c \
-    client/ctl/cmd_demo.c \
-    client/ctl/cmd_ping.c \
-    client/ctl/cmd_stats.c \
-    client/ctl/cmd_trace.c \
-    client/ctl/cmd_version.c \
+    client/ctl/check/check_run.c client/ctl/check/check_run.h \
+    client/ctl/check/contacts_csv.c client/ctl/check/contacts_csv.h \
+    client/ctl/check/report.c client/ctl/check/report_json.c client/ctl/check/report.h \
+    client/ctl/commands/cmd_check.c \
+    client/ctl/commands/cmd_demo.c \
+    client/ctl/commands/cmd_ping.c \
+    client/ctl/commands/cmd_stats.c \
+    client/ctl/commands/cmd_trace.c \
+    client/ctl/commands/cmd_version.c \
     client/ctl/common.c client/ctl/ctl.h \
-    client/ctl/contacts_csv.c client/ctl/contacts_csv.h \
-    client/ctl/demo_picture.c client/ctl/demo_picture.h \
     client/ctl/error.c client/ctl/error.h \
     client/ctl/link.c client/ctl/link.h \
-    client/ctl/meshfile.c client/ctl/meshfile.h \
-    client/ctl/obj.c \
-    client/ctl/picture.c client/ctl/picture.h \
-    client/ctl/ply.c \
-    client/ctl/ply_header.c client/ctl/ply_header.h \
+    client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
+    client/ctl/mesh/obj.c \
+    client/ctl/mesh/ply.c \
+    client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
+    client/ctl/mesh/text.c client/ctl/mesh/text.h \
+    client/ctl/observe/stats_threads.c client/ctl/observe/stats_threads.h \
+    client/ctl/observe/trace_file.c client/ctl/observe/trace_file.h \
+    client/ctl/picture/cloth_scene.c client/ctl/picture/cloth_scene.h \
+    client/ctl/picture/demo_picture.c client/ctl/picture/demo_picture.h \
+    client/ctl/picture/picture.c client/ctl/picture/picture.h \
+    client/ctl/picture/raster.c client/ctl/picture/raster.h \
     client/ctl/progress.c client/ctl/progress.h \
-    client/ctl/raster.c client/ctl/raster.h \
-    client/ctl/report.c client/ctl/report_json.c client/ctl/report.h \
-    client/ctl/stats_threads.c client/ctl/stats_threads.h \
-    client/ctl/statistics.c client/ctl/statistics.h \
-    client/ctl/text.c client/ctl/text.h \
-    client/ctl/trace_file.c client/ctl/trace_file.h
+    client/ctl/statistics.c client/ctl/statistics.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
-ctl_cppflags = -iquote $(top_srcdir)/client/ctl -iquote $(top_srcdir)/client/lib \
-    -iquote $(top_srcdir)/proto
+ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
+    -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
+    -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/observe \
+    -iquote $(top_srcdir)/client/ctl/picture \
+    -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto
 libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS)
 
 pccdctl_SOURCES = client/ctl/main.c

@@ -72,16 +72,16 @@ engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eve
     sys/wait.h spawn.h glob.h'
 
 find proto daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
-# The engine's folders are one room, in which every name is given once.
-one_room='s|^daemon/engine/[a-z]*/|daemon/engine/|'
-engine_folders=$(find daemon/engine -type d | LC_ALL=C sort)
+# The engine's folders are one room, in which every name is given once; so are pccdctl's.
+one_room='s|^\(daemon/engine\)/[a-z]*/|\1/|; s|^\(client/ctl\)/[a-z]*/|\1/|'
 sed "$one_room" "$work/paths" | LC_ALL=C sort >"$work/files"
 while read -r file; do
     sed -n 's/^ *# *include *\([<"][^>"]*[>"]\).*/\1/p' "$file" |
         while read -r include; do
             printf '%s %s %s\n' "${file%/*}" "$include" "$file"
         done
-done <"$work/paths" | sed "$one_room; s|^\(daemon/engine\)/[a-z]* |\1 |" >"$work/includes"
+done <"$work/paths" | sed "$one_room
+    s|^\(daemon/engine\)/[a-z]* |\1 |; s|^\(client/ctl\)/[a-z]* |\1 |" >"$work/includes"
 [ -s "$work/files" ] && [ -s "$work/includes" ] || exit 99
 
 awk '{ print $1 }' "$work/includes" | sort -u >"$work/folders"
@@ -181,8 +181,8 @@ flags_of() {
     for folder in $sees; do
         case $folder in
         client/lib | client/lib+) flags="$flags -iquote client/lib -iquote proto" ;;
-        daemon/engine)
-            for folder in $engine_folders; do
+        daemon/engine | client/ctl)
+            for folder in $(find "$folder" -type d | LC_ALL=C sort); do
                 flags="$flags -iquote $folder"
             done
             ;;
@@ -194,7 +194,11 @@ flags_of() {
 printf '%s' "$rooms" | while read -r folder sees; do
     [ -n "$folder" ] || continue
     inside='[^/]*'
-    [ "$folder" != daemon/engine ] || { inside='.*'; sees="$folder"; }
+    case $folder in daemon/engine | client/ctl)
+        inside='.*'
+        sees="$folder $sees"
+        ;;
+    esac
     flags=$(flags_of "$sees")
     for header in $(grep "^$folder/$inside\.h\$" "$work/paths"); do
         # shellcheck disable=SC2086 # flags are words

@@ -1,0 +1,199 @@
+/* client/ctl/check/check_run.c - a mesh in a daemon, moved from frame to frame.
+ *
+ * Room:     client/ctl.
+ * Does:     registers, submits, repeats, fetches, takes medians.
+ * Does not: read files or print.
+ * Threads:  one.
+ * Source:   check_run.h.
+ */
+#include "check_run.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "statistics.h"
+
+#define ROUND_TRIP REPORT_PHASE_COUNT /* row of check_run.times behind the phases */
+
+static double now_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec / 1e6;
+}
+
+/* The library's own words about a failed call. */
+static int fail(struct check_run *run, int status, const char *what,
+                struct ctl_error *error)
+{
+    const char *text = pccd_error_text(run->client);
+    return ctl_error_set(error, status, "%s: %s", what,
+                         text[0] != '\0' ? text : pccd_status_text(status));
+}
+
+static int fetch_edges(struct check_run *run, uint32_t mesh, struct ctl_error *error)
+{
+    uint32_t count = run->mesh.info.edge_count;
+    /* A mesh of points has no edges; malloc(0) may be NULL. */
+    run->edges = malloc(((size_t)count + 1) * sizeof(*run->edges));
+    if (run->edges == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " edges",
+                             count);
+    }
+    int status = pccd_mesh_edges(run->client, mesh, run->edges, count);
+    return status == PCCD_OK ? PCCD_OK : fail(run, status, "edges", error);
+}
+
+int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
+                    struct ctl_error *error)
+{
+    uint32_t handle;
+    size_t rows = REPORT_PHASE_COUNT + 1;
+    run->edges = NULL;
+    run->times = malloc(rows * ((size_t)run->repeats + 1) * sizeof(*run->times));
+    if (run->times == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " repetitions",
+                             run->repeats);
+    }
+    int status = pccd_mesh_create(run->client, mesh->x, mesh->format, mesh->vertex_count,
+                                  (const uint32_t(*)[3])mesh->triangles,
+                                  mesh->triangle_count, &handle, &run->mesh.info);
+    if (status != PCCD_OK) {
+        return fail(run, status, "the mesh was not accepted", error);
+    }
+    status = pccd_scene_create(run->client, &run->mesh.settings, &run->scene);
+    if (status != PCCD_OK) {
+        return fail(run, status, "no scene", error);
+    }
+    /* The library does not tell how long the hierarchy took; the call does little else.
+     */
+    double start = now_ms();
+    status = pccd_scene_add(run->client, run->scene, handle, &run->object);
+    if (status != PCCD_OK) {
+        return fail(run, status, "the mesh was not placed", error);
+    }
+    run->mesh.build_ms = now_ms() - start + (double)run->mesh.info.build_ns / 1e6;
+    return with_edges ? fetch_edges(run, handle, error) : PCCD_OK;
+}
+
+/* Walk over the pages of an answer; each goes to the file and is given back. `answer`
+ * ends as it began but for its pages. */
+static int take_pages(struct check_run *run, uint32_t number,
+                      const struct contacts_csv *csv, struct pccd_answer *answer,
+                      bool *is_complete, struct ctl_error *error)
+{
+    struct pccd_answer page = *answer;
+    int status = PCCD_OK;
+    for (;;) {
+        uint64_t cursor = page.cursor;
+        bool is_last =
+            page.incomplete != PCCD_INCOMPLETE_RESULT_FULL || cursor >= answer->total;
+        if (csv->file != NULL) {
+            contacts_csv_page(csv, number, &page);
+        }
+        pccd_answer_release(run->client, &page);
+        if (is_last) {
+            break;
+        }
+        status = pccd_fetch(run->client, run->scene, answer->step, cursor, &page);
+        if (status != PCCD_OK) {
+            return fail(run, status, "a page of the answer did not come", error);
+        }
+        if (page.first != cursor || page.count == 0) {
+            pccd_answer_release(run->client, &page);
+            return ctl_error_set(error, PCCD_E_BADMSG,
+                                 "the page at record %" PRIu64 " does not go on", cursor);
+        }
+    }
+    *is_complete =
+        page.cursor >= answer->total && (page.incomplete == PCCD_COMPLETE ||
+                                         page.incomplete == PCCD_INCOMPLETE_RESULT_FULL);
+    answer->contacts = NULL;
+    answer->pairs = NULL;
+    return PCCD_OK;
+}
+
+/* Move from x0 to x1, or (x0 NULL) from where the object stands. */
+static int run_once(struct check_run *run, const void *x0, const struct ctl_mesh *after,
+                    struct pccd_answer *answer, double *round_trip_ms,
+                    struct ctl_error *error)
+{
+    double start = now_ms();
+    int status =
+        x0 != NULL
+            ? pccd_step_x0x1(run->client, run->scene, run->object, x0, after->x,
+                             after->format, after->vertex_count, &run->settings, answer)
+            : pccd_step_x1(run->client, run->scene, run->object, after->x, after->format,
+                           after->vertex_count, &run->settings, answer);
+    *round_trip_ms = now_ms() - start;
+    return status == PCCD_OK ? PCCD_OK : fail(run, status, "the step failed", error);
+}
+
+static void take_medians(struct check_run *run, struct report_step *step)
+{
+    for (uint32_t row = 0; row <= ROUND_TRIP; row++) {
+        double *values = run->times + (size_t)row * run->repeats;
+        statistics_sort(values, run->repeats);
+        double median = statistics_median(values, run->repeats);
+        if (row == ROUND_TRIP) {
+            step->round_trip_ms = median;
+        } else {
+            step->ms[row] = median;
+        }
+    }
+}
+
+int check_run_step(struct check_run *run, const struct ctl_mesh *before,
+                   const struct ctl_mesh *after, uint32_t number,
+                   const struct contacts_csv *csv, struct report_step *step,
+                   struct ctl_error *error)
+{
+    const struct contacts_csv no_file = {.file = NULL};
+    struct pccd_answer *answer = &step->answer;
+    uint64_t hash[2] = {0, 0};
+    step->repeats = run->repeats;
+    for (uint32_t i = 0; i <= run->repeats; i++) {
+        double round_trip_ms, ms[REPORT_PHASE_COUNT];
+        int status =
+            run_once(run, i > 0 ? before->x : NULL, after, answer, &round_trip_ms, error);
+        if (status == PCCD_OK) {
+            status = take_pages(run, number, i == run->repeats ? csv : &no_file, answer,
+                                &step->is_complete, error);
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+        report_phases(&answer->times, ms);
+        if (i == 0) {
+            memcpy(hash, answer->hash, sizeof(hash));
+            memcpy(step->ms, ms, sizeof(ms));
+            step->first_ms = ms[REPORT_step];
+            step->round_trip_ms = round_trip_ms;
+            continue;
+        }
+        if (memcmp(hash, answer->hash, sizeof(hash)) != 0 && step->is_complete) {
+            return ctl_error_set(error, PCCD_E_INTERNAL,
+                                 "repetition %" PRIu32 " of step %" PRIu32
+                                 " gave another answer than the first run",
+                                 i, number);
+        }
+        for (uint32_t row = 0; row < REPORT_PHASE_COUNT; row++) {
+            run->times[(size_t)row * run->repeats + i - 1] = ms[row];
+        }
+        run->times[(size_t)ROUND_TRIP * run->repeats + i - 1] = round_trip_ms;
+    }
+    if (run->repeats > 0) {
+        take_medians(run, step);
+    }
+    return PCCD_OK;
+}
+
+void check_run_deinit(struct check_run *run)
+{
+    free(run->edges);
+    free(run->times);
+    run->edges = NULL;
+    run->times = NULL;
+}

@@ -1,0 +1,44 @@
+/* client/ctl/check/check_run.h - a mesh in a daemon, moved from frame to frame.
+ *
+ * Room:     client/ctl. May include: meshfile.h, contacts_csv.h, report.h, pccd.h.
+ * Does:     registers the first frame, runs steps with repetitions, fetches every page.
+ * Does not: read files or print.
+ * Threads:  one.
+ * Source:   used by cmd_check.c.
+ */
+#ifndef CTL_CHECK_RUN_H
+#define CTL_CHECK_RUN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "contacts_csv.h"
+#include "error.h"
+#include "meshfile.h"
+#include "pccd.h"
+#include "report.h"
+
+struct check_run {
+    struct pccd_client *client; /* the caller's */
+    struct pccd_step_settings settings;
+    uint32_t repeats; /* timed runs after the first; 0: only the first */
+    uint32_t scene, object;
+    struct pccd_edge *edges; /* ours, of the registered mesh; NULL unless asked for */
+    struct report_mesh mesh; /* mesh.settings is the caller's */
+    double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
+};
+
+/* Register `mesh` and place it; with_edges: get its edges too. client, settings,
+ * mesh.settings and repeats are set before. Errors: those of pccd.h, E_NOMEM. */
+int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
+                    struct ctl_error *error);
+/* One step from `before`, where the object stands now, to `after`: once, then `repeats`
+ * times the same again. Both frames must have the same format. The last run's records go
+ * to `csv` unless that has no file. Fills all of `step` but the names of files. */
+int check_run_step(struct check_run *run, const struct ctl_mesh *before,
+                   const struct ctl_mesh *after, uint32_t number,
+                   const struct contacts_csv *csv, struct report_step *step,
+                   struct ctl_error *error);
+void check_run_deinit(struct check_run *run);
+
+#endif

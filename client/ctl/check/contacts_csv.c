@@ -1,0 +1,77 @@
+/* client/ctl/check/contacts_csv.c - contacts as lines of text.
+ *
+ * Room:     client/ctl.
+ * Does:     turns feature numbers into vertex numbers and prints them.
+ * Does not: read it back.
+ * Threads:  one.
+ * Source:   contacts_csv.h.
+ */
+#include "contacts_csv.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <string.h>
+
+int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
+{
+    csv->file = strcmp(csv->path, "-") == 0 ? stdout : fopen(csv->path, "we");
+    if (csv->file == NULL) {
+        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", csv->path,
+                             strerror(errno));
+    }
+    fprintf(csv->file, "%skind,i0,i1,i2,i3,toi,toi_hi,proved\n",
+            csv->has_step ? "step," : "");
+    return PCCD_OK;
+}
+
+/* The record up to its four vertices, with a comma after the last. */
+static void print_features(const struct contacts_csv *csv, uint32_t step, uint32_t kind,
+                           uint32_t a, uint32_t b)
+{
+    if (csv->has_step) {
+        fprintf(csv->file, "%" PRIu32 ",", step);
+    }
+    if (kind == PCCD_VF) {
+        const uint32_t *face = csv->triangles[b];
+        fprintf(csv->file, "vf,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",", a,
+                face[0], face[1], face[2]);
+    } else {
+        const struct pccd_edge *first = &csv->edges[a], *second = &csv->edges[b];
+        fprintf(csv->file, "ee,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",",
+                first->a, first->b, second->a, second->b);
+    }
+}
+
+void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
+                       const struct pccd_answer *page)
+{
+    for (uint64_t i = 0; i < page->count && page->contacts != NULL; i++) {
+        const struct pccd_contact *contact = &page->contacts[i];
+        print_features(csv, step, contact->kind, contact->feature_a, contact->feature_b);
+        fprintf(csv->file, "%.17g,%.17g,%d\n", contact->toi, contact->toi_hi,
+                (contact->flags & PCCD_PROVED) != 0);
+    }
+    for (uint64_t i = 0; i < page->count && page->pairs != NULL; i++) {
+        const struct pccd_pair *pair = &page->pairs[i];
+        print_features(csv, step, pair->kind, pair->feature_a, pair->feature_b);
+        fputs(",,0\n", csv->file);
+    }
+}
+
+int contacts_csv_close(struct contacts_csv *csv, struct ctl_error *error)
+{
+    FILE *file = csv->file;
+    if (file == NULL) {
+        return PCCD_OK;
+    }
+    csv->file = NULL;
+    bool is_bad = fflush(file) != 0 || ferror(file) != 0;
+    if (file != stdout) {
+        is_bad |= fclose(file) != 0;
+    }
+    if (is_bad) {
+        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", csv->path,
+                             strerror(errno));
+    }
+    return PCCD_OK;
+}

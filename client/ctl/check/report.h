@@ -1,0 +1,78 @@
+/* client/ctl/check/report.h - what `pccdctl check` says.
+ *
+ * Room:     client/ctl. May include: pccd.h.
+ * Does:     prints the results of steps for people, and as JSON for programs.
+ * Does not: compute them; see check_run.h.
+ * Threads:  one.
+ * Source:   the names of pccd.h.
+ */
+#ifndef CTL_REPORT_H
+#define CTL_REPORT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "pccd.h"
+
+/* X(name, field of pccd_step_times): the phases in their order, then the whole, then what
+ * traversal and tests are otherwise divided into. */
+#define REPORT_PHASES(X)                                                                 \
+    X(ingest)                                                                            \
+    X(refit)                                                                             \
+    X(traversal)                                                                         \
+    X(tests)                                                                             \
+    X(merge)                                                                             \
+    X(step)                                                                              \
+    X(low)                                                                               \
+    X(high)                                                                              \
+    X(rebuild)
+
+enum report_phase {
+#define REPORT_PHASE_ENUM(name) REPORT_##name,
+    REPORT_PHASES(REPORT_PHASE_ENUM)
+#undef REPORT_PHASE_ENUM
+        REPORT_PHASE_COUNT
+};
+extern const char *const report_phase_names[REPORT_PHASE_COUNT];
+
+/* Milliseconds of the phases of an answer. */
+void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_COUNT]);
+
+struct report_mesh {
+    struct pccd_mesh_info info;
+    struct pccd_scene_settings settings;
+    double build_ms; /* edges and feature ownership, then the hierarchy; paid once */
+};
+
+struct report_step {
+    const char *from, *to; /* files */
+    struct pccd_answer
+        answer;       /* the last repetition's; its record pointers are not used */
+    bool is_complete; /* every record was delivered */
+    uint32_t repeats; /* timed runs; 0: the first run is the timed one */
+    double first_ms;  /* `step` of the first run, which warms up */
+    double ms[REPORT_PHASE_COUNT]; /* medians of the timed runs */
+    double round_trip_ms; /* the same, from submit to answer as the client sees it */
+};
+
+/* Names of the values as on the command line; NULL beyond the enums. */
+const char *report_mode_name(enum pccd_mode mode);
+const char *report_method_name(enum pccd_method method);
+const char *report_scheduler_name(enum pccd_scheduler scheduler);
+const char *report_high_level_name(enum pccd_high_level high_level);
+const char *report_refit_name(enum pccd_refit refit);
+const char *report_quality_name(enum pccd_quality quality);
+
+/* For people: the mesh once, then each step, long or as one line. */
+void report_print_mesh(FILE *to, const struct report_mesh *mesh);
+void report_print_step(FILE *to, const struct report_mesh *mesh,
+                       const struct report_step *step);
+void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
+
+/* One JSON object: of one step, the step's values at the top; of several, their sums and
+ * an array "steps". False without memory. */
+bool report_json(FILE *to, const struct report_mesh *mesh,
+                 const struct report_step *steps, uint32_t step_count);
+
+#endif

@@ -1,0 +1,479 @@
+/* client/ctl/commands/cmd_check.c - pccdctl check.
+ *
+ * Room:     client/ctl.
+ * Does:     reads frames of a mesh, has each step answered, reports.
+ * Does not: keep more than two frames in memory.
+ * Threads:  one.
+ * Source:   check_run.h, report.h, contacts_csv.h.
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check_run.h"
+#include "ctl.h"
+#include "link.h"
+#include "progress.h"
+#include "trace_file.h"
+
+#define REPEATS_MAX     1000000u
+#define THREADS_MAX     1024u
+#define TOLERANCE_MIN   1e-12
+#define DEADLINE_MS_MAX 3600000u
+
+enum {
+    OPTION_MODE = 256 + 64,
+    OPTION_JSON,
+    OPTION_CONTACTS,
+    OPTION_THREADS,
+    OPTION_METHOD,
+    OPTION_SCHEDULER,
+    OPTION_HIGH_LEVEL,
+    OPTION_REFIT,
+    OPTION_QUALITY,
+    OPTION_REBUILD_RATIO,
+    OPTION_REPEAT,
+    OPTION_TOLERANCE,
+    OPTION_DEADLINE,
+    OPTION_RESULT_BYTES,
+    OPTION_TRACE,
+    OPTION_MIN_US,
+    OPTION_EVENTS
+};
+
+struct check_options {
+    struct ctl_link link;
+    struct pccd_step_settings settings;
+    struct pccd_scene_settings scene_settings;
+    bool is_json;
+    bool has_repeats;
+    uint32_t repeats;
+    const char *contacts; /* NULL = none wanted */
+    struct trace_options trace;
+    char **paths; /* ours */
+    uint32_t path_count;
+};
+
+static const struct argp_option option_list[] = {
+    {"mode", OPTION_MODE, "MODE", 0,
+     "all (every contact, the default), first (the earliest), any (yes or no), pairs "
+     "(candidates after box tests)",
+     0},
+    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
+    {"contacts", OPTION_CONTACTS, "FILE", 0,
+     "Write the contacts as CSV; - is the standard output, and the report then goes to "
+     "the "
+     "standard error",
+     0},
+    {"threads", OPTION_THREADS, "N", 0,
+     "Use at most N threads (default: the daemon decides)", 0},
+    {"method", OPTION_METHOD, "NAME", 0, "Engine to use: default, paper or wide", 0},
+    {"scheduler", OPTION_SCHEDULER, "NAME", 0,
+     "How threads share the work: steal or paper (default: the daemon decides)", 0},
+    {"high-level", OPTION_HIGH_LEVEL, "NAME", 0,
+     "The paper's scheduler on high-level nodes: round-robin or disjoint", 0},
+    {"refit", OPTION_REFIT, "NAME", 0, "How threads share the refit: even or paper", 0},
+    {"quality", OPTION_QUALITY, "NAME", 0,
+     "How hierarchies are built: median (the default) or sah", 0},
+    {"rebuild-ratio", OPTION_REBUILD_RATIO, "R", 0,
+     "Build a subtree anew when its box has less than R times the volume of its two "
+     "halves, 0 (never) to 1 (default: 0.9)",
+     0},
+    {"repeat", OPTION_REPEAT, "N", 0,
+     "Time N more runs of each step after the first and report medians (default: 1 for "
+     "two "
+     "files, 0 for more)",
+     0},
+    {"tolerance", OPTION_TOLERANCE, "T", 0,
+     "Largest toi_hi - toi of a proved contact (default: 1e-6)", 0},
+    {"deadline", OPTION_DEADLINE, "MS", 0, "Let a step end incomplete after so long", 0},
+    {"result-bytes", OPTION_RESULT_BYTES, "N", 0,
+     "Size of the shared memory for answers; longer ones come in pages (default: 64 MiB)",
+     0},
+    {"trace", OPTION_TRACE, "FILE", 0,
+     "Record what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
+    {"min-us", OPTION_MIN_US, "U", 0,
+     "Leave out of it what took less than U microseconds (default: 0)", 0},
+    {"events", OPTION_EVENTS, "N", 0,
+     "Keep in it the newest N events of each thread (default: 65536, or what fits)", 0},
+    {0},
+};
+
+/* The enum value whose name is `text`, below `count`. */
+static uint32_t parse_name(const struct argp_state *state, const char *option,
+                           const char *text, const char *(*name_of)(uint32_t),
+                           uint32_t count)
+{
+    uint32_t value = 0;
+    while (value < count && strcmp(name_of(value), text) != 0) {
+        value++;
+    }
+    if (value == count) {
+        argp_error(state, "--%s: \"%s\" is not known; see --help", option, text);
+    }
+    return value;
+}
+
+static const char *mode_name(uint32_t value)
+{
+    return report_mode_name((enum pccd_mode)value);
+}
+
+static const char *method_name(uint32_t value)
+{
+    return report_method_name((enum pccd_method)value);
+}
+
+static const char *scheduler_name(uint32_t value)
+{
+    return report_scheduler_name((enum pccd_scheduler)value);
+}
+
+static const char *high_level_name(uint32_t value)
+{
+    return report_high_level_name((enum pccd_high_level)value);
+}
+
+static const char *refit_name(uint32_t value)
+{
+    return report_refit_name((enum pccd_refit)value);
+}
+
+static const char *quality_name(uint32_t value)
+{
+    return report_quality_name((enum pccd_quality)value);
+}
+
+static void check_usage(const struct argp_state *state,
+                        const struct check_options *options)
+{
+    if (options->path_count < 2) {
+        argp_error(state, "two files at least: the mesh before and after the step");
+    }
+    if (options->contacts != NULL && options->settings.mode == PCCD_MODE_ANY) {
+        argp_error(state, "--contacts: mode any gives no contacts");
+    }
+    if (options->trace.path != NULL && strcmp(options->trace.path, "-") == 0) {
+        argp_error(state, "--trace: the standard output is the report's");
+    }
+}
+
+/* The options of the recording. */
+static error_t parse_trace(int key, char *text, const struct argp_state *state)
+{
+    struct check_options *options = state->input;
+    switch (key) {
+    case OPTION_TRACE:
+        options->trace.path = text;
+        break;
+    case OPTION_MIN_US:
+        options->trace.min_us =
+            ctl_option_count(state, "min-us", text, 0, TRACE_MIN_US_MAX);
+        break;
+    case OPTION_EVENTS:
+        options->trace.events =
+            (uint32_t)ctl_option_count(state, "events", text, 1, TRACE_EVENTS_MAX);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+/* The options that choose one of several ways; none of them changes the answer but
+ * --mode. */
+static error_t parse_choice(int key, char *text, const struct argp_state *state)
+{
+    struct check_options *options = state->input;
+    struct pccd_step_settings *settings = &options->settings;
+    switch (key) {
+    case OPTION_MODE:
+        settings->mode =
+            (enum pccd_mode)parse_name(state, "mode", text, mode_name, PCCD_MODE_COUNT);
+        break;
+    case OPTION_METHOD:
+        settings->method = (enum pccd_method)parse_name(state, "method", text,
+                                                        method_name, PCCD_METHOD_COUNT);
+        break;
+    case OPTION_SCHEDULER:
+        settings->scheduler = (enum pccd_scheduler)parse_name(
+            state, "scheduler", text, scheduler_name, PCCD_SCHEDULER_COUNT);
+        break;
+    case OPTION_HIGH_LEVEL:
+        settings->high_level = (enum pccd_high_level)parse_name(
+            state, "high-level", text, high_level_name, PCCD_HIGH_LEVEL_COUNT);
+        break;
+    case OPTION_REFIT:
+        settings->refit = (enum pccd_refit)parse_name(state, "refit", text, refit_name,
+                                                      PCCD_REFIT_COUNT);
+        break;
+    case OPTION_QUALITY:
+        options->scene_settings.quality = (enum pccd_quality)parse_name(
+            state, "quality", text, quality_name, PCCD_QUALITY_COUNT);
+        break;
+    case OPTION_REBUILD_RATIO: {
+        double ratio = ctl_option_real(state, "rebuild-ratio", text, 0.0, 1.0);
+        options->scene_settings.rebuild_ratio = ratio == 0.0 ? -1.0 : ratio;
+        break;
+    }
+    default:
+        return parse_trace(key, text, state);
+    }
+    return 0;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct check_options *options = state->input;
+    struct pccd_step_settings *settings = &options->settings;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        break;
+    case OPTION_JSON:
+        options->is_json = true;
+        break;
+    case OPTION_CONTACTS:
+        options->contacts = text;
+        break;
+    case OPTION_THREADS:
+        settings->threads =
+            (uint32_t)ctl_option_count(state, "threads", text, 1, THREADS_MAX);
+        break;
+    case OPTION_REPEAT:
+        options->repeats =
+            (uint32_t)ctl_option_count(state, "repeat", text, 0, REPEATS_MAX);
+        options->has_repeats = true;
+        break;
+    case OPTION_TOLERANCE:
+        settings->tolerance =
+            ctl_option_real(state, "tolerance", text, TOLERANCE_MIN, 1.0);
+        break;
+    case OPTION_DEADLINE:
+        settings->deadline_ns =
+            ctl_option_count(state, "deadline", text, 1, DEADLINE_MS_MAX) * 1000000u;
+        break;
+    case OPTION_RESULT_BYTES:
+        options->link.result_bytes =
+            ctl_option_count(state, "result-bytes", text, 65536, (uint64_t)1 << 40);
+        break;
+    case ARGP_KEY_ARG:
+        options->paths[options->path_count++] = text;
+        break;
+    case ARGP_KEY_END:
+        check_usage(state, options);
+        break;
+    default:
+        return parse_choice(key, text, state);
+    }
+    return 0;
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp argp = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
+    .doc =
+        "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, then "
+        "to "
+        "MESH_T2 and so on. Files are PLY (ascii or binary) or OBJ and have the same "
+        "faces.\v"
+        "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
+        "kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when there are more "
+        "than "
+        "two files. Exit status: 0 when done (the report says whether the answer is "
+        "complete), 1 after an error.",
+    .children = children};
+
+/* Everything that lives while the frames are walked through. */
+struct check {
+    const struct check_options *options;
+    struct check_run run;
+    struct contacts_csv csv;
+    struct ctl_mesh frames[2]; /* before and after the step, by turns */
+    struct report_step *steps; /* [path_count - 1] */
+    struct progress progress;
+    struct trace_file trace;
+    FILE *report;
+};
+
+/* Read frame `index` beside the one before, and let both have one format. */
+static int read_frame(struct check *check, uint32_t index, struct ctl_error *error)
+{
+    char **paths = check->options->paths;
+    struct ctl_mesh *frame = &check->frames[index % 2];
+    struct ctl_mesh *before = &check->frames[(index + 1) % 2];
+    ctl_mesh_deinit(frame);
+    int status = ctl_mesh_read(paths[index], frame, error);
+    if (index == 0 || status != PCCD_OK) {
+        return status;
+    }
+    status = ctl_mesh_match(before, paths[index - 1], frame, paths[index], error);
+    if (status == PCCD_OK && before->format != frame->format) {
+        status = ctl_mesh_promote(before, error);
+        if (status == PCCD_OK) {
+            status = ctl_mesh_promote(frame, error);
+        }
+    }
+    return status;
+}
+
+static int walk(struct check *check, struct ctl_error *error)
+{
+    const struct check_options *options = check->options;
+    uint32_t step_count = options->path_count - 1;
+    bool is_sequence = step_count > 1;
+    int status = PCCD_OK;
+    progress_begin(&check->progress, "steps", is_sequence ? step_count : 0);
+    progress_update(&check->progress, 0);
+    for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
+        struct report_step *step = &check->steps[i - 1];
+        step->from = options->paths[i - 1];
+        step->to = options->paths[i];
+        if (i > 1) {
+            status = read_frame(check, i, error);
+        }
+        if (status == PCCD_OK) {
+            status = check_run_step(&check->run, &check->frames[(i + 1) % 2],
+                                    &check->frames[i % 2], i, &check->csv, step, error);
+        }
+        if (status == PCCD_OK && is_sequence && !options->is_json) {
+            progress_clear(&check->progress);
+            report_print_line(check->report, i, step);
+        }
+        progress_update(&check->progress, i);
+    }
+    progress_clear(&check->progress);
+    return status;
+}
+
+/* The same, between the beginning and the end of a recording if one is wanted. */
+static int walk_recorded(struct check *check, struct ctl_error *error)
+{
+    struct pccd_client *client = check->run.client;
+    const struct trace_options *options = &check->options->trace;
+    if (options->path == NULL) {
+        return walk(check, error);
+    }
+    int status = trace_file_begin(&check->trace, options, client, error);
+    if (status == PCCD_OK) {
+        status = walk(check, error);
+    }
+    if (status == PCCD_OK) {
+        status = trace_file_end(&check->trace, client, error);
+    }
+    trace_file_deinit(&check->trace);
+    return status;
+}
+
+/* The two first frames are read before a daemon is asked for, so that a bad file costs
+ * nothing else. */
+static int check_all(struct check *check, struct ctl_error *error)
+{
+    const struct check_options *options = check->options;
+    struct check_run *run = &check->run;
+    int status = read_frame(check, 0, error);
+    if (status == PCCD_OK) {
+        status = read_frame(check, 1, error);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (ctl_link_open(&options->link, &run->client) != CTL_DONE) {
+        return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
+    }
+    run->settings = options->settings;
+    run->mesh.settings = options->scene_settings;
+    status = check_run_begin(run, &check->frames[0], options->contacts != NULL, error);
+    if (status == PCCD_OK && options->contacts != NULL) {
+        /* The first frame's faces go when the third frame comes, so the CSV has its own.
+         */
+        size_t bytes = check->frames[0].triangle_count * sizeof(*check->csv.triangles);
+        void *triangles = malloc(bytes);
+        if (triangles == NULL) {
+            return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the faces");
+        }
+        memcpy(triangles, check->frames[0].triangles, bytes);
+        check->csv.triangles = triangles;
+        check->csv.edges = run->edges;
+        check->csv.has_step = options->path_count > 2;
+        check->csv.path = options->contacts;
+        status = contacts_csv_open(&check->csv, error);
+    }
+    if (status == PCCD_OK && !options->is_json) {
+        report_print_mesh(check->report, &run->mesh);
+    }
+    return status != PCCD_OK ? status : walk_recorded(check, error);
+}
+
+static int report_all(struct check *check, struct ctl_error *error)
+{
+    uint32_t step_count = check->options->path_count - 1;
+    if (check->options->is_json &&
+        !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
+        return ctl_error_set(error, PCCD_E_SYSTEM,
+                             "the JSON report could not be written");
+    }
+    if (!check->options->is_json && step_count == 1) {
+        report_print_step(check->report, &check->run.mesh, &check->steps[0]);
+    }
+    if (check->options->trace.path != NULL) {
+        trace_file_report(&check->trace,
+                          check->options->is_json ? stderr : check->report);
+    }
+    return PCCD_OK;
+}
+
+static int run_check(const struct check_options *options)
+{
+    struct ctl_error error = {.text = ""};
+    struct ctl_error close_error = {.text = ""};
+    struct check check = {.options = options, .report = stdout};
+    uint32_t default_repeats = options->path_count == 2 ? 1 : 0;
+    int status, closed;
+    check.run.repeats = options->has_repeats ? options->repeats : default_repeats;
+    if (options->contacts != NULL && strcmp(options->contacts, "-") == 0) {
+        check.report = stderr;
+    }
+    check.steps = calloc(options->path_count - 1, sizeof(*check.steps));
+    if (check.steps == NULL) {
+        status = ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
+    } else {
+        status = check_all(&check, &error);
+    }
+    if (status == PCCD_OK) {
+        status = report_all(&check, &error);
+    }
+    closed = contacts_csv_close(&check.csv, &close_error);
+    /* An empty text: the fault was told where it was found. */
+    if (status != PCCD_OK && error.text[0] != '\0') {
+        ctl_complain("%s", error.text);
+    } else if (status == PCCD_OK && closed != PCCD_OK) {
+        ctl_complain("%s", close_error.text);
+    }
+    check_run_deinit(&check.run);
+    pccd_close(check.run.client);
+    ctl_mesh_deinit(&check.frames[0]);
+    ctl_mesh_deinit(&check.frames[1]);
+    free((void *)check.csv.triangles);
+    free(check.steps);
+    return status == PCCD_OK && closed == PCCD_OK ? CTL_DONE : CTL_FAILED;
+}
+
+int ctl_cmd_check(int argc, char **argv)
+{
+    struct check_options options = {.link = {.policy = CTL_LINK_PRIVATE_UNLESS_ENV}};
+    int status = CTL_FAILED;
+    options.paths = malloc((size_t)argc * sizeof(*options.paths));
+    if (options.paths == NULL) {
+        status = ctl_complain("out of memory");
+    } else if (argp_parse(&argp, argc, argv, 0, NULL, &options) == 0) {
+        status = run_check(&options);
+    }
+    free(options.paths);
+    ctl_link_deinit(&options.link);
+    return status;
+}

@@ -1,0 +1,120 @@
+/* client/ctl/commands/cmd_ping.c - pccdctl ping.
+ *
+ * Room:     client/ctl.
+ * Does:     measures round trips through the daemon's loop; prints each, then a summary.
+ * Does not: start a daemon, unless --private asks for one.
+ * Threads:  one.
+ * Source:   pccd.h; statistics.h.
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "ctl.h"
+#include "link.h"
+#include "statistics.h"
+
+#define PINGS_MAX          100000000u
+#define PINGS_DEFAULT      10u
+#define INTERVAL_DEFAULT_S 0.1
+
+struct ping_options {
+    struct ctl_link link;
+    uint32_t count;
+    double interval_s;
+    bool is_quiet;
+};
+
+static const struct argp_option option_list[] = {
+    {"count", 'c', "N", 0, "Round trips (default: 10)", 0},
+    {"interval", 'i', "SECONDS", 0, "Between them (default: 0.1; 0: none)", 0},
+    {"quiet", 'q', NULL, 0, "Only the summary", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct ping_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case 'c':
+        options->count = (uint32_t)ctl_option_count(state, "count", text, 1, PINGS_MAX);
+        return 0;
+    case 'i':
+        options->interval_s = ctl_option_real(state, "interval", text, 0.0, 3600.0);
+        return 0;
+    case 'q':
+        options->is_quiet = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp argp = {
+    .options = option_list,
+    .parser = parse,
+    .doc = "Measure round trips through the daemon's loop, in microseconds.",
+    .children = children};
+
+static void pause_for(double seconds)
+{
+    struct timespec left = {.tv_sec = (time_t)seconds};
+    left.tv_nsec = (long)((seconds - (double)left.tv_sec) * 1e9);
+    while (nanosleep(&left, &left) != 0 && errno == EINTR) {
+        continue;
+    }
+}
+
+static int ping_all(struct pccd_client *client, const struct ping_options *options,
+                    double *times_us)
+{
+    for (uint32_t i = 0; i < options->count; i++) {
+        uint64_t round_trip_ns;
+        if (i > 0 && options->interval_s > 0.0) {
+            pause_for(options->interval_s);
+        }
+        if (pccd_ping(client, &round_trip_ns) != PCCD_OK) {
+            return ctl_complain("ping %" PRIu32 " of %" PRIu32 ": %s", i + 1,
+                                options->count, pccd_error_text(client));
+        }
+        times_us[i] = (double)round_trip_ns / 1e3;
+        if (!options->is_quiet) {
+            printf("daemon %" PRIu32 ": seq %" PRIu32 ", %.1f us\n",
+                   pccd_daemon_pid(client), i + 1, times_us[i]);
+        }
+    }
+    statistics_sort(times_us, options->count);
+    printf("%" PRIu32
+           " round trips: min %.1f us, median %.1f us, p99 %.1f us, max %.1f us\n",
+           options->count, times_us[0], statistics_median(times_us, options->count),
+           statistics_quantile(times_us, options->count, 0.99),
+           times_us[options->count - 1]);
+    return CTL_DONE;
+}
+
+int ctl_cmd_ping(int argc, char **argv)
+{
+    struct ping_options options = {.link = {.policy = CTL_LINK_EXISTING},
+                                   .count = PINGS_DEFAULT,
+                                   .interval_s = INTERVAL_DEFAULT_S};
+    struct pccd_client *client = NULL;
+    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_FAILED;
+    }
+    double *times_us = malloc(options.count * sizeof(*times_us));
+    int status = times_us != NULL ? ctl_link_open(&options.link, &client)
+                                  : ctl_complain("out of memory");
+    if (status == CTL_DONE) {
+        status = ping_all(client, &options, times_us);
+    }
+    pccd_close(client);
+    free(times_us);
+    ctl_link_deinit(&options.link);
+    return status;
+}

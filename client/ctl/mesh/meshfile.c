@@ -1,0 +1,181 @@
+/* client/ctl/mesh/meshfile.c - a triangle mesh read from a file.
+ *
+ * Room:     client/ctl.
+ * Does:     tells the format, holds the arrays, compares two frames.
+ * Does not: parse; see ply.c and obj.c.
+ * Threads:  [any]; nothing is shared.
+ * Source:   meshfile.h.
+ */
+#include "meshfile.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static bool has_ending(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    size_t ending_length = strlen(ending);
+    return length >= ending_length &&
+           strcasecmp(path + length - ending_length, ending) == 0;
+}
+
+static bool has_ply_magic(const struct ctl_file *file)
+{
+    return file->bytes >= 4 && memcmp(file->data, "ply", 3) == 0 &&
+           (file->data[3] == '\n' || file->data[3] == '\r');
+}
+
+int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    struct ctl_file file = {.path = path, .data = NULL, .bytes = 0};
+    struct ctl_mesh read = {0};
+    int status = ctl_file_read(path, &file, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (file.bytes == 0) {
+        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: the file is empty", path);
+    } else if (has_ply_magic(&file) || has_ending(path, ".ply")) {
+        status = ctl_ply_parse(&file, &read, error);
+    } else if (has_ending(path, ".obj")) {
+        status = ctl_obj_parse(&file, &read, error);
+    } else {
+        status = ctl_error_set(error, PCCD_E_FORMAT,
+                               "%s: neither PLY (first line \"ply\") nor a name ending "
+                               "in .ply or .obj",
+                               path);
+    }
+    if (status == PCCD_OK && read.vertex_count == 0) {
+        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path);
+    }
+    if (status == PCCD_OK && read.triangle_count == 0) {
+        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: no faces", path);
+    }
+    ctl_file_deinit(&file);
+    if (status == PCCD_OK) {
+        *mesh = read;
+    } else {
+        ctl_mesh_deinit(&read);
+    }
+    return status;
+}
+
+void ctl_mesh_deinit(struct ctl_mesh *mesh)
+{
+    free(mesh->x);
+    free(mesh->triangles);
+    *mesh = (struct ctl_mesh){0};
+}
+
+int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    if (mesh->format == PCCD_FORMAT_F64) {
+        return PCCD_OK;
+    }
+    size_t count = (size_t)mesh->vertex_count * 3;
+    const float *narrow = mesh->x;
+    double *wide = malloc(count * sizeof(*wide));
+    if (wide == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %u vertices",
+                             mesh->vertex_count);
+    }
+    for (size_t i = 0; i < count; i++) {
+        wide[i] = (double)narrow[i];
+    }
+    free(mesh->x);
+    mesh->x = wide;
+    mesh->format = PCCD_FORMAT_F64;
+    return PCCD_OK;
+}
+
+int ctl_mesh_match(const struct ctl_mesh *a, const char *path_a, const struct ctl_mesh *b,
+                   const char *path_b, struct ctl_error *error)
+{
+    if (a->vertex_count != b->vertex_count) {
+        return ctl_error_set(
+            error, PCCD_E_INVAL,
+            "%s has %u vertices and %s has %u: not two frames of one mesh", path_a,
+            a->vertex_count, path_b, b->vertex_count);
+    }
+    if (a->triangle_count != b->triangle_count) {
+        return ctl_error_set(
+            error, PCCD_E_INVAL,
+            "%s has %u triangles and %s has %u: not two frames of one mesh", path_a,
+            a->triangle_count, path_b, b->triangle_count);
+    }
+    for (uint32_t i = 0; i < a->triangle_count; i++) {
+        const uint32_t *p = a->triangles[i];
+        const uint32_t *q = b->triangles[i];
+        if (p[0] != q[0] || p[1] != q[1] || p[2] != q[2]) {
+            return ctl_error_set(
+                error, PCCD_E_INVAL,
+                "triangle %u is (%u %u %u) in %s and (%u %u %u) in %s: not "
+                "two frames of one mesh",
+                i, p[0], p[1], p[2], path_a, q[0], q[1], q[2], path_b);
+        }
+    }
+    return PCCD_OK;
+}
+
+int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
+                            uint64_t count, const char *path, struct ctl_error *error)
+{
+    size_t bytes = format == PCCD_FORMAT_F32 ? sizeof(float[3]) : sizeof(double[3]);
+    if (count == 0) {
+        return ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path);
+    }
+    if (count > CTL_MESH_COUNT_MAX) {
+        return ctl_error_set(error, PCCD_E_LIMIT, "%s: %llu vertices, at most %llu", path,
+                             (unsigned long long)count,
+                             (unsigned long long)CTL_MESH_COUNT_MAX);
+    }
+    mesh->x = malloc((size_t)count * bytes);
+    if (mesh->x == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu vertices", path,
+                             (unsigned long long)count);
+    }
+    mesh->format = format;
+    mesh->vertex_count = (uint32_t)count;
+    return PCCD_OK;
+}
+
+bool ctl_mesh_coordinate_ok(double value)
+{
+    /* False for NaN as well. */
+    return value >= -CTL_MESH_COORDINATE_MAX && value <= CTL_MESH_COORDINATE_MAX;
+}
+
+void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
+{
+    if (mesh->format == PCCD_FORMAT_F32) {
+        ((float *)mesh->x)[index] = (float)value;
+    } else {
+        ((double *)mesh->x)[index] = value;
+    }
+}
+
+int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
+                          const char *path, struct ctl_error *error)
+{
+    if (mesh->triangle_count == CTL_MESH_COUNT_MAX) {
+        return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than %llu triangles", path,
+                             (unsigned long long)CTL_MESH_COUNT_MAX);
+    }
+    if (mesh->triangle_count == mesh->triangle_capacity) {
+        uint64_t wanted = (uint64_t)mesh->triangle_capacity * 2 + 1024;
+        if (wanted > CTL_MESH_COUNT_MAX) {
+            wanted = CTL_MESH_COUNT_MAX;
+        }
+        void *grown = realloc(mesh->triangles, (size_t)wanted * sizeof(*mesh->triangles));
+        if (grown == NULL) {
+            return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu triangles",
+                                 path, (unsigned long long)wanted);
+        }
+        mesh->triangles = grown;
+        mesh->triangle_capacity = (uint32_t)wanted;
+    }
+    memcpy(mesh->triangles[mesh->triangle_count], corners, sizeof(*mesh->triangles));
+    mesh->triangle_count++;
+    return PCCD_OK;
+}

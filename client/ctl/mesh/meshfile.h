@@ -1,0 +1,65 @@
+/* client/ctl/mesh/meshfile.h - a triangle mesh read from a file.
+ *
+ * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
+ * Does:     reads PLY (ascii, binary of both byte orders) and OBJ; polygons become fans.
+ * Does not: merge, reorder or drop vertices or faces: two frames keep their
+ *           correspondence.
+ * Threads:  [any]; nothing is shared.
+ * Source:   "The PLY Polygon File Format" (Turk 1994); Wavefront OBJ, appendix B1.
+ */
+#ifndef CTL_MESHFILE_H
+#define CTL_MESHFILE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "error.h"
+#include "pccd_types.h"
+#include "text.h"
+
+/* What the daemon accepts: counts up to 2^31 - 1, coordinates up to this size. */
+#define CTL_MESH_COUNT_MAX      ((uint64_t)INT32_MAX)
+#define CTL_MESH_COORDINATE_MAX 1e18
+
+/* Fill with {0}. The arrays belong to the mesh. */
+struct ctl_mesh {
+    enum pccd_format
+        format; /* of x: float if the file's coordinates are exact in float */
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t triangle_capacity;
+    void *x; /* float or double [vertex_count][3] */
+    uint32_t (*triangles)[3];
+};
+
+/* Read `path`; the kind is told by the first line "ply", else by the ending .ply or .obj.
+ * A mesh has at least one vertex and one triangle, finite coordinates and valid indices.
+ * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
+ * file, the line or byte, and what was wrong there. */
+int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
+void ctl_mesh_deinit(struct ctl_mesh *mesh);
+
+/* Make the coordinates double; exact. Nothing to do when they are. */
+int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
+/* Same number of vertices and the same triangles in the same order; otherwise E_INVAL and
+ * a text with both file names and the first difference. */
+int ctl_mesh_match(const struct ctl_mesh *a, const char *path_a, const struct ctl_mesh *b,
+                   const char *path_b, struct ctl_error *error);
+
+/* For the readers. */
+int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
+                            uint64_t count, const char *path, struct ctl_error *error);
+bool ctl_mesh_coordinate_ok(double value);
+/* Store one coordinate; the index is vertex * 3 + axis. */
+void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
+int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
+                          const char *path, struct ctl_error *error);
+
+/* The two formats. `mesh` is empty before and the caller's to deinit after, also on
+ * error. */
+int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
+                  struct ctl_error *error);
+int ctl_obj_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
+                  struct ctl_error *error);
+
+#endif

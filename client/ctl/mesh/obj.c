@@ -1,0 +1,224 @@
+/* client/ctl/mesh/obj.c - Wavefront OBJ files.
+ *
+ * Room:     client/ctl.
+ * Does:     reads v and f (also negative and slash-separated numbers), turns polygons
+ *           into fans, keeps the order of the file; coordinates are double.
+ * Does not: read texture, normal, group or material data, nor free-form surfaces.
+ * Threads:  [any]; nothing is shared.
+ * Source:   Wavefront OBJ specification, appendix B1.
+ */
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "meshfile.h"
+
+/* Statements without vertices or faces. Anything else is an error, so that a file of
+ * another kind is not read as an empty mesh. */
+static const char *const ignored[] = {
+    "vt",       "vn",       "g",          "s",         "o",  "mg",  "usemtl",
+    "mtllib",   "usemap",   "maplib",     "l",         "p",  "lod", "bevel",
+    "c_interp", "d_interp", "shadow_obj", "trace_obj", "vp",
+};
+
+struct obj_reader {
+    const struct ctl_file *file;
+    struct ctl_mesh *mesh;
+    struct ctl_error *error;
+    struct ctl_text text;
+    uint64_t line_begin; /* where the statement at hand begins, for messages */
+    uint64_t vertex_seen;
+};
+
+static int fail(struct obj_reader *reader, int status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static int fail(struct obj_reader *reader, int status, const char *format, ...)
+{
+    char what[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof(what), format, arguments);
+    va_end(arguments);
+    return ctl_error_set(reader->error, status, "%s:%" PRIu64 ": %s", reader->file->path,
+                         reader->line_begin, what);
+}
+
+/* The next statement: lines that end in a backslash go on in the next one. Its characters
+ * stay in place: the backslash and the line end are blanked in our copy of the file. */
+static bool next_statement(struct obj_reader *reader, struct ctl_word *statement)
+{
+    struct ctl_word line;
+    if (!ctl_text_line(&reader->text, &line)) {
+        return false;
+    }
+    reader->line_begin = reader->text.line;
+    *statement = line;
+    while (line.end > line.at && line.end[-1] == '\\') {
+        char *gap = reader->file->data + (line.end - 1 - reader->file->data);
+        size_t gap_bytes = (size_t)(reader->text.at - gap);
+        if (!ctl_text_line(&reader->text, &line)) {
+            statement->end = gap;
+            break;
+        }
+        memset(gap, ' ', gap_bytes);
+        statement->end = line.end;
+    }
+    /* A comment reaches to the end of the line. */
+    const char *hash =
+        memchr(statement->at, '#', (size_t)(statement->end - statement->at));
+    if (hash != NULL) {
+        statement->end = hash;
+    }
+    return true;
+}
+
+/* Vertices in the file, so that they are allocated once: statements that begin with "v".
+ * A line that continues another is no statement. */
+static uint64_t count_vertices(const struct ctl_file *file)
+{
+    struct ctl_text text = {.at = file->data, .end = file->data + file->bytes, .line = 0};
+    struct ctl_word line, word;
+    uint64_t count = 0;
+    bool is_continued = false;
+    while (ctl_text_line(&text, &line)) {
+        bool is_start = !is_continued;
+        is_continued = line.end > line.at && line.end[-1] == '\\';
+        if (is_start && ctl_word_next(&line, &word) && ctl_word_is(&word, "v")) {
+            count++;
+        }
+    }
+    return count;
+}
+
+static int read_vertex(struct obj_reader *reader, struct ctl_word *line)
+{
+    double values[7];
+    uint32_t count = 0;
+    struct ctl_word word;
+    if (reader->vertex_seen == reader->mesh->vertex_count) {
+        return fail(reader, PCCD_E_FORMAT, "a vertex that begins on a continued line");
+    }
+    while (ctl_word_next(line, &word)) {
+        if (count == 7) {
+            return fail(reader, PCCD_E_FORMAT, "more than 7 numbers in a vertex");
+        }
+        if (!ctl_word_double(&word, &values[count])) {
+            return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is not a number",
+                        ctl_word_length(&word), word.at);
+        }
+        count++;
+    }
+    /* x y z, then perhaps a weight, then perhaps a colour. */
+    if (count < 3 || count == 5) {
+        return fail(reader, PCCD_E_FORMAT, "a vertex of %" PRIu32 " numbers", count);
+    }
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        if (!ctl_mesh_coordinate_ok(values[axis])) {
+            return fail(reader, PCCD_E_NOTFINITE,
+                        "vertex %" PRIu64 ": coordinate %c is %g; |x| <= 1e18 is needed",
+                        reader->vertex_seen + 1, "xyz"[axis], values[axis]);
+        }
+        ctl_mesh_set(reader->mesh, (size_t)reader->vertex_seen * 3 + axis, values[axis]);
+    }
+    reader->vertex_seen++;
+    return PCCD_OK;
+}
+
+/* "7", "7/1", "7/1/2", "7//2", "-1": the vertex number before the first slash, from 1, or
+ * backwards from the last vertex so far. */
+static int read_corner(struct obj_reader *reader, const struct ctl_word *word,
+                       uint32_t *index)
+{
+    struct ctl_word number = *word;
+    int64_t value;
+    const char *slash = memchr(word->at, '/', (size_t)(word->end - word->at));
+    if (slash != NULL) {
+        number.end = slash;
+    }
+    if (number.end == number.at || !ctl_word_integer(&number, &value)) {
+        return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is not a face corner",
+                    ctl_word_length(word), word->at);
+    }
+    int64_t seen = (int64_t)reader->vertex_seen;
+    int64_t known = (int64_t)reader->mesh->vertex_count;
+    if (value < 0 && value >= -seen) {
+        value += seen;
+    } else if (value > 0 && value <= known) {
+        value -= 1;
+    } else {
+        return fail(reader, PCCD_E_INDEX,
+                    "%" PRId64 " is not a vertex number (%" PRId64
+                    " vertices so far, %" PRId64 " in the file)",
+                    value, seen, known);
+    }
+    *index = (uint32_t)value;
+    return PCCD_OK;
+}
+
+static int read_face(struct obj_reader *reader, struct ctl_word *line)
+{
+    uint32_t corners[3] = {0, 0, 0};
+    uint64_t count = 0;
+    struct ctl_word word;
+    while (ctl_word_next(line, &word)) {
+        int status = read_corner(reader, &word, &corners[count < 2 ? count : 2]);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        count++;
+        if (count < 3) {
+            continue;
+        }
+        status = ctl_mesh_add_triangle(reader->mesh, corners, reader->file->path,
+                                       reader->error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        corners[1] = corners[2];
+    }
+    if (count < 3) {
+        return fail(reader, PCCD_E_FORMAT,
+                    "%" PRIu64 " vertices where a face needs at least 3", count);
+    }
+    return PCCD_OK;
+}
+
+static int read_statement(struct obj_reader *reader, struct ctl_word *line)
+{
+    struct ctl_word word;
+    if (!ctl_word_next(line, &word)) {
+        return PCCD_OK;
+    }
+    if (ctl_word_is(&word, "v")) {
+        return read_vertex(reader, line);
+    }
+    if (ctl_word_is(&word, "f")) {
+        return read_face(reader, line);
+    }
+    for (size_t i = 0; i < sizeof(ignored) / sizeof(ignored[0]); i++) {
+        if (ctl_word_is(&word, ignored[i])) {
+            return PCCD_OK;
+        }
+    }
+    return fail(reader, PCCD_E_FORMAT, "unknown statement \"%.*s\"",
+                ctl_word_length(&word), word.at);
+}
+
+int ctl_obj_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
+                  struct ctl_error *error)
+{
+    struct obj_reader reader = {
+        .file = file,
+        .mesh = mesh,
+        .error = error,
+        .text = {.at = file->data, .end = file->data + file->bytes, .line = 0},
+    };
+    struct ctl_word statement;
+    int status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, count_vertices(file),
+                                         file->path, error);
+    while (status == PCCD_OK && next_statement(&reader, &statement)) {
+        status = read_statement(&reader, &statement);
+    }
+    return status;
+}

@@ -1,0 +1,337 @@
+/* client/ctl/mesh/ply.c - the body of a PLY file.
+ *
+ * Room:     client/ctl.
+ * Does:     reads vertices and faces, ascii and binary of both byte orders, with values
+ *           of any type; skips everything else; turns polygons into fans.
+ * Does not: trust a count: each value is checked against the end of the file.
+ * Threads:  [any]; nothing is shared.
+ * Source:   "The PLY Polygon File Format" (Turk 1994).
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "meshfile.h"
+#include "ply_header.h"
+
+struct body_reader {
+    const struct ctl_file *file;
+    const struct ply_header *header;
+    struct ctl_mesh *mesh;
+    struct ctl_error *error;
+    struct ctl_text text; /* ascii: where the next row begins; binary: next byte */
+    struct ctl_word line; /* ascii: what is left of this row */
+    const struct ply_element *element; /* being read, for messages */
+    uint64_t row;                      /* of the element, from 0 */
+};
+
+/* The place, the element's row, and what was wrong. */
+static int fail(struct body_reader *reader, int status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static int fail(struct body_reader *reader, int status, const char *format, ...)
+{
+    char what[256];
+    char where[64];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof(what), format, arguments);
+    va_end(arguments);
+    if (reader->header->encoding == PLY_ASCII) {
+        snprintf(where, sizeof(where), ":%" PRIu64, reader->text.line);
+    } else {
+        snprintf(where, sizeof(where), ": byte %zu",
+                 (size_t)(reader->text.at - reader->file->data));
+    }
+    return ctl_error_set(reader->error, status, "%s%s: %.*s %" PRIu64 ": %s",
+                         reader->file->path, where,
+                         ctl_word_length(&reader->element->name),
+                         reader->element->name.at, reader->row, what);
+}
+
+/* The value of `bytes` bytes at `at` as unsigned bits. */
+static uint64_t load_bits(const char *at, size_t bytes, enum ply_encoding encoding)
+{
+    uint64_t bits = 0;
+    for (size_t i = 0; i < bytes; i++) {
+        size_t from = encoding == PLY_BIG_ENDIAN ? i : bytes - 1 - i;
+        bits = bits << 8 | (unsigned char)at[from];
+    }
+    return bits;
+}
+
+/* Every type's values are exact in a double. */
+static double decode(uint64_t bits, enum ply_type type)
+{
+    uint32_t low = (uint32_t)bits;
+    float narrow;
+    double wide;
+    switch (type) {
+    case PLY_INT8:
+        return (double)(int8_t)low;
+    case PLY_INT16:
+        return (double)(int16_t)low;
+    case PLY_INT32:
+        return (double)(int32_t)low;
+    case PLY_UINT8:
+    case PLY_UINT16:
+    case PLY_UINT32:
+        return (double)low;
+    case PLY_FLOAT32:
+        memcpy(&narrow, &low, sizeof(narrow));
+        return (double)narrow;
+    case PLY_FLOAT64:
+        memcpy(&wide, &bits, sizeof(wide));
+        return wide;
+    case PLY_TYPE_COUNT:
+        break;
+    }
+    abort();
+}
+
+static int read_binary(struct body_reader *reader, enum ply_type type, double *value)
+{
+    size_t bytes = ctl_ply_type_bytes(type);
+    if ((size_t)(reader->text.end - reader->text.at) < bytes) {
+        return fail(reader, PCCD_E_FORMAT, "the file ends here");
+    }
+    *value = decode(load_bits(reader->text.at, bytes, reader->header->encoding), type);
+    reader->text.at += bytes;
+    return PCCD_OK;
+}
+
+static int next_word(struct body_reader *reader, struct ctl_word *word)
+{
+    if (!ctl_word_next(&reader->line, word)) {
+        return fail(reader, PCCD_E_FORMAT, "a value is missing at the end of the line");
+    }
+    return PCCD_OK;
+}
+
+static int read_ascii(struct body_reader *reader, enum ply_type type, double *value)
+{
+    struct ctl_word word;
+    int64_t whole;
+    bool is_number;
+    int status = next_word(reader, &word);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (ctl_ply_type_is_whole(type)) {
+        is_number = ctl_word_integer(&word, &whole) && whole >= INT32_MIN &&
+                    whole <= (int64_t)UINT32_MAX;
+        if (is_number) {
+            *value = (double)whole;
+        }
+    } else if (type == PLY_FLOAT32) {
+        is_number = ctl_word_float(&word, value);
+    } else {
+        is_number = ctl_word_double(&word, value);
+    }
+    if (!is_number) {
+        return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is not a%s number",
+                    ctl_word_length(&word), word.at,
+                    ctl_ply_type_is_whole(type) ? " whole" : "");
+    }
+    return PCCD_OK;
+}
+
+static int read_value(struct body_reader *reader, enum ply_type type, double *value)
+{
+    if (reader->header->encoding == PLY_ASCII) {
+        return read_ascii(reader, type, value);
+    }
+    return read_binary(reader, type, value);
+}
+
+static int skip_value(struct body_reader *reader, enum ply_type type)
+{
+    struct ctl_word word;
+    double value;
+    if (reader->header->encoding == PLY_ASCII) {
+        return next_word(reader, &word);
+    }
+    return read_binary(reader, type, &value);
+}
+
+static int read_coordinate(struct body_reader *reader,
+                           const struct ply_property *property)
+{
+    double value;
+    int status = read_value(reader, property->type, &value);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (!ctl_mesh_coordinate_ok(value)) {
+        return fail(reader, PCCD_E_NOTFINITE,
+                    "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[property->role],
+                    value);
+    }
+    ctl_mesh_set(reader->mesh, (size_t)reader->row * 3 + (size_t)property->role, value);
+    return PCCD_OK;
+}
+
+static int read_index(struct body_reader *reader, const struct ply_property *property,
+                      uint32_t *index)
+{
+    double value;
+    int status = read_value(reader, property->type, &value);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (!(value >= 0 && value < (double)reader->header->vertex_count) ||
+        value != floor(value)) {
+        return fail(reader, PCCD_E_INDEX,
+                    "%.17g is not a vertex number (there are %" PRIu64 " vertices)",
+                    value, reader->header->vertex_count);
+    }
+    *index = (uint32_t)value;
+    return PCCD_OK;
+}
+
+/* A polygon v0 v1 v2 v3 ... becomes (v0 v1 v2) (v0 v2 v3) ... */
+static int read_polygon(struct body_reader *reader, const struct ply_property *property,
+                        uint64_t count)
+{
+    uint32_t corners[3] = {0, 0, 0};
+    if (count < 3) {
+        return fail(reader, PCCD_E_FORMAT,
+                    "%" PRIu64 " vertices where a face needs at least 3", count);
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        int status = read_index(reader, property, &corners[i < 2 ? i : 2]);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        if (i < 2) {
+            continue;
+        }
+        status = ctl_mesh_add_triangle(reader->mesh, corners, reader->file->path,
+                                       reader->error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        corners[1] = corners[2];
+    }
+    return PCCD_OK;
+}
+
+static int read_list(struct body_reader *reader, const struct ply_property *property)
+{
+    double value;
+    int status = read_value(reader, property->count_type, &value);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    /* Each item takes a byte at least, so the file's size bounds the count. */
+    if (!(value >= 0 && value <= (double)(reader->text.end - reader->file->data)) ||
+        value != floor(value)) {
+        return fail(reader, PCCD_E_FORMAT, "%.17g is not a possible list length", value);
+    }
+    uint64_t count = (uint64_t)value;
+    if (property->role == PLY_INDICES) {
+        return read_polygon(reader, property, count);
+    }
+    for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
+        status = skip_value(reader, property->type);
+    }
+    return status;
+}
+
+/* Ascii: rows are lines; blank lines between them are let pass. */
+static int begin_row(struct body_reader *reader)
+{
+    struct ctl_word rest, word;
+    do {
+        if (!ctl_text_line(&reader->text, &reader->line)) {
+            return fail(reader, PCCD_E_FORMAT, "the file ends here");
+        }
+        rest = reader->line;
+    } while (!ctl_word_next(&rest, &word));
+    return PCCD_OK;
+}
+
+static int read_row(struct body_reader *reader)
+{
+    bool is_ascii = reader->header->encoding == PLY_ASCII;
+    struct ctl_word surplus;
+    int status = is_ascii ? begin_row(reader) : PCCD_OK;
+    for (uint32_t i = 0; i < reader->element->property_count && status == PCCD_OK; i++) {
+        const struct ply_property *property =
+            &reader->header->properties[reader->element->property_first + i];
+        if (property->is_list) {
+            status = read_list(reader, property);
+        } else if (property->role == PLY_SKIP) {
+            status = skip_value(reader, property->type);
+        } else {
+            status = read_coordinate(reader, property);
+        }
+    }
+    if (status == PCCD_OK && is_ascii && ctl_word_next(&reader->line, &surplus)) {
+        return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is too much on the line",
+                    ctl_word_length(&surplus), surplus.at);
+    }
+    return status;
+}
+
+/* Bytes after the last row mean that the counts do not fit the data. */
+static int check_end(struct body_reader *reader)
+{
+    struct ctl_word line, word;
+    if (reader->header->encoding != PLY_ASCII) {
+        if (reader->text.at == reader->text.end) {
+            return PCCD_OK;
+        }
+        return ctl_error_set(reader->error, PCCD_E_FORMAT,
+                             "%s: byte %zu: %zu bytes after the last element",
+                             reader->file->path,
+                             (size_t)(reader->text.at - reader->file->data),
+                             (size_t)(reader->text.end - reader->text.at));
+    }
+    while (ctl_text_line(&reader->text, &line)) {
+        if (ctl_word_next(&line, &word)) {
+            return ctl_error_set(reader->error, PCCD_E_FORMAT,
+                                 "%s:%" PRIu64 ": \"%.*s\" after the last element",
+                                 reader->file->path, reader->text.line,
+                                 ctl_word_length(&word), word.at);
+        }
+    }
+    return PCCD_OK;
+}
+
+int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
+                  struct ctl_error *error)
+{
+    struct ply_header *header = malloc(sizeof(*header));
+    struct body_reader reader = {
+        .file = file,
+        .header = header,
+        .mesh = mesh,
+        .error = error,
+        .text = {.at = file->data, .end = file->data + file->bytes, .line = 0},
+    };
+    if (header == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the header",
+                             file->path);
+    }
+    int status = ctl_ply_header(file, &reader.text, header, error);
+    if (status == PCCD_OK) {
+        status = ctl_mesh_alloc_vertices(
+            mesh, header->is_narrow ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64,
+            header->vertex_count, file->path, error);
+    }
+    for (uint32_t i = 0; i < header->element_count && status == PCCD_OK; i++) {
+        reader.element = &header->elements[i];
+        for (reader.row = 0; reader.row < reader.element->count && status == PCCD_OK;
+             reader.row++) {
+            status = read_row(&reader);
+        }
+    }
+    if (status == PCCD_OK) {
+        status = check_end(&reader);
+    }
+    free(header);
+    return status;
+}

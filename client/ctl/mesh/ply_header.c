@@ -1,0 +1,341 @@
+/* client/ctl/mesh/ply_header.c - what a PLY file says about itself.
+ *
+ * Room:     client/ctl.
+ * Does:     reads the header line by line, then checks it as a whole.
+ * Does not: read the body (see ply.c).
+ * Threads:  [any]; nothing is shared.
+ * Source:   ply_header.h.
+ */
+#include "ply_header.h"
+
+#include "meshfile.h"
+
+static const struct {
+    const char *name;
+    const char *alias;
+    size_t bytes;
+    bool is_whole;
+    bool is_narrow;
+} types[PLY_TYPE_COUNT] = {
+#define PLY_TYPE_ROW(id, name, alias, bytes, whole, narrow)                              \
+    {name, alias, bytes, whole, narrow},
+    PLY_TYPES(PLY_TYPE_ROW)
+#undef PLY_TYPE_ROW
+};
+
+/* The state of reading, so that messages know the place. */
+struct header_reader {
+    const struct ctl_file *file;
+    struct ctl_text *text;
+    struct ply_header *header;
+    struct ctl_error *error;
+};
+
+/* "FILE:LINE: " before a message about the line at hand. */
+#define FAIL(reader, status, format, ...)                                                \
+    ctl_error_set((reader)->error, status, "%s:%llu: " format, (reader)->file->path,     \
+                  (unsigned long long)(reader)->text->line, __VA_ARGS__)
+
+size_t ctl_ply_type_bytes(enum ply_type type)
+{
+    return types[type].bytes;
+}
+
+bool ctl_ply_type_is_whole(enum ply_type type)
+{
+    return types[type].is_whole;
+}
+
+static int read_type(struct header_reader *reader, struct ctl_word *line,
+                     enum ply_type *type)
+{
+    struct ctl_word word;
+    if (!ctl_word_next(line, &word)) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s", "property without a type");
+    }
+    for (uint32_t i = 0; i < PLY_TYPE_COUNT; i++) {
+        if (ctl_word_is(&word, types[i].name) || ctl_word_is(&word, types[i].alias)) {
+            *type = (enum ply_type)i;
+            return PCCD_OK;
+        }
+    }
+    return FAIL(reader, PCCD_E_FORMAT, "unknown type \"%.*s\"", ctl_word_length(&word),
+                word.at);
+}
+
+static int read_format(struct header_reader *reader, struct ctl_word *line)
+{
+    struct ctl_word word, version;
+    if (reader->header->encoding != PLY_NONE) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s", "a second format line");
+    }
+    if (!ctl_word_next(line, &word) || !ctl_word_next(line, &version)) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s",
+                    "format without an encoding and a version");
+    }
+    if (ctl_word_is(&word, "ascii")) {
+        reader->header->encoding = PLY_ASCII;
+    } else if (ctl_word_is(&word, "binary_little_endian")) {
+        reader->header->encoding = PLY_LITTLE_ENDIAN;
+    } else if (ctl_word_is(&word, "binary_big_endian")) {
+        reader->header->encoding = PLY_BIG_ENDIAN;
+    } else {
+        return FAIL(reader, PCCD_E_FORMAT, "unknown encoding \"%.*s\"",
+                    ctl_word_length(&word), word.at);
+    }
+    if (!ctl_word_is(&version, "1.0")) {
+        return FAIL(reader, PCCD_E_FORMAT, "version \"%.*s\" where 1.0 is known",
+                    ctl_word_length(&version), version.at);
+    }
+    return PCCD_OK;
+}
+
+static int read_element(struct header_reader *reader, struct ctl_word *line)
+{
+    struct ply_header *header = reader->header;
+    struct ctl_word name, count_word;
+    int64_t count;
+    if (!ctl_word_next(line, &name) || !ctl_word_next(line, &count_word)) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s", "element without a name and a count");
+    }
+    if (!ctl_word_integer(&count_word, &count) || count < 0) {
+        return FAIL(reader, PCCD_E_FORMAT, "\"%.*s\" is not a count",
+                    ctl_word_length(&count_word), count_word.at);
+    }
+    if (header->element_count == PLY_ELEMENTS_MAX) {
+        return FAIL(reader, PCCD_E_LIMIT, "more than %d elements", PLY_ELEMENTS_MAX);
+    }
+    header->elements[header->element_count++] =
+        (struct ply_element){.name = name,
+                             .count = (uint64_t)count,
+                             .property_first = header->property_count,
+                             .property_count = 0};
+    return PCCD_OK;
+}
+
+static int read_property(struct header_reader *reader, struct ctl_word *line)
+{
+    struct ply_header *header = reader->header;
+    struct ply_property property = {.count_type = PLY_UINT8, .role = PLY_SKIP};
+    struct ctl_word rest = *line;
+    struct ctl_word word;
+    int status = PCCD_OK;
+    if (header->element_count == 0) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s", "property before any element");
+    }
+    if (header->property_count == PLY_PROPERTIES_MAX) {
+        return FAIL(reader, PCCD_E_LIMIT, "more than %d properties", PLY_PROPERTIES_MAX);
+    }
+    if (ctl_word_next(&rest, &word) && ctl_word_is(&word, "list")) {
+        property.is_list = true;
+        *line = rest;
+        status = read_type(reader, line, &property.count_type);
+    }
+    if (status == PCCD_OK) {
+        status = read_type(reader, line, &property.type);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (!ctl_word_next(line, &property.name)) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s", "property without a name");
+    }
+    header->properties[header->property_count++] = property;
+    header->elements[header->element_count - 1].property_count++;
+    return PCCD_OK;
+}
+
+/* One line after the first; *is_end is set by "end_header". */
+static int read_line(struct header_reader *reader, struct ctl_word *line, bool *is_end)
+{
+    struct ctl_word word;
+    struct ctl_word surplus;
+    int status;
+    if (!ctl_word_next(line, &word)) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s", "blank line in the header");
+    }
+    if (ctl_word_is(&word, "comment") || ctl_word_is(&word, "obj_info")) {
+        return PCCD_OK;
+    }
+    if (ctl_word_is(&word, "end_header")) {
+        *is_end = true;
+        status = PCCD_OK;
+    } else if (ctl_word_is(&word, "format")) {
+        status = read_format(reader, line);
+    } else if (ctl_word_is(&word, "element")) {
+        status = read_element(reader, line);
+    } else if (ctl_word_is(&word, "property")) {
+        status = read_property(reader, line);
+    } else {
+        return FAIL(reader, PCCD_E_FORMAT, "unknown header line \"%.*s\"",
+                    ctl_word_length(&word), word.at);
+    }
+    if (status == PCCD_OK && ctl_word_next(line, &surplus)) {
+        return FAIL(reader, PCCD_E_FORMAT, "\"%.*s\" is too much on a header line",
+                    ctl_word_length(&surplus), surplus.at);
+    }
+    return status;
+}
+
+/* The only element of that name. */
+static int find_element(struct header_reader *reader, const char *name,
+                        struct ply_element **found)
+{
+    struct ply_element *element = NULL;
+    for (uint32_t i = 0; i < reader->header->element_count; i++) {
+        if (!ctl_word_is(&reader->header->elements[i].name, name)) {
+            continue;
+        }
+        if (element != NULL) {
+            return FAIL(reader, PCCD_E_FORMAT, "two elements \"%s\"", name);
+        }
+        element = &reader->header->elements[i];
+    }
+    if (element == NULL) {
+        return FAIL(reader, PCCD_E_FORMAT, "the header has no element \"%s\"", name);
+    }
+    *found = element;
+    return PCCD_OK;
+}
+
+/* Give x, y and z of the vertex element their roles. */
+static int find_axes(struct header_reader *reader, const struct ply_element *element)
+{
+    static const char *const axes[3] = {"x", "y", "z"};
+    struct ply_property *properties =
+        reader->header->properties + element->property_first;
+    reader->header->is_narrow = true;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        struct ply_property *found = NULL;
+        for (uint32_t i = 0; i < element->property_count && found == NULL; i++) {
+            if (ctl_word_is(&properties[i].name, axes[axis])) {
+                found = &properties[i];
+            }
+        }
+        if (found == NULL) {
+            return FAIL(reader, PCCD_E_FORMAT,
+                        "element \"vertex\" has no property \"%s\"", axes[axis]);
+        }
+        if (found->is_list) {
+            return FAIL(reader, PCCD_E_FORMAT, "property \"%s\" of \"vertex\" is a list",
+                        axes[axis]);
+        }
+        found->role = (enum ply_role)axis;
+        reader->header->is_narrow &= types[found->type].is_narrow;
+    }
+    return PCCD_OK;
+}
+
+static int find_indices(struct header_reader *reader, const struct ply_element *element)
+{
+    struct ply_property *properties =
+        reader->header->properties + element->property_first;
+    for (uint32_t i = 0; i < element->property_count; i++) {
+        if (properties[i].is_list &&
+            (ctl_word_is(&properties[i].name, "vertex_indices") ||
+             ctl_word_is(&properties[i].name, "vertex_index"))) {
+            properties[i].role = PLY_INDICES;
+            return PCCD_OK;
+        }
+    }
+    return FAIL(reader, PCCD_E_FORMAT, "%s",
+                "element \"face\" has no list \"vertex_indices\" or \"vertex_index\"");
+}
+
+/* Fewest bytes that one row of the element can take. */
+static uint64_t row_bytes_min(const struct ply_header *header,
+                              const struct ply_element *element)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < element->property_count; i++) {
+        const struct ply_property *property =
+            &header->properties[element->property_first + i];
+        if (header->encoding == PLY_ASCII) {
+            bytes += 2; /* a digit and what parts it from the next */
+        } else {
+            bytes +=
+                types[property->is_list ? property->count_type : property->type].bytes;
+        }
+    }
+    return bytes;
+}
+
+/* Refuse counts that the bytes after the header cannot hold, before anything is allocated
+ * by them. */
+static int check_counts(struct header_reader *reader)
+{
+    const struct ply_header *header = reader->header;
+    /* One more for the last row of an ascii file, which may lack its line end. */
+    uint64_t left = (uint64_t)(reader->text->end - reader->text->at) + 1;
+    for (uint32_t i = 0; i < header->element_count; i++) {
+        const struct ply_element *element = &header->elements[i];
+        uint64_t row_bytes = row_bytes_min(header, element);
+        if (element->count == 0) {
+            continue;
+        }
+        if (row_bytes == 0) {
+            return FAIL(reader, PCCD_E_FORMAT, "element \"%.*s\" has no properties",
+                        ctl_word_length(&element->name), element->name.at);
+        }
+        if (element->count > left / row_bytes) {
+            return FAIL(reader, PCCD_E_FORMAT,
+                        "%llu rows of element \"%.*s\" are announced, but the file ends "
+                        "before",
+                        (unsigned long long)element->count,
+                        ctl_word_length(&element->name), element->name.at);
+        }
+        left -= element->count * row_bytes;
+    }
+    return PCCD_OK;
+}
+
+static int check_header(struct header_reader *reader)
+{
+    struct ply_element *vertex, *face;
+    if (reader->header->encoding == PLY_NONE) {
+        return FAIL(reader, PCCD_E_FORMAT, "%s", "the header has no format line");
+    }
+    int status = find_element(reader, "vertex", &vertex);
+    if (status == PCCD_OK) {
+        status = find_element(reader, "face", &face);
+    }
+    if (status == PCCD_OK) {
+        status = find_axes(reader, vertex);
+    }
+    if (status == PCCD_OK) {
+        status = find_indices(reader, face);
+    }
+    if (status == PCCD_OK) {
+        status = check_counts(reader);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    reader->header->vertex_count = vertex->count;
+    reader->header->face_count = face->count;
+    return PCCD_OK;
+}
+
+int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
+                   struct ply_header *header, struct ctl_error *error)
+{
+    struct header_reader reader = {file, text, header, error};
+    struct ctl_word line;
+    bool is_end = false;
+    header->encoding = PLY_NONE;
+    header->element_count = 0;
+    header->property_count = 0;
+    if (!ctl_text_line(text, &line) || !ctl_word_is(&line, "ply")) {
+        return FAIL(&reader, PCCD_E_FORMAT, "%s", "the first line is not \"ply\"");
+    }
+    while (!is_end) {
+        if (!ctl_text_line(text, &line)) {
+            return FAIL(&reader, PCCD_E_FORMAT, "%s", "the file ends inside the header");
+        }
+        int status = read_line(&reader, &line, &is_end);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    return check_header(&reader);
+}

@@ -1,0 +1,81 @@
+/* client/ctl/mesh/ply_header.h - what a PLY file says about itself.
+ *
+ * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
+ * Does:     reads the header, finds the properties that matter, bounds every count by the
+ *           bytes that follow.
+ * Does not: read the body (see ply.c).
+ * Threads:  [any]; nothing is shared.
+ * Source:   "The PLY Polygon File Format" (Turk 1994).
+ */
+#ifndef CTL_PLY_HEADER_H
+#define CTL_PLY_HEADER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "error.h"
+#include "text.h"
+
+#define PLY_ELEMENTS_MAX   32
+#define PLY_PROPERTIES_MAX 256 /* of all elements together */
+
+enum ply_encoding { PLY_NONE, PLY_ASCII, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN };
+
+/* X(id, first name, second name, bytes, whole numbers, exact in a float) */
+#define PLY_TYPES(X)                                                                     \
+    X(INT8, "char", "int8", 1, true, true)                                               \
+    X(UINT8, "uchar", "uint8", 1, true, true)                                            \
+    X(INT16, "short", "int16", 2, true, true)                                            \
+    X(UINT16, "ushort", "uint16", 2, true, true)                                         \
+    X(INT32, "int", "int32", 4, true, false)                                             \
+    X(UINT32, "uint", "uint32", 4, true, false)                                          \
+    X(FLOAT32, "float", "float32", 4, false, true)                                       \
+    X(FLOAT64, "double", "float64", 8, false, false)
+
+enum ply_type {
+#define PLY_TYPE_ENUM(id, name, alias, bytes, whole, narrow) PLY_##id,
+    PLY_TYPES(PLY_TYPE_ENUM)
+#undef PLY_TYPE_ENUM
+        PLY_TYPE_COUNT
+};
+
+/* What a property is to us. X, Y, Z are 0, 1, 2 so that the role is the axis. */
+enum ply_role { PLY_X, PLY_Y, PLY_Z, PLY_INDICES, PLY_SKIP };
+
+struct ply_property {
+    struct ctl_word name;
+    enum ply_type type; /* of the value, or of the list's items */
+    enum ply_type count_type;
+    bool is_list;
+    enum ply_role role;
+};
+
+struct ply_element {
+    struct ctl_word name;
+    uint64_t count;
+    uint32_t property_first;
+    uint32_t property_count;
+};
+
+struct ply_header {
+    enum ply_encoding encoding;
+    uint32_t element_count;
+    uint32_t property_count;
+    struct ply_element elements[PLY_ELEMENTS_MAX];
+    struct ply_property properties[PLY_PROPERTIES_MAX];
+    uint64_t vertex_count;
+    uint64_t face_count;
+    bool is_narrow; /* every coordinate type is exact in a float */
+};
+
+/* Read the header at text's start; afterwards text stands at the first byte of the body.
+ * On success: one element "vertex" with scalar x, y, z and one element "face" with a list
+ * of indices exist, and no element can be longer than the file. */
+int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
+                   struct ply_header *header, struct ctl_error *error);
+
+size_t ctl_ply_type_bytes(enum ply_type type);
+bool ctl_ply_type_is_whole(enum ply_type type);
+
+#endif

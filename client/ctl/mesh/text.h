@@ -1,0 +1,58 @@
+/* client/ctl/mesh/text.h - lines and words of a file that lies in memory.
+ *
+ * Room:     client/ctl. May include: error.h, pccd_types.h.
+ * Does:     reads a whole file, splits it into lines and words, turns words into numbers.
+ * Does not: know any file format.
+ * Threads:  [any]; nothing is shared.
+ * Source:   used by ply.c and obj.c.
+ */
+#ifndef CTL_TEXT_H
+#define CTL_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "error.h"
+
+/* A file in memory. data[bytes] is a NUL, so that the C number parsers stop there. */
+struct ctl_file {
+    const char *path; /* the caller's; for messages */
+    char *data;
+    size_t bytes;
+};
+
+/* A place in the file, at the start of a line. */
+struct ctl_text {
+    const char *at;
+    const char *end;
+    uint64_t line; /* number of the line read last, from 1; 0 before the first */
+};
+
+/* A run of characters in the file, not terminated. */
+struct ctl_word {
+    const char *at;
+    const char *end;
+};
+
+/* Read `path` (a file, or a pipe to its end). Errors: E_SYSTEM, E_NOMEM. */
+int ctl_file_read(const char *path, struct ctl_file *file, struct ctl_error *error);
+void ctl_file_deinit(struct ctl_file *file);
+
+/* The next line without its line end (LF or CR LF); false at the end of the file. */
+bool ctl_text_line(struct ctl_text *text, struct ctl_word *line);
+/* The next word of the line, which shrinks; false when only blanks are left. */
+bool ctl_word_next(struct ctl_word *line, struct ctl_word *word);
+
+bool ctl_word_is(const struct ctl_word *word, const char *text);
+/* The word's length, cut for "%.*s". */
+int ctl_word_length(const struct ctl_word *word);
+
+/* The word as a number; false when it is not one from its first to its last character.
+ * Beyond the range: infinity (real), false (integer). */
+bool ctl_word_float(const struct ctl_word *word,
+                    double *value); /* rounded once, to float */
+bool ctl_word_double(const struct ctl_word *word, double *value);
+bool ctl_word_integer(const struct ctl_word *word, int64_t *value);
+
+#endif

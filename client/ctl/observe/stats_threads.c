@@ -1,0 +1,226 @@
+/* client/ctl/observe/stats_threads.c - what each thread of the daemon's last step did.
+ *
+ * Room:     client/ctl.
+ * Does:     reads one thread after the other; begins anew when another step came between.
+ * Does not: know the counters: it sorts them by the form of their names.
+ * Threads:  one.
+ * Source:   pccd_stats_thread of pccd.h.
+ */
+#include "stats_threads.h"
+
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+
+#define COUNTERS_MAX 64u
+#define TRIES        20
+
+/* One thread's counters, in the order in which the library gives them. */
+struct row {
+    uint32_t count;
+    const char *name[COUNTERS_MAX]; /* the library's, for ever */
+    uint64_t value[COUNTERS_MAX];
+};
+
+struct table {
+    struct row *rows; /* ours, [count] */
+    uint32_t count;
+};
+
+static void collect(void *context, const char *name, uint64_t value, const char *text)
+{
+    struct row *row = context;
+    (void)text;
+    if (row->count < COUNTERS_MAX) {
+        row->name[row->count] = name;
+        row->value[row->count++] = value;
+    }
+}
+
+static uint64_t value_of(const struct row *row, const char *name)
+{
+    for (uint32_t i = 0; i < row->count; i++) {
+        if (strcmp(row->name[i], name) == 0) {
+            return row->value[i];
+        }
+    }
+    return 0;
+}
+
+/* "ns_low" is of the step, "low_ns" of a thread; what comes before the first time says
+ * which step it was; everything else counts a thread's work. */
+enum kind { KIND_STEP, KIND_PHASE, KIND_TIME, KIND_WORK };
+
+static enum kind kind_of(const struct row *row, uint32_t at)
+{
+    const char *name = row->name[at];
+    size_t length = strlen(name);
+    if (strncmp(name, "ns_", 3) == 0) {
+        return KIND_PHASE;
+    }
+    if (length > 3 && strcmp(name + length - 3, "_ns") == 0) {
+        return KIND_TIME;
+    }
+    for (uint32_t i = 0; i < at; i++) {
+        if (strncmp(row->name[i], "ns_", 3) == 0) {
+            return KIND_WORK;
+        }
+    }
+    return KIND_STEP;
+}
+
+/* ---- reading ----------------------------------------------------------------------- */
+
+/* All threads of one step; PCCD_E_BUSY when another came between. */
+static int read_once(struct pccd_client *client, struct table *table)
+{
+    struct row first = {.count = 0};
+    int status = pccd_stats_thread(client, true, 0, collect, &first);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    uint32_t threads = (uint32_t)value_of(&first, "threads");
+    free(table->rows);
+    table->count = 0;
+    table->rows = calloc((size_t)threads + 1, sizeof(*table->rows));
+    if (table->rows == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    table->rows[0] = first;
+    for (uint32_t i = 1; i < threads; i++) {
+        struct row *row = &table->rows[i];
+        status = pccd_stats_thread(client, true, i, collect, row);
+        if (status == PCCD_E_INVAL) {
+            return PCCD_E_BUSY; /* a step of fewer threads */
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+        if (value_of(row, "number") != value_of(&first, "number")) {
+            return PCCD_E_BUSY;
+        }
+    }
+    table->count = threads;
+    return PCCD_OK;
+}
+
+static int read_table(struct pccd_client *client, struct table *table)
+{
+    int status = PCCD_E_BUSY;
+    for (int i = 0; i < TRIES && status == PCCD_E_BUSY; i++) {
+        status = read_once(client, table);
+    }
+    return status;
+}
+
+/* ---- printing ---------------------------------------------------------------------- */
+
+static void print_step(FILE *to, const struct row *row)
+{
+    uint64_t threads = value_of(row, "threads");
+    const char *scheduler =
+        report_scheduler_name((enum pccd_scheduler)value_of(row, "scheduler"));
+    const char *high_level =
+        report_high_level_name((enum pccd_high_level)value_of(row, "high_level"));
+    const char *refit = report_refit_name((enum pccd_refit)value_of(row, "refit"));
+    fprintf(to, "step %" PRIu64 " by %" PRIu64 " thread%s", value_of(row, "number"),
+            threads, threads == 1 ? "" : "s");
+    if (value_of(row, "scheduler") != 0) {
+        fprintf(to, ", scheduler %s", scheduler != NULL ? scheduler : "unknown");
+    }
+    if (value_of(row, "high_level") != 0) {
+        fprintf(to, ", high level %s", high_level != NULL ? high_level : "unknown");
+    }
+    if (value_of(row, "refit") != 0) {
+        fprintf(to, ", refit %s", refit != NULL ? refit : "unknown");
+    }
+    fputs("\n\n", to);
+    for (uint32_t i = 0; i < row->count; i++) {
+        if (kind_of(row, i) == KIND_PHASE) {
+            fprintf(to, "  %-10s %12.3f ms\n", row->name[i] + 3,
+                    (double)row->value[i] / 1e6);
+        }
+    }
+}
+
+/* One table of the counters of one kind: a line for each thread. */
+static void print_kind(FILE *to, const struct table *table, enum kind kind)
+{
+    const struct row *first = &table->rows[0];
+    fputs("\nthread", to);
+    for (uint32_t i = 0; i < first->count; i++) {
+        if (kind_of(first, i) == kind) {
+            size_t length = strlen(first->name[i]) - (kind == KIND_TIME ? 3 : 0);
+            fprintf(to, " %*.*s", length > 10 ? (int)length : 10, (int)length,
+                    first->name[i]);
+        }
+    }
+    fputs(kind == KIND_TIME ? "   (ms)\n" : "\n", to);
+    for (uint32_t thread = 0; thread < table->count; thread++) {
+        const struct row *row = &table->rows[thread];
+        fprintf(to, "%6" PRIu32, thread);
+        for (uint32_t i = 0; i < row->count; i++) {
+            size_t length = strlen(row->name[i]);
+            int width = length > 10 ? (int)length : 10;
+            if (kind_of(row, i) != kind) {
+                continue;
+            }
+            if (kind == KIND_TIME) {
+                width = length > 13 ? (int)length - 3 : 10;
+                fprintf(to, " %*.3f", width, (double)row->value[i] / 1e6);
+            } else {
+                fprintf(to, " %*" PRIu64, width, row->value[i]);
+            }
+        }
+        fputc('\n', to);
+    }
+}
+
+/* The step's own numbers at the top, an object for each thread in "thread_records". */
+static int print_json(FILE *to, const struct table *table)
+{
+    json_t *object = json_object();
+    json_t *array = json_array();
+    const struct row *first = &table->rows[0];
+    for (uint32_t i = 0; i < first->count; i++) {
+        if (kind_of(first, i) == KIND_STEP || kind_of(first, i) == KIND_PHASE) {
+            json_object_set_new(object, first->name[i],
+                                json_integer((json_int_t)first->value[i]));
+        }
+    }
+    for (uint32_t thread = 0; thread < table->count; thread++) {
+        const struct row *row = &table->rows[thread];
+        json_t *element = json_object();
+        for (uint32_t i = 0; i < row->count; i++) {
+            if (kind_of(row, i) == KIND_WORK || kind_of(row, i) == KIND_TIME) {
+                json_object_set_new(element, row->name[i],
+                                    json_integer((json_int_t)row->value[i]));
+            }
+        }
+        json_array_append_new(array, element);
+    }
+    bool ok = json_object_set_new(object, "thread_records", array) == 0 &&
+              json_dumpf(object, to, JSON_INDENT(2)) == 0 && fputc('\n', to) != EOF;
+    json_decref(object);
+    return ok ? PCCD_OK : PCCD_E_NOMEM;
+}
+
+int stats_threads_print(struct pccd_client *client, FILE *to, bool is_json)
+{
+    struct table table = {.rows = NULL};
+    int status = read_table(client, &table);
+    if (status == PCCD_OK && is_json) {
+        status = print_json(to, &table);
+    } else if (status == PCCD_OK && table.count == 0) {
+        fputs("no step yet\n", to);
+    } else if (status == PCCD_OK) {
+        print_step(to, &table.rows[0]);
+        print_kind(to, &table, KIND_WORK);
+        print_kind(to, &table, KIND_TIME);
+    }
+    free(table.rows);
+    return status;
+}

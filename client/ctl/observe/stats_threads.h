@@ -1,0 +1,21 @@
+/* client/ctl/observe/stats_threads.h - what each thread of the daemon's last step did.
+ *
+ * Room:     client/ctl. May include: pccd.h.
+ * Does:     asks for every thread of one step, prints a table or JSON.
+ * Does not: connect; see link.h.
+ * Threads:  one.
+ * Source:   used by cmd_stats.c.
+ */
+#ifndef CTL_STATS_THREADS_H
+#define CTL_STATS_THREADS_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "pccd.h"
+
+/* Returns a status; pccd_error_text says more. E_BUSY: steps come so fast that no step's
+ * threads could be read as a whole. */
+int stats_threads_print(struct pccd_client *client, FILE *to, bool is_json);
+
+#endif

@@ -1,0 +1,61 @@
+/* client/ctl/observe/trace_file.h - a recording as a file that Perfetto and Chrome open.
+ *
+ * Room:     client/ctl. May include: error.h, pccd.h.
+ * Does:     one track for each thread of the daemon's team and one for its loop; for each
+ *           client a group with as many tracks as it had requests at a time.
+ * Does not: keep more than the clients' requests: the rest is written as it comes.
+ * Threads:  one.
+ * Source:   Trace Event Format (Chrome), "X" events: begin and duration in microseconds.
+ */
+#ifndef CTL_TRACE_FILE_H
+#define CTL_TRACE_FILE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "error.h"
+#include "pccd.h"
+
+#define TRACE_EVENTS_MAX (1u << 20)
+#define TRACE_MIN_US_MAX 1000000u
+
+/* What a command was asked for. */
+struct trace_options {
+    const char *path; /* "-": the standard output; NULL: no recording */
+    uint32_t events;  /* 0: the daemon decides */
+    uint64_t min_us;
+};
+
+struct trace_file {
+    const char *path;
+    FILE *file;
+    uint64_t origin_ns; /* of the file's times, CLOCK_MONOTONIC */
+    uint32_t pid;       /* of the daemon */
+    uint64_t count;     /* entries written */
+    struct pccd_trace_info info;
+    uint32_t threads;   /* of the team that were seen */
+    bool has_loop;
+    bool is_short; /* of memory: requests are missing */
+    struct pccd_trace_event *requests; /* ours */
+    uint64_t request_count;
+    uint64_t request_capacity;
+};
+
+/* Begin to record, with the file open already so that a wrong name costs nothing else. */
+int trace_file_begin(struct trace_file *trace, const struct trace_options *options,
+                     struct pccd_client *client, struct ctl_error *error);
+/* End the recording and write the file. */
+int trace_file_end(struct trace_file *trace, struct pccd_client *client,
+                   struct ctl_error *error);
+/* After end: say what the file holds. */
+void trace_file_report(const struct trace_file *trace, FILE *to);
+/* After begin, also when it failed; leaves what report needs. */
+void trace_file_deinit(struct trace_file *trace);
+
+/* The parts of end, for tests: a page of events; what is known only after the last. */
+void trace_file_add(void *trace_file, const struct pccd_trace_event *events,
+                    uint32_t count);
+void trace_file_finish(struct trace_file *trace, uint64_t lost);
+
+#endif

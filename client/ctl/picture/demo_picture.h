@@ -1,0 +1,34 @@
+/* client/ctl/picture/demo_picture.h - the demo's last step as a picture.
+ *
+ * Room:     client/ctl. May include: cloth_scene.h, error.h, pccd.h.
+ * Does:     turns contact records into marks on the meshes and has them drawn.
+ * Does not: draw; see picture.h.
+ * Threads:  one.
+ * Source:   pccd_types.h for what a contact's parameters mean.
+ */
+#ifndef CTL_DEMO_PICTURE_H
+#define CTL_DEMO_PICTURE_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include "cloth_scene.h"
+#include "error.h"
+#include "pccd.h"
+
+/* What a record's handles and feature numbers mean. */
+struct demo_object {
+    uint32_t object;
+    uint32_t vertex_count, triangle_count;
+    const float (*x)[3]; /* at the end of the step */
+    const uint32_t (*triangles)[3];
+    const struct pccd_edge *edges;
+};
+
+/* Cloth first, then ball. Writes to `file`, which is closed in every case; `path` is for
+ * messages. Errors: E_NOMEM, E_SYSTEM. */
+int demo_picture_write(const struct demo_object objects[2],
+                       const struct pccd_answer *answer, FILE *file, const char *path,
+                       struct ctl_error *error);
+
+#endif

@@ -1,0 +1,58 @@
+/* client/ctl/picture/picture.h - meshes and contacts as a PNG.
+ *
+ * Room:     client/ctl. May include: error.h, raster.h, pccd_types.h.
+ * Does:     places a camera that sees everything, renders, writes the file.
+ * Does not: open a window, or need a graphics card.
+ * Threads:  one at a time; nothing is shared.
+ * Source:   raster.h; libpng's simplified interface.
+ */
+#ifndef CTL_PICTURE_H
+#define CTL_PICTURE_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include "error.h"
+
+#define PICTURE_WIDTH  1200
+#define PICTURE_HEIGHT 900
+
+struct picture_mesh {
+    const float (*x)[3];
+    const uint32_t (*triangles)[3];
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    float front[3], back[3]; /* colours of the sides, 0 .. 1 */
+};
+
+/* A contact: where, and which of the groups it belongs to. */
+struct picture_mark {
+    float at[3];
+    uint32_t group;
+};
+
+struct picture_group {
+    char label[48];
+    float colour[3];
+};
+
+struct picture {
+    const struct picture_mesh *meshes;
+    const struct picture_mark *marks;
+    const struct picture_group *groups;
+    uint32_t mesh_count, mark_count, group_count;
+    float from[3]; /* direction from the middle of the scene to the eye; y is up */
+    const char *title;
+};
+
+/* Open for writing without emptying it, so that a fault is seen before the work is done.
+ * Errors: E_SYSTEM. */
+int picture_open(const char *path, FILE **file, struct ctl_error *error);
+/* Close a file that will not be written; what picture_open made anew goes again. */
+void picture_discard(FILE *file, const char *path);
+/* Render to `file`, whose name `path` is for messages, and close it, also on failure.
+ * Errors: E_SYSTEM, E_NOMEM. */
+int picture_write(const struct picture *picture, FILE *file, const char *path,
+                  struct ctl_error *error);
+
+#endif

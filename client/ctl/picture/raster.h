@@ -1,0 +1,53 @@
+/* client/ctl/picture/raster.h - triangles, dots and text on a canvas with depth.
+ *
+ * Room:     client/ctl. May include: the C library.
+ * Does:     fills shaded triangles with a depth buffer, draws dots and a small font.
+ * Does not: know meshes, cameras or files (see picture.c).
+ * Threads:  one per canvas.
+ * Source:   edge functions (Pineda 1988).
+ */
+#ifndef CTL_RASTER_H
+#define CTL_RASTER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Colours are red, green, blue in 0 .. 1 as they are shown. */
+struct raster {
+    uint32_t width, height;
+    uint8_t *rgb;    /* [height][width][3] */
+    float *nearness; /* [height][width]: 1 / distance; 0 = nothing there */
+};
+
+/* A corner on the canvas: place, nearness, and the direction of the surface there. */
+struct raster_corner {
+    float x, y;
+    float nearness;
+    float normal[3];
+};
+
+/* Directions are unit, in the frame of the normals. */
+struct raster_surface {
+    float front[3], back[3]; /* colours of the two sides */
+    float light[3];          /* to the light */
+    float eye[3];            /* to the eye */
+    float line_width;        /* of the triangles' borders, canvas pixels; 0 = none */
+};
+
+/* False without memory. */
+bool raster_init(struct raster *raster, uint32_t width, uint32_t height);
+void raster_deinit(struct raster *raster);
+
+/* Fill with a vertical run from one colour to another; forget all depths. */
+void raster_clear(struct raster *raster, const float top[3], const float bottom[3]);
+void raster_triangle(struct raster *raster, const struct raster_corner corners[3],
+                     const struct raster_surface *surface);
+/* A dot with a dark rim: full where nothing nearer is, `hidden` (0 .. 1) opaque
+ * elsewhere. */
+void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
+                const float colour[3], float hidden);
+/* ASCII text; (x, y) is its upper left corner, a font pixel is `scale` canvas pixels. */
+void raster_text(struct raster *raster, uint32_t x, uint32_t y, uint32_t scale,
+                 const float colour[3], const char *text);
+
+#endif
