@@ -20,7 +20,8 @@ cd "$top_srcdir" || exit 99
 rooms='
 proto
 daemon/engine
-daemon/server       proto daemon/engine
+daemon/service      proto daemon/engine daemon/server
+daemon/server       proto daemon/engine daemon/service daemon/server
 client/lib          proto
 client/ctl          client/lib+
 client/load         client/lib+
@@ -34,8 +35,8 @@ tests/abi           proto client/lib+
 tests/oracle
 tests/support       proto client/lib+ tests/oracle
 tests/integration   proto client/lib+ tests/support tests/oracle
-tests/unit          proto daemon/engine daemon/server client/lib client/ctl client/load tests/support tests/oracle
-tests/fuzz          proto daemon/engine daemon/server client/ctl tests/support tests/oracle tests/fault
+tests/unit          proto daemon/engine daemon/service daemon/server client/lib client/ctl client/load tests/support tests/oracle
+tests/fuzz          proto daemon/engine daemon/service daemon/server client/ctl tests/support tests/oracle tests/fault
 tests/fault         proto client/lib+ tests/support tests/oracle
 tests/zoo           proto client/lib+ tests/support
 tests/determinism   daemon/engine tests/support tests/oracle tests/unit
@@ -47,6 +48,7 @@ tests/truth         proto daemon/engine client/lib+ tests/support tests/oracle t
 libraries='
 proto               msgpack.h
 daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
+daemon/service      uv.h
 daemon/server       uv.h seccomp.h
 client/ctl          jansson.h png.h
 bench               omp.h
@@ -164,7 +166,10 @@ awk '
     END {
         for (entry in seen) {
             split(entry, part, " ")
-            if (part[2] == "daemon/engine" && (part[1] " daemon/server") in seen)
+            if (part[2] == "daemon/engine" && ((part[1] " daemon/server") in seen ||
+                                               (part[1] " daemon/service") in seen))
+                continue
+            if (part[2] == "daemon/service" && (part[1] " daemon/server") in seen)
                 continue
             rooms[part[1]]++
             list[part[1]] = list[part[1]] " " part[2]

@@ -1,0 +1,355 @@
+/* dispatch.c - from a message to an answer.
+ *
+ * Room:     service. See dispatch.h.
+ * Does:     an ordered list of refusals, then a table of handlers generated from the
+ *           manifest. Every refusal says what was wrong.
+ * Does not: touch payload.
+ * Threads:  [loop]
+ */
+#include "dispatch.h"
+
+#include <unistd.h>
+
+#include "conn.h"
+#include "crash.h"
+#include "invariant.h"
+#include "linger.h"
+#include "loop.h"
+#include "now.h"
+#include "replies.h"
+#include "session.h"
+
+/* ---- the table --------------------------------------------------------------------- */
+
+#define ENTRY(ID, name, since, flags, text) [PROTO_METHOD_##ID] = srv_on_##ID,
+static int (*const handlers[PROTO_METHOD_COUNT])(struct srv_call *call) = {
+    PROTO_METHODS(ENTRY)};
+#undef ENTRY
+
+/* ---- answers ----------------------------------------------------------------------- */
+
+static void close_fds(const int *fds, int fd_count)
+{
+    for (int i = 0; i < fd_count; i++) {
+        close(fds[i]);
+    }
+}
+
+/* One answer into loop->encoder; kept, too, where it may have to be sent again. */
+static void encode(struct srv_session *session, uint32_t id, int method,
+                   const void *result, const struct proto_error *error)
+{
+    struct proto_encoder *encoder = session->loop->encoder;
+    int status = error != NULL ? proto_encode_error(encoder, id, error)
+                               : proto_encode_result(encoder, id, method, result);
+    PCCD_ASSERT(status == 0); /* no answer of ours comes near the limit */
+    if (session->replies != NULL && !(error != NULL && error->fatal)) {
+        srv_replies_keep(session->replies, id, method, encoder);
+    }
+}
+
+/* Send one answer. Takes fds over. A fatal error is the last thing the client hears. */
+static void send_answer(struct srv_session *session, uint32_t id, int method,
+                        const void *result, const struct proto_error *error,
+                        const int *fds, int fd_count)
+{
+    struct srv_loop *loop = session->loop;
+    encode(session, id, method, result, error);
+    srv_conn_send(session->conn, loop->encoder, fds, fd_count);
+    if (error == NULL) {
+        return;
+    }
+    srv_metrics_add_error(&loop->metrics, error->code);
+    srv_log(SRV_LOG_DEBUG, session->id, "%s: %s: %s",
+            method >= 0 && method < PROTO_MESSAGE_COUNT ? proto_messages[method].name
+                                                        : "?",
+            proto_status_name(error->code), error->text);
+    if (error->fatal) {
+        session->is_ending = true;
+        srv_conn_finish(session->conn);
+    }
+}
+
+/* What is answered, recorded where a recording is on. */
+struct question {
+    uint64_t arrival_ns;
+    uint32_t id;
+    int method;
+};
+
+static void answer(struct srv_session *session, const struct question *question,
+                   const void *result, const struct proto_error *error, const int *fds,
+                   int fd_count)
+{
+    struct srv_loop *loop = session->loop;
+    uint64_t begin_ns = loop->tracing != NULL ? srv_now_ns() : 0;
+    send_answer(session, question->id, question->method, result, error, fds, fd_count);
+    srv_tracing_add(loop, PCCD_TRACE_ANSWER, session, begin_ns, question->method,
+                    question->id);
+    srv_tracing_add(loop, PCCD_TRACE_REQUEST, session, question->arrival_ns,
+                    question->method, question->id);
+}
+
+void srv_dispatch_answer(struct srv_session *session, struct srv_request *request)
+{
+    srv_assert_loop();
+    int fd_count = request->status == 0 && request->fds[0] >= 0 ? 2 : 0;
+    const struct proto_error *error = request->status == 0 ? NULL : &request->error;
+    if (session->state == SRV_SESSION_CLOSED) {
+        close_fds(request->fds, fd_count);
+        return;
+    }
+    if (request->is_held) { /* sent when it is asked for again */
+        PCCD_ASSERT(session->replies != NULL);
+        close_fds(request->fds, fd_count);
+        encode(session, request->id, request->method, &request->result, error);
+        return;
+    }
+    PCCD_ASSERT(session->state == SRV_SESSION_OPEN);
+    const struct question question = {request->arrival_ns, request->id, request->method};
+    answer(session, &question, &request->result, error, request->fds, fd_count);
+}
+
+void srv_dispatch_answer_early(struct srv_session *session,
+                               const struct srv_request *request, const void *result)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(session->state == SRV_SESSION_OPEN && !request->is_held);
+    const struct question question = {request->arrival_ns, request->id, request->method};
+    answer(session, &question, result, NULL, NULL, 0);
+}
+
+void srv_dispatch_violation(struct srv_session *session, int code, const char *text)
+{
+    srv_assert_loop();
+    struct proto_error error = {.fatal = true};
+    proto_error_set(&error, code, "%s", text);
+    error.fatal = true;
+    srv_log(SRV_LOG_WARN, session->id, "dropped: %s", error.text);
+    session->loop->metrics.counters.sessions_dropped++;
+    send_answer(session, 0, -1, NULL, &error, NULL, 0);
+}
+
+void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text)
+{
+    srv_assert_loop();
+    struct proto_GOAWAY_request note = {.code = (uint32_t)-code};
+    size_t length = 0;
+    for (; text[length] != '\0' && length < PROTO_STR_MAX; length++) {
+        note.text[length] = text[length];
+    }
+    int status = proto_encode_notification(loop->encoder, PROTO_NOTE_GOAWAY, &note);
+    PCCD_ASSERT(status == 0);
+    for (struct srv_conn *conn = loop->conns; conn != NULL; conn = conn->next) {
+        srv_conn_send(conn, loop->encoder, NULL, 0);
+    }
+}
+
+/* ---- refusals, in their order ------------------------------------------------------ */
+
+static int refuse_stranger(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    if (!session->is_stranger) {
+        return 0;
+    }
+    session->loop->metrics.counters.sessions_refused++;
+    proto_error_set(&call->error, PCCD_E_ACCESS,
+                    "user %u is not in the lists of this daemon (pccdd --allow-uid, "
+                    "--allow-gid)",
+                    (unsigned)session->user->uid);
+    call->error.fatal = true;
+    srv_log(SRV_LOG_WARN, session->id, "refused: %s", call->error.text);
+    return PCCD_E_ACCESS;
+}
+
+static int refuse_beyond_quota(struct srv_call *call)
+{
+    if (call->session->state != SRV_SESSION_REFUSED ||
+        call->method == PROTO_METHOD_HELLO) { /* may find a place (handlers_hello.c) */
+        return 0;
+    }
+    return srv_dispatch_refuse_quota(call);
+}
+
+int srv_dispatch_refuse_quota(struct srv_call *call)
+{
+    struct srv_loop *loop = call->session->loop;
+    loop->metrics.counters.sessions_refused++;
+    proto_error_set(&call->error, PCCD_E_QUOTA,
+                    "user %u has %llu clients already, the quota is %llu",
+                    (unsigned)call->session->user->uid,
+                    (unsigned long long)call->session->user->used[SRV_QUOTA_CLIENTS],
+                    (unsigned long long)loop->quota.limit[SRV_QUOTA_CLIENTS]);
+    call->error.fatal = true;
+    srv_log(SRV_LOG_WARN, call->session->id, "refused: %s", call->error.text);
+    return PCCD_E_QUOTA;
+}
+
+static int refuse_unknown(struct srv_call *call)
+{
+    if (call->method >= 0 && call->method < PROTO_METHOD_COUNT) {
+        return 0;
+    }
+    if (call->method >= 0) {
+        return proto_error_set(&call->error, PCCD_E_NOMETHOD,
+                               "%s is a notification of the daemon",
+                               proto_messages[call->method].name);
+    }
+    call->error.code = PCCD_E_NOMETHOD; /* the decoder wrote the text */
+    return PCCD_E_NOMETHOD;
+}
+
+static int refuse_shutdown(struct srv_call *call)
+{
+    if (call->session->loop->phase == SRV_PHASE_RUNNING) {
+        return 0;
+    }
+    return proto_error_set(&call->error, PCCD_E_SHUTDOWN,
+                           "the daemon is shutting down, %s is not begun any more",
+                           proto_messages[call->method].name);
+}
+
+static int refuse_before_hello(struct srv_call *call)
+{
+    const struct proto_message_info *info = &proto_messages[call->method];
+    if ((info->flags & PROTO_F_BEFORE_HELLO) != 0) {
+        return 0;
+    }
+    if (call->session->state != SRV_SESSION_OPEN) {
+        return proto_error_set(&call->error, PCCD_E_NOHELLO, "%s came before hello",
+                               info->name);
+    }
+    if (info->since > call->session->version) {
+        return proto_error_set(&call->error, PCCD_E_NOMETHOD,
+                               "%s needs protocol version %u, this session has %u",
+                               info->name, info->since, call->session->version);
+    }
+    return 0;
+}
+
+static int refuse_busy(struct srv_call *call)
+{
+    if ((proto_messages[call->method].flags & PROTO_F_COMPUTE) == 0) {
+        return 0;
+    }
+    uint32_t count = call->session->request_count - call->session->overdue_count;
+    if (count >= SRV_REQUESTS_MAX) {
+        return proto_error_set(&call->error, PCCD_E_BUSY,
+                               "%u requests are in flight, no more than %u may be", count,
+                               SRV_REQUESTS_MAX);
+    }
+    if (srv_session_request(call->session, call->id) != NULL) {
+        return proto_error_set(&call->error, PCCD_E_STATE,
+                               "a request with message id %u is in flight already",
+                               call->id);
+    }
+    return 0;
+}
+
+static int (*const refusals[])(struct srv_call *call) = {
+    refuse_stranger, refuse_beyond_quota, refuse_unknown,
+    refuse_shutdown, refuse_before_hello, refuse_busy,
+};
+
+/* ---- the way through --------------------------------------------------------------- */
+
+/* A request that came before, over a connection that was lost: its answer is sent once
+ * more, or comes when it has been computed. False: it did not come, or may run again. */
+static bool repeat(struct srv_session *session, uint32_t id)
+{
+    struct srv_loop *loop = session->loop;
+    if (session->replies == NULL || srv_replies_is_new(session->replies, id)) {
+        return false;
+    }
+    struct srv_request *request = srv_session_request(session, id);
+    if (request != NULL) {
+        request->is_held = false;
+        return true;
+    }
+    if (!srv_replies_find(session->replies, id, loop->encoder)) {
+        return false;
+    }
+    loop->metrics.counters.replies_repeated++;
+    srv_conn_send(session->conn, loop->encoder, NULL, 0);
+    return true;
+}
+
+/* Decode the parameters and call the handler, unless the request is refused. */
+static int handle(struct srv_call *call, const struct proto_envelope *envelope)
+{
+    for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++) {
+        int status = refusals[i](call);
+        if (status != 0) {
+            return status;
+        }
+    }
+    int status = proto_decode_body(envelope, &proto_messages[call->method].request,
+                                   &call->params, &call->error);
+    return status != 0 ? status : handlers[call->method](call);
+}
+
+/* The user's memory may be held by sessions that only wait for their clients, or are over
+ * and not freed yet. Then those that wait end, and the request comes again when they are
+ * gone. Each turn ends a session. */
+static int handle_in_turn(struct srv_call *call, const struct proto_envelope *envelope,
+                          const void *message, size_t bytes)
+{
+    struct srv_session *session = call->session;
+    int status = handle(call, envelope);
+    while (status == PCCD_E_QUOTA && !call->error.fatal &&
+           srv_linger_make_room(session)) {
+        if (session->user->leaving > 0) {
+            return srv_conn_put_off(session->conn, message, bytes) == 0 ? SRV_LATER
+                                                                        : status;
+        }
+        status = handle(call, envelope);
+    }
+    return status;
+}
+
+void srv_dispatch(struct srv_session *session, const void *message, size_t bytes)
+{
+    srv_assert_loop();
+    struct srv_loop *loop = session->loop;
+    struct srv_call call = {.session = session, .arrival_ns = srv_now_ns()};
+    struct proto_envelope envelope = {0};
+    int status = proto_decode(loop->decoder, message, bytes, &envelope, &call.error);
+    if (status == PCCD_E_NOMEM) {
+        srv_dispatch_violation(session, status, "no memory to decode a message");
+        return;
+    }
+    if (status != 0) {
+        srv_dispatch_violation(session, PCCD_E_BADMSG, call.error.text);
+        return;
+    }
+    if (envelope.kind == PROTO_NOTIFICATION) {
+        return; /* clients have none in this version; newer ones may, and lose nothing */
+    }
+    if (envelope.kind == PROTO_RESPONSE) {
+        srv_dispatch_violation(session, PCCD_E_BADMSG, "a response to no request");
+        return;
+    }
+    if (repeat(session, envelope.id)) {
+        return;
+    }
+    call.id = envelope.id;
+    call.method = envelope.method;
+    if (call.method < 0) {
+        call.error = envelope.error;
+    }
+    srv_crash_note(call.method < 0 ? "?" : proto_messages[call.method].name, session->id,
+                   call.id);
+    status = handle_in_turn(&call, &envelope, message, bytes);
+    srv_crash_note(NULL, 0, 0);
+    session = call.session; /* hello may have found an older one */
+    const struct question question = {call.arrival_ns, call.id, call.method};
+    if (status == 0) {
+        answer(session, &question, &call.result, NULL, NULL, 0);
+    } else if (status < 0) {
+        PCCD_ASSERT(call.error.code == status);
+        answer(session, &question, NULL, &call.error, NULL, 0);
+    }
+    srv_tracing_add(loop, PCCD_TRACE_RECEIVE, session, call.arrival_ns, call.method,
+                    call.id);
+}

@@ -1,0 +1,36 @@
+/* enginemem.h - the engine's memory, charged to the user it is for.
+ *
+ * Room:     service. May include: quota.h, the engine's headers.
+ * Does:     around everything that allocates or frees in the engine for a session:
+ *           meshes, hierarchies, scratch of steps, records of answers. Beyond the user's
+ *           quota the engine gets no memory.
+ * Threads:  [compute]: one user at a time is served, so what the engine's count changes
+ *           by is that user's.
+ */
+#ifndef SRV_ENGINEMEM_H
+#define SRV_ENGINEMEM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "quota.h"
+
+struct srv_enginemem {
+    struct srv_quota_user *user;
+    uint64_t limit; /* bytes of one user */
+    uint64_t before;
+    uint64_t refused;
+};
+
+void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *user,
+                         uint64_t limit);
+
+/* Returns whether the quota has refused memory since. */
+bool srv_enginemem_end(struct srv_enginemem *memory);
+
+/* The status of a work that ended with `status`: a lack of memory that was the quota's is
+ * PCCD_E_QUOTA, with *error naming user, amount and limit. */
+int srv_enginemem_explain(struct srv_enginemem *memory, int status,
+                          struct proto_error *error);
+
+#endif

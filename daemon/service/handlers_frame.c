@@ -1,0 +1,502 @@
+/* handlers_frame.c - frame.submit and frame.fetch.
+ *
+ * Room:     service. See call.h.
+ * Does:     check a step's settings on [loop]; stage, compute and copy out on [compute].
+ * Does not: hold back an answer that does not fit: a page is returned and a cursor.
+ * Threads:  [loop], but for functions named work_ and their helpers.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "call.h"
+#include "invariant.h"
+#include "loop.h"
+#include "now.h"
+#include "request.h"
+#include "session.h"
+#include "wire.h"
+
+#define TOLERANCE_DEFAULT 1e-6
+#define TOLERANCE_MIN     1e-12
+#define TOLERANCE_MAX     1.0
+
+/* Copied on [loop] out of the slot of a step that is answered before its turn: some
+ * 100 us. One that needs more is answered in its turn. */
+#define EARLY_BYTES_MAX (1u << 20)
+
+static_assert(sizeof(struct proto_FRAME_SUBMIT_result) ==
+                  sizeof(struct proto_FRAME_FETCH_result),
+              "submit and fetch answer alike");
+
+/* ---- pages ------------------------------------------------------------------------- */
+
+/* Copied between two looks at the cancel flag, some 100 us; and in any case: a step that
+ * was cancelled keeps no more. */
+#define COPY_RECORDS 8192u
+
+/* Copy `count` records, or fewer if the request is cancelled. Returns how many. */
+static uint64_t copy_records(struct srv_request *request, uint8_t *to,
+                             const uint8_t *from, uint64_t count, uint32_t record_bytes)
+{
+    uint64_t done = 0;
+    while (done < count && (done == 0 || !atomic_load_explicit(&request->job.cancel,
+                                                               memory_order_relaxed))) {
+        uint64_t n = count - done < COPY_RECORDS ? count - done : COPY_RECORDS;
+        memcpy(to + done * record_bytes, from + done * record_bytes, n * record_bytes);
+        done += n;
+    }
+    return done;
+}
+
+/* Copy the records from `first` on into the result region, as many as fit, and say in
+ * *answer which those are. Returns 0 or a status with the error set. [compute] */
+static int write_page(struct srv_request *request, uint64_t first,
+                      struct proto_FRAME_SUBMIT_result *answer)
+{
+    struct srv_scene *scene = request->plan.scene;
+    PCCD_ASSERT(scene->has_answer && first <= scene->answer.total);
+    *answer = scene->answer;
+    struct srv_page page;
+    void *data = NULL;
+    int status = srv_ring_reserve(request->plan.ring, answer->record_bytes,
+                                  answer->total - first, &page, &data, &request->error);
+    if (status != 0) {
+        return status;
+    }
+    const uint8_t *from = scene->records; /* NULL: there are none */
+    if (first > 0) {
+        from += first * answer->record_bytes;
+    }
+    uint64_t count = copy_records(request, data, from, page.count, answer->record_bytes);
+    answer->first = first;
+    answer->count = count;
+    answer->cursor = first + count;
+    answer->offset = page.position;
+    answer->release = page.release;
+    if (answer->incomplete == PCCD_COMPLETE && answer->cursor < answer->total) {
+        answer->incomplete =
+            count < page.count ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_RESULT_FULL;
+    }
+    return 0;
+}
+
+/* ---- submit ------------------------------------------------------------------------ */
+
+/* Arrival plus the client's budget; 0: none. */
+static uint64_t deadline_of(uint64_t budget_ns, uint64_t arrival_ns)
+{
+    if (budget_ns == 0) {
+        return 0;
+    }
+    return budget_ns > UINT64_MAX - arrival_ns ? UINT64_MAX : arrival_ns + budget_ns;
+}
+
+/* What the engine says of the step, in the wire's terms, but for the page. [compute] */
+static void describe(const struct eng_step_result *step,
+                     struct proto_FRAME_SUBMIT_result *answer)
+{
+    *answer = (struct proto_FRAME_SUBMIT_result){
+        .mode = step->mode,
+        .incomplete = step->incomplete,
+        .verdict = step->verdict,
+        .total = step->count,
+        .record_bytes = step->mode == ENG_MODE_PAIRS
+                            ? (uint32_t)sizeof(struct pccd_pair)
+                            : (uint32_t)sizeof(struct pccd_contact),
+        .vf = step->vf,
+        .ee = step->ee,
+        .possible = step->possible,
+        .initial = step->initial,
+        .toi_first = step->toi_first,
+        .hash_hi = step->hash_hi,
+        .hash_lo = step->hash_lo,
+        .threads = step->threads,
+        .method = step->method,
+        .ns_ingest = step->times.ingest,
+        .ns_refit = step->times.refit,
+        .ns_traversal = step->times.traversal,
+        .ns_tests = step->times.tests,
+        .ns_merge = step->times.merge,
+        .ns_step = step->times.step,
+        .task_units = step->counters.task_units,
+        .box_tests = step->counters.box_tests,
+        .leaf_pairs = step->counters.leaf_pairs,
+        .candidates_vf = step->counters.candidates_vf,
+        .candidates_ee = step->counters.candidates_ee,
+        .survivors = step->counters.survivors,
+        .exact = step->counters.exact,
+        .builds = step->counters.builds,
+        .allocs = step->counters.allocs,
+        .ns_low = step->times.low,
+        .ns_high = step->times.high,
+        .ns_rebuild = step->times.rebuild,
+        .rebuilds = step->counters.rebuilds,
+        .rebuilt_triangles = step->counters.rebuilt_triangles,
+        .swaps = step->counters.swaps,
+        .swapped_triangles = step->counters.swapped_triangles,
+    };
+}
+
+/* Which of the ways to share work were taken: none by a thread alone. */
+static void describe_sharing(const struct eng_step_settings *settings, uint32_t threads,
+                             struct proto_FRAME_SUBMIT_result *answer)
+{
+    if (threads < 2) {
+        return;
+    }
+    answer->scheduler = (uint32_t)settings->scheduler + 1;
+    answer->refit = (uint32_t)settings->refit + 1;
+    if (settings->scheduler == ENG_SCHEDULER_PAPER) {
+        answer->high_level = (uint32_t)settings->high_level + 1;
+    }
+}
+
+/* The choices of a step, checked before. [any] */
+static void choose(const struct proto_FRAME_SUBMIT_request *submit,
+                   struct eng_step_settings *settings)
+{
+    settings->mode = (enum eng_mode)submit->mode;
+    settings->method = (enum eng_method)submit->method;
+    if (submit->scheduler != PCCD_SCHEDULER_DEFAULT) {
+        settings->scheduler = (enum eng_scheduler)(submit->scheduler - 1);
+    }
+    if (submit->high_level != PCCD_HIGH_LEVEL_DEFAULT) {
+        settings->high_level = (enum eng_high_level)(submit->high_level - 1);
+    }
+    if (submit->refit != PCCD_REFIT_DEFAULT) {
+        settings->refit = (enum eng_refit_scheme)(submit->refit - 1);
+    }
+}
+
+/* The engine's settings for a request that was checked. [compute] */
+static struct eng_step_settings settings_of(struct srv_request *request)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    const struct srv_options *options = request->session->loop->options;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    choose(submit, &settings);
+    settings.threads = submit->threads == 0 || submit->threads > options->threads_max
+                           ? options->threads_max
+                           : submit->threads;
+    settings.tolerance = submit->tolerance == 0.0 ? TOLERANCE_DEFAULT : submit->tolerance;
+    settings.deadline_ns = deadline_of(submit->deadline_ns, request->arrival_ns);
+    settings.cancel = &request->job.cancel;
+    settings.contact_max = options->contacts_max;
+    settings.trace = request->session->loop->step_trace;
+    settings.places =
+        request->session->loop->is_pinned ? &request->session->loop->places : NULL;
+    return settings;
+}
+
+/* Positions of a step may be copied by the threads that will compute it. [compute] */
+static void begin_staging(struct srv_request *request, struct eng_scene *engine)
+{
+    struct eng_step_settings settings = settings_of(request);
+    eng_stage_begin(engine);
+    eng_stage_share(engine, settings.threads, settings.places);
+}
+
+/* Run the staged step and keep its result in the scene. [compute] */
+static int compute_step(struct srv_request *request, struct eng_scene *engine)
+{
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_step_settings settings = settings_of(request);
+    scene->has_answer = false; /* the step takes the memory of the last one's records */
+    struct eng_step_result step;
+    int status = srv_wire_status(eng_step(engine, &settings, &step));
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "the step: %s",
+                               proto_status_text(status));
+    }
+    describe(&step, &scene->answer);
+    describe_sharing(&settings, step.threads, &scene->answer);
+    scene->answer.step = request->params.FRAME_SUBMIT.step;
+    request->last_step = srv_laststep_new(&step);
+    scene->records = step.records;
+    scene->has_answer = true;
+    PCCD_ASSERT(step.count == 0 || step.record_bytes == scene->answer.record_bytes);
+    return 0;
+}
+
+/* A client whose result_head makes no sense hears so before anything has moved.
+ * [compute] */
+static int check_head(struct srv_request *request)
+{
+    struct srv_page page;
+    void *data = NULL;
+    return srv_ring_reserve(request->plan.ring, 1, 0, &page, &data, &request->error);
+}
+
+/* A step that was answered before its turn: it only moves what it moves. What goes wrong
+ * is what the next step of its scene is answered. [compute] */
+static int move_early(struct srv_request *request)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_scene *engine = NULL;
+    int status = srv_scene_engine(scene, &engine);
+    if (status != 0) {
+        status = proto_error_set(&request->error, status, "no memory for the scene");
+    } else {
+        begin_staging(request, engine);
+        if (submit->segments > 0) {
+            status = srv_ring_stage_copy(request->copy, request->copy_bytes, submit,
+                                         scene, request->session->loop->segments,
+                                         &request->upload_bytes, &request->error);
+        }
+        if (status == 0) {
+            status = compute_step(request, engine);
+        }
+        if (status != 0) {
+            eng_stage_abort(engine);
+        }
+    }
+    if (status != 0) {
+        scene->owed = request->error;
+        return status;
+    }
+    request->result.FRAME_SUBMIT = scene->answer;
+    return 0;
+}
+
+/* What an earlier step could not be told any more. [compute] */
+static int take_owed(struct srv_request *request)
+{
+    struct srv_scene *scene = request->plan.scene;
+    int code = scene->owed.code;
+    if (code == 0) {
+        return 0;
+    }
+    request->error = scene->owed;
+    scene->owed.code = 0;
+    return code;
+}
+
+static int work_submit(struct srv_request *request)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_scene *engine = NULL;
+    uint64_t start_ns = srv_now_ns();
+    if (request->is_answered) {
+        return move_early(request);
+    }
+    int status = take_owed(request);
+    if (status == 0) {
+        status = check_head(request);
+    }
+    if (status != 0) {
+        return status;
+    }
+    status = srv_scene_engine(scene, &engine);
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "no memory for the scene");
+    }
+    begin_staging(request, engine);
+    if (submit->segments > 0) {
+        status = srv_ring_stage(request->plan.ring, submit, scene,
+                                request->session->loop->segments, &request->upload_bytes,
+                                &request->error);
+        srv_request_return_slot(request);
+    }
+    if (status == 0) {
+        status = compute_step(request, engine);
+    }
+    if (status != 0) {
+        eng_stage_abort(engine);
+        return status;
+    }
+    struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    uint64_t copy_ns = srv_now_ns();
+    status = write_page(request, 0, answer);
+    uint64_t end_ns = srv_now_ns();
+    answer->ns_queue = start_ns - request->arrival_ns;
+    answer->ns_merge += end_ns - copy_ns;
+    answer->ns_step += end_ns - copy_ns;
+    return status;
+}
+
+/* It is to end, and others are still before it: the answer is known. [loop] */
+static void answer_submit_early(struct srv_request *request, enum pccd_incomplete why)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_session *session = request->session;
+    struct srv_quota *quota = &session->loop->quota;
+    const struct srv_ring *ring = request->plan.ring;
+    struct proto_error error = {0};
+    uint64_t bytes = 0;
+    uint8_t *copy = NULL;
+    if (submit->segments > 0) {
+        bytes = ring->slot_stride < EARLY_BYTES_MAX ? ring->slot_stride : EARLY_BYTES_MAX;
+        if (srv_quota_charge(quota, session->user, SRV_QUOTA_SHM_BYTES, bytes, &error) !=
+            0) {
+            return;
+        }
+        copy = srv_ring_copy_slot(ring, submit, bytes);
+    }
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result nothing;
+    struct proto_FRAME_SUBMIT_result answer;
+    choose(submit, &settings);
+    eng_step_nothing(&settings, &nothing);
+    describe(&nothing, &answer);
+    answer.incomplete = why;
+    answer.step = submit->step;
+    answer.ns_queue = srv_now_ns() - request->arrival_ns;
+    /* Storing it changes nothing. */
+    answer.release =
+        atomic_load_explicit(&ring->shared->result_head.value, memory_order_relaxed);
+    bool can = copy != NULL || submit->segments == 0;
+    if (!(can && srv_request_answer_early(request, &answer, copy, bytes)) && bytes > 0) {
+        free(copy);
+        srv_quota_refund(quota, session->user, SRV_QUOTA_SHM_BYTES, bytes);
+    }
+}
+
+static void finish_submit(struct srv_request *request)
+{
+    struct srv_loop *loop = request->session->loop;
+    struct srv_laststep *last = request->last_step;
+    if (request->status == 0) {
+        srv_metrics_add_step(&loop->metrics, &request->result.FRAME_SUBMIT);
+    }
+    if (last != NULL) {
+        last->answer = request->result.FRAME_SUBMIT;
+        last->number = ++loop->step_last;
+        srv_laststep_set(&request->session->last_step, last);
+        srv_laststep_set(&loop->last_step, last);
+    }
+}
+
+/* The choices of a step, one of an enum each. */
+static int check_choices(struct srv_call *call)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
+    const struct {
+        const char *name;
+        uint32_t value;
+        uint32_t count;
+    } choices[] = {
+        {"mode", submit->mode, PCCD_MODE_COUNT},
+        {"method", submit->method, PCCD_METHOD_COUNT},
+        {"scheduler", submit->scheduler, PCCD_SCHEDULER_COUNT},
+        {"high_level", submit->high_level, PCCD_HIGH_LEVEL_COUNT},
+        {"refit", submit->refit, PCCD_REFIT_COUNT},
+    };
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
+        if (choices[i].value >= choices[i].count) {
+            return proto_error_set(&call->error, PCCD_E_INVAL, "unknown %s %u",
+                                   choices[i].name, choices[i].value);
+        }
+    }
+    return 0;
+}
+
+/* The settings of a step, as far as they do not need the scene. */
+static int check_settings(struct srv_call *call)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
+    int status = check_choices(call);
+    if (status != 0) {
+        return status;
+    }
+    /* Written so that NaN is refused. */
+    if (submit->tolerance != 0.0 &&
+        !(submit->tolerance >= TOLERANCE_MIN && submit->tolerance <= TOLERANCE_MAX)) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "tolerance is %g, not 0 or %g to %g", submit->tolerance,
+                               TOLERANCE_MIN, TOLERANCE_MAX);
+    }
+    if (submit->segments > PROTO_SEGMENTS_MAX) {
+        return proto_error_set(&call->error, PCCD_E_LIMIT,
+                               "%u segments, a step has at most %u", submit->segments,
+                               PROTO_SEGMENTS_MAX);
+    }
+    return 0;
+}
+
+int srv_on_FRAME_SUBMIT(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
+    struct srv_scene *scene = srv_handles_get(&session->scenes, submit->scene);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               submit->scene);
+    }
+    struct srv_ring *ring = NULL;
+    int status = srv_request_ring(call, &ring);
+    if (status == 0) {
+        status = check_settings(call);
+    }
+    if (status == 0 && submit->segments > 0) {
+        status = srv_request_slot(call, ring, submit->slot, submit->seq);
+    }
+    if (status != 0) {
+        return status;
+    }
+    if (session->submit_count >= ring->inflight_max) {
+        return proto_error_set(&call->error, PCCD_E_BUSY,
+                               "%u steps are in flight, no more than %u may be",
+                               session->submit_count, ring->inflight_max);
+    }
+    struct srv_plan plan = {.work = work_submit,
+                            .finish = finish_submit,
+                            .ring = ring,
+                            .scene = scene,
+                            .takes_slot = submit->segments > 0,
+                            .answer_early = answer_submit_early,
+                            .deadline_ns =
+                                deadline_of(submit->deadline_ns, call->arrival_ns)};
+    return srv_request_start(call, &plan);
+}
+
+/* ---- fetch ------------------------------------------------------------------------- */
+
+static int work_fetch(struct srv_request *request)
+{
+    const struct proto_FRAME_FETCH_request *fetch = &request->params.FRAME_FETCH;
+    struct srv_scene *scene = request->plan.scene;
+    uint64_t start_ns = srv_now_ns();
+    if (!scene->has_answer) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "scene 0x%x has no answer: no step since it changed",
+                               fetch->scene);
+    }
+    if (fetch->step != scene->answer.step) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "the answer to step %llu is gone, step %llu has run since",
+                               (unsigned long long)fetch->step,
+                               (unsigned long long)scene->answer.step);
+    }
+    if (fetch->cursor > scene->answer.total) {
+        return proto_error_set(&request->error, PCCD_E_INVAL,
+                               "cursor %llu is beyond the answer's %llu records",
+                               (unsigned long long)fetch->cursor,
+                               (unsigned long long)scene->answer.total);
+    }
+    struct proto_FRAME_SUBMIT_result answer;
+    int status = write_page(request, fetch->cursor, &answer);
+    if (status == 0) {
+        answer.ns_queue = start_ns - request->arrival_ns;
+        memcpy(&request->result.FRAME_FETCH, &answer, sizeof answer);
+    }
+    return status;
+}
+
+int srv_on_FRAME_FETCH(struct srv_call *call)
+{
+    uint32_t handle = call->params.FRAME_FETCH.scene;
+    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               handle);
+    }
+    struct srv_ring *ring = NULL;
+    int status = srv_request_ring(call, &ring);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {.work = work_fetch, .ring = ring, .scene = scene};
+    return srv_request_start(call, &plan);
+}

@@ -1,0 +1,47 @@
+/* invariant.c - asserts on our own invariants, and which thread we are on.
+ *
+ * Room:     service. See invariant.h.
+ * Does:     writes one line to stderr and aborts; a supervisor restarts the daemon.
+ * Does not: allocate or lock.
+ * Threads:  [any]; the kind of a thread is thread-local.
+ */
+#include "invariant.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static _Thread_local enum srv_thread current_thread = SRV_THREAD_OTHER;
+
+void srv_assert_failed(const char *condition, const char *file, int line)
+{
+    fprintf(stderr, "pccdd: invariant broken at %s:%d: %s\n", file, line, condition);
+    abort();
+}
+
+void srv_thread_enter(enum srv_thread thread)
+{
+    current_thread = thread;
+}
+
+const char *srv_thread_name(void)
+{
+    static const char *const names[] = {[SRV_THREAD_OTHER] = "team",
+                                        [SRV_THREAD_LOOP] = "loop",
+                                        [SRV_THREAD_COMPUTE] = "compute"};
+    return names[current_thread];
+}
+
+bool srv_thread_is_loop(void)
+{
+    return current_thread == SRV_THREAD_LOOP;
+}
+
+void srv_assert_loop(void)
+{
+    PCCD_ASSERT(current_thread == SRV_THREAD_LOOP);
+}
+
+void srv_assert_compute(void)
+{
+    PCCD_ASSERT(current_thread == SRV_THREAD_COMPUTE);
+}

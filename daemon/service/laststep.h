@@ -1,0 +1,32 @@
+/* laststep.h - what the threads of the last step did.
+ *
+ * Room:     service. May include: the engine's and the protocol's headers.
+ * Does:     keep the records of the last step of a session, and of the daemon, until the
+ *           next one.
+ * Does not: decide who may look (handlers_watch.c).
+ * Threads:  functions say.
+ */
+#ifndef SRV_LASTSTEP_H
+#define SRV_LASTSTEP_H
+
+#include <stdint.h>
+
+#include "messages.h"
+#include "step.h"
+
+struct srv_laststep {
+    uint32_t refs;   /* [loop] session, daemon */
+    uint64_t number; /* [loop] of the step in this epoch */
+    struct proto_FRAME_SUBMIT_result answer;
+    uint32_t thread_count;
+    struct eng_thread_record threads[]; /* [thread_count] */
+};
+
+/* A copy of what the engine says of its threads, with no reference yet. NULL: no memory,
+ * and then nobody can ask. [compute] */
+struct srv_laststep *srv_laststep_new(const struct eng_step_result *step);
+
+/* Let *slot hold `last` instead of what it holds; `last` may be NULL. [loop] */
+void srv_laststep_set(struct srv_laststep **slot, struct srv_laststep *last);
+
+#endif

@@ -1,0 +1,27 @@
+/* metrics.h - the counters of `stats`.
+ *
+ * Room:     service. May include: the protocol's headers.
+ * Does:     keep every counter in the struct that the wire has for them, so that none is
+ *           listed twice.
+ * Does not: count anything on the compute thread: results are added when they come back.
+ * Threads:  [loop].
+ */
+#ifndef SRV_METRICS_H
+#define SRV_METRICS_H
+
+#include <stdint.h>
+
+#include "messages.h"
+
+struct srv_metrics {
+    struct proto_STATS_result counters;
+};
+
+/* Add what a finished step says of itself, and its failure if it has failed. */
+void srv_metrics_add_step(struct srv_metrics *metrics,
+                          const struct proto_FRAME_SUBMIT_result *answer);
+
+/* Add an error answer. */
+void srv_metrics_add_error(struct srv_metrics *metrics, int status);
+
+#endif

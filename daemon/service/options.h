@@ -1,0 +1,60 @@
+/* options.h - what the command line decides.
+ *
+ * Room:     service. May include: the protocol's headers.
+ * Does:     parse and check options; every limit has its default here.
+ * Does not: read files or the environment beyond the default socket path.
+ * Threads:  [loop]; constant after parsing.
+ */
+#ifndef SRV_OPTIONS_H
+#define SRV_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "allow.h"
+#include "log.h"
+#include "quota.h"
+
+/* Whether each thread of a step is bound to a processor of its own. */
+enum srv_pin {
+    SRV_PIN_AUTO = 0, /* when there are as many threads as processors: several daemons, or
+                         one with few threads, would crowd the first processors */
+    SRV_PIN_ON = 1,
+    SRV_PIN_OFF = 2
+};
+
+enum srv_sandbox {
+    SRV_SANDBOX_AUTO = 0, /* where it can be had */
+    SRV_SANDBOX_ON = 1,   /* or do not start */
+    SRV_SANDBOX_OFF = 2
+};
+
+#define SRV_SOCKET_PATH_BYTES 108u /* sockaddr_un holds 107 and the NUL */
+
+struct srv_options {
+    char socket_path[SRV_SOCKET_PATH_BYTES];
+    uint32_t threads_max; /* of a step */
+    enum srv_pin pin;
+    uint32_t connections_max; /* of all users; beyond it nobody is accepted */
+    uint32_t inflight_max;    /* requests of one client, 1 .. 16 */
+    uint32_t queue_max;       /* requests that wait for the compute thread */
+    uint64_t contacts_max;    /* records kept for one answer */
+    uint64_t quota[SRV_QUOTA_COUNT];
+    struct srv_allow allow;    /* who may be a client */
+    uint64_t engine_bytes_max; /* that the engine holds for one user (enginemem.h) */
+    uint32_t grace_s;          /* for requests in flight at shutdown */
+    uint32_t linger_s;         /* that a session waits for its client; 0: not at all */
+    uint32_t idle_exit_s;      /* 0: stay */
+    bool private_daemon;       /* go with the last client */
+    bool supervise;            /* be the parent of workers (supervise.h) */
+    uint32_t crashes_max;      /* that the parent bears within 10 s */
+    enum srv_sandbox sandbox;
+    int ready_fd;  /* -1: none */
+    int listen_fd; /* given to us (activate.h); -1: open one */
+    enum srv_level log_level;
+};
+
+/* Fill from the command line; prints to stderr and exits on a wrong one, as argp does. */
+void srv_options_parse(struct srv_options *options, int argc, char **argv);
+
+#endif

@@ -1,0 +1,71 @@
+/* quota.h - what one user may take.
+ *
+ * Room:     service. May include: compute.h, the protocol's headers.
+ * Does:     count clients, shared memory, meshes and triangles per user id; every amount
+ *           is charged before what it stands for is allocated, and released after it is
+ *           freed.
+ * Does not: allocate anything itself but its own entries, one per user with a charge;
+ *           bound the engine's memory (enginemem.h).
+ * Threads:  [loop].
+ */
+#ifndef SRV_QUOTA_H
+#define SRV_QUOTA_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "codec.h"
+#include "compute.h"
+
+enum srv_quota_kind {
+    SRV_QUOTA_CLIENTS = 0,
+    SRV_QUOTA_SHM_BYTES = 1,
+    SRV_QUOTA_MESHES = 2,
+    SRV_QUOTA_TRIANGLES = 3, /* of meshes and of objects; see srv_triangle_charge */
+    SRV_QUOTA_COUNT = 4
+};
+
+struct srv_quota_user {
+    struct srv_quota_user *next;
+    uid_t uid;
+    uint32_t refs;    /* sessions */
+    uint32_t leaving; /* of these, over, and not freed yet */
+    uint64_t used[SRV_QUOTA_COUNT];
+    struct srv_group jobs;      /* of the user's sessions; the compute queue's */
+    struct srv_group page_jobs; /* likewise, the pages queue's */
+    /* That the engine holds for the user's sessions. Written on [compute]; the loop may
+     * read an older value. Relaxed, for nothing else is read because of it. */
+    _Atomic uint64_t engine_bytes;
+};
+
+struct srv_quota {
+    uint64_t limit[SRV_QUOTA_COUNT]; /* per user */
+    uint64_t total[SRV_QUOTA_COUNT]; /* over all users */
+    struct srv_quota_user *users;    /* at most one per open session */
+    bool is_beyond; /* what was refused last is more than any user may have */
+};
+
+void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUNT]);
+void srv_quota_deinit(struct srv_quota *quota); /* every user must have been released */
+
+/* The entry of `uid`, made when there is none. NULL: no memory. */
+struct srv_quota_user *srv_quota_acquire(struct srv_quota *quota, uid_t uid);
+/* The entry goes with its last reference; nothing may be charged to it then. */
+void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user);
+
+/* Returns 0, or PCCD_E_QUOTA with *error naming user, amounts and limit; nothing is
+ * charged then. */
+int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
+                     enum srv_quota_kind kind, uint64_t amount,
+                     struct proto_error *error);
+void srv_quota_refund(struct srv_quota *quota, struct srv_quota_user *user,
+                      enum srv_quota_kind kind, uint64_t amount);
+
+/* What a mesh, or an object made of it, is charged: its triangles, or a third of its
+ * vertices where that is more (a soup has three a triangle), so that vertices are bounded
+ * too. */
+uint64_t srv_triangle_charge(uint32_t vertex_count, uint32_t triangle_count);
+
+#endif

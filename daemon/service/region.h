@@ -1,0 +1,38 @@
+/* region.h - pages of records in the result region.
+ *
+ * Room:     service. May include: the C library.
+ * Does:     hand out contiguous pages of a ring of bytes; positions are free-running byte
+ *           counters, so that their difference is the fill; a page never wraps.
+ * Does not: touch shared memory (ringio.h) or wait for a client that does not release.
+ * Threads:  [compute].
+ */
+#ifndef SRV_REGION_H
+#define SRV_REGION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define SRV_PAGE_ALIGN 64u /* pages begin on cache lines */
+
+struct srv_region {
+    uint64_t capacity; /* bytes, a multiple of SRV_PAGE_ALIGN */
+    uint64_t tail;     /* bytes handed out, skipped ones included */
+    uint64_t head;     /* bytes released, as last believed */
+};
+
+struct srv_page {
+    uint64_t position; /* bytes from the start of the data */
+    uint64_t count;    /* items that fit, 0 .. wanted */
+    uint64_t release;  /* the head that releases this page and all before it */
+};
+
+void srv_region_init(struct srv_region *region, uint64_t capacity);
+
+/* A page for up to `wanted` items of `item_bytes`, given the client's `head`: as many as
+ * the longest free stretch holds, the stretch at hand preferred. An empty page takes no
+ * space. Returns 0, or PCCD_E_INVAL when `head` went backwards or beyond what was handed
+ * out: then nothing changes. */
+int srv_region_reserve(struct srv_region *region, uint64_t head, uint32_t item_bytes,
+                       uint64_t wanted, struct srv_page *page);
+
+#endif

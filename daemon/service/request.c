@@ -1,0 +1,304 @@
+/* request.c - a request on its way through the compute thread.
+ *
+ * Room:     service. See request.h.
+ * Does:     create, run, answer and free requests; each is answered exactly once.
+ * Does not: keep any longer than its client asked: at most SRV_REQUESTS_MAX per session.
+ * Threads:  [loop], but for `run` and srv_request_return_slot.
+ */
+#include "request.h"
+
+#include <stdlib.h>
+
+#include "crash.h"
+#include "dispatch.h"
+#include "enginemem.h"
+#include "invariant.h"
+#include "linger.h"
+#include "loop.h"
+#include "overdue.h"
+#include "session.h"
+
+int srv_request_ring(struct srv_call *call, struct srv_ring **ring)
+{
+    if (call->session->attaching) {
+        return proto_error_set(&call->error, PCCD_E_STATE, "shm.attach is not done yet");
+    }
+    if (call->session->ring == NULL) {
+        return proto_error_set(&call->error, PCCD_E_STATE, "%s needs shm.attach first",
+                               proto_messages[call->method].name);
+    }
+    *ring = call->session->ring;
+    return 0;
+}
+
+int srv_request_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t slot,
+                     uint64_t seq)
+{
+    if (slot >= ring->slot_count) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "slot is %u, the ring has %u",
+                               slot, ring->slot_count);
+    }
+    if (seq == 0 || seq % 2 != 0) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "seq is %llu, a written slot has an even one from 2 on",
+                               (unsigned long long)seq);
+    }
+    return 0;
+}
+
+void srv_request_return_slot(struct srv_request *request)
+{
+    if (request->plan.takes_slot) {
+        request->plan.takes_slot = false;
+        srv_ring_return_slot(request->plan.ring);
+    }
+}
+
+/* The answer is known: give back what the ring lent. [any], but one at a time. */
+static void conclude(struct srv_request *request)
+{
+    srv_request_return_slot(request);
+    if (request->plan.ring != NULL && !request->is_answered) {
+        srv_ring_done(request->plan.ring);
+    }
+}
+
+/* A ring is made on a thread of its own, beside what is computed: nothing in its session
+ * is in flight, and nothing of the engine is touched. [pages] */
+static void run_pages(struct srv_job *job)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    request->status = request->plan.work(request);
+    PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
+    conclude(request);
+}
+
+/* [compute] */
+static void run(struct srv_job *job)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    srv_assert_compute();
+    srv_crash_note(proto_messages[request->method].name, request->session->id,
+                   request->id);
+    struct srv_enginemem memory;
+    srv_enginemem_begin(&memory, request->session->user,
+                        request->session->loop->options->engine_bytes_max);
+    request->status =
+        srv_enginemem_explain(&memory, request->plan.work(request), &request->error);
+    srv_crash_note(NULL, 0, 0);
+    PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
+    PCCD_ASSERT(request->status == 0 || !job->goes_on);
+    if (!job->goes_on) {
+        conclude(request);
+    }
+}
+
+static void acquire(const struct srv_plan *plan)
+{
+    if (plan->ring != NULL) {
+        srv_resource_acquire(&plan->ring->resource);
+    }
+    if (plan->shape != NULL) {
+        srv_resource_acquire(&plan->shape->resource);
+    }
+    if (plan->scene != NULL) {
+        srv_resource_acquire(&plan->scene->resource);
+    }
+    if (plan->tracing != NULL) {
+        srv_resource_acquire(&plan->tracing->resource);
+    }
+}
+
+static void release(const struct srv_plan *plan)
+{
+    if (plan->ring != NULL) {
+        srv_resource_drop(&plan->ring->resource);
+    }
+    if (plan->shape != NULL) {
+        srv_resource_drop(&plan->shape->resource);
+    }
+    if (plan->scene != NULL) {
+        srv_resource_drop(&plan->scene->resource);
+    }
+    if (plan->tracing != NULL) {
+        srv_resource_drop(&plan->tracing->resource);
+    }
+}
+
+static void drop_copy(struct srv_request *request)
+{
+    struct srv_session *session = request->session;
+    if (request->copy != NULL) {
+        srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES,
+                         request->copy_bytes);
+        free(request->copy);
+        request->copy = NULL;
+    }
+}
+
+/* Answer, and let go of everything. [loop] */
+static void done(struct srv_job *job)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    struct srv_session *session = request->session;
+    srv_assert_loop();
+    srv_overdue_remove(&session->loop->overdue, request);
+    if (request->plan.finish != NULL) {
+        request->plan.finish(request);
+    }
+    session->loop->metrics.counters.upload_bytes += request->upload_bytes;
+    if (request->status == PCCD_E_QUOTA && session->state == SRV_SESSION_OPEN) {
+        (void)srv_linger_evict(session->loop, session->user); /* for the next try */
+    }
+    if (!request->is_answered) {
+        srv_dispatch_answer(session, request);
+    }
+    drop_copy(request);
+    release(&request->plan);
+    srv_session_unlist(session, request);
+    free(request);
+    srv_session_settle(session);
+}
+
+static int enqueue(struct srv_request *request)
+{
+    struct srv_session *session = request->session;
+    return request->plan.attached != NULL
+               ? srv_compute_push(&session->loop->pages, &session->page_lane,
+                                  &request->job)
+               : srv_compute_push(&session->loop->compute, &session->lane, &request->job);
+}
+
+/* False: it runs, or has run. */
+static bool dequeue(struct srv_request *request)
+{
+    struct srv_loop *loop = request->session->loop;
+    return srv_compute_remove(
+        request->plan.attached != NULL ? &loop->pages : &loop->compute, &request->job);
+}
+
+int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
+{
+    srv_assert_loop();
+    struct srv_session *session = call->session;
+    struct srv_request *request = calloc(1, sizeof *request);
+    if (request == NULL) {
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");
+    }
+    srv_job_init(&request->job, plan->attached != NULL ? run_pages : run, done);
+    request->session = session;
+    request->plan = *plan;
+    request->id = call->id;
+    request->method = call->method;
+    request->arrival_ns = call->arrival_ns;
+    request->params = call->params;
+    request->fds[0] = -1;
+    request->fds[1] = -1;
+    request->deadline_ns = plan->deadline_ns;
+    request->overdue_at = SRV_OVERDUE_NOWHERE;
+    acquire(plan);
+    srv_session_enlist(session, request);
+    int status = enqueue(request);
+    if (status != 0) {
+        srv_session_unlist(session, request);
+        release(plan);
+        free(request);
+        return proto_error_set(&call->error, status,
+                               "%u requests wait to be computed already",
+                               session->loop->options->queue_max);
+    }
+    if (plan->deadline_ns != 0) {
+        srv_overdue_add(&session->loop->overdue, request);
+    }
+    return SRV_LATER;
+}
+
+/* ---- before their turn ------------------------------------------------------------- */
+
+struct early {
+    uint8_t *copy;
+    uint64_t copy_bytes;
+};
+
+/* Locked: it cannot begin. */
+static void mark_answered(struct srv_job *job, void *context)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    const struct early *early = context;
+    request->is_answered = true;
+    request->copy = early->copy;
+    request->copy_bytes = early->copy_bytes;
+    srv_request_return_slot(request);
+}
+
+bool srv_request_answer_early(struct srv_request *request,
+                              const struct proto_FRAME_SUBMIT_result *result,
+                              uint8_t *copy, uint64_t copy_bytes)
+{
+    srv_assert_loop();
+    struct srv_session *session = request->session;
+    struct early early = {copy, copy_bytes};
+    if (!srv_compute_amend(&session->loop->compute, &request->job, mark_answered,
+                           &early)) {
+        return false;
+    }
+    session->submit_count--;
+    session->overdue_count++;
+    srv_ring_done(request->plan.ring);
+    srv_dispatch_answer_early(session, request, result);
+    return true;
+}
+
+/* Answer a request that has been taken out of its lane. */
+static void take_back(struct srv_request *request)
+{
+    request->status =
+        proto_error_set(&request->error, PCCD_E_CANCELLED,
+                        "request %u was cancelled before it was done", request->id);
+    conclude(request);
+    done(&request->job);
+}
+
+static void leave(struct srv_job *job, void *context)
+{
+    (void)job;
+    (void)context;
+}
+
+/* Not one that runs: it ends by itself, and its slot would be copied for nothing. */
+static void try_early(struct srv_request *request, enum pccd_incomplete why)
+{
+    struct srv_session *session = request->session;
+    if (request->plan.answer_early != NULL && session->state == SRV_SESSION_OPEN &&
+        !request->is_held && !request->is_answered &&
+        session->overdue_count < SRV_OVERDUE_MAX &&
+        srv_compute_amend(&session->loop->compute, &request->job, leave, NULL)) {
+        request->plan.answer_early(request, why);
+    }
+}
+
+void srv_request_overdue(struct srv_request *request)
+{
+    srv_assert_loop();
+    try_early(request, PCCD_INCOMPLETE_DEADLINE);
+}
+
+void srv_request_cancel(struct srv_request *request)
+{
+    srv_assert_loop();
+    atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
+    try_early(request, PCCD_INCOMPLETE_CANCELLED);
+    if (request->method != PROTO_METHOD_FRAME_SUBMIT && dequeue(request)) {
+        take_back(request);
+    }
+}
+
+void srv_request_abandon(struct srv_request *request)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(request->session->conn == NULL);
+    atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
+    if (dequeue(request)) {
+        take_back(request);
+    }
+}

@@ -1,0 +1,107 @@
+/* request.h - a request on its way through the compute thread.
+ *
+ * Room:     service. May include: call.h, resource.h, ringio.h, compute.h.
+ * Does:     keep a request's parameters and everything it uses until its answer is sent,
+ *           or its client is gone.
+ * Does not: know any method: handlers give the functions.
+ * Threads:  functions say.
+ */
+#ifndef SRV_REQUEST_H
+#define SRV_REQUEST_H
+
+#include "call.h"
+#include "resource.h"
+#include "ringio.h"
+
+#define SRV_OVERDUE_NOWHERE UINT32_MAX
+
+struct srv_laststep;
+struct srv_replacement;
+struct srv_request;
+struct srv_tracing;
+
+/* What a handler asks for. References are taken for as long as the request lives. */
+struct srv_plan {
+    /* [compute]; returns 0 with request->result filled in, or with job.goes_on set, to be
+     * called again; or a negative status with request->error set. */
+    int (*work)(struct srv_request *request);
+    /* [loop], may be NULL; after the work, or instead of it when the request was taken
+     * back; request->status says how it went. */
+    void (*finish)(struct srv_request *request);
+    struct srv_ring *ring;   /* NULL: uses none */
+    struct srv_shape *shape; /* likewise */
+    struct srv_scene *scene; /* likewise */
+    struct srv_ring
+        *attached; /* a ring that is not the session's yet; no reference taken */
+    struct srv_tracing *tracing;         /* a reference is taken */
+    struct srv_replacement *replacement; /* given back by `finish`; NULL: none */
+    uint64_t mesh_number;                /* of the mesh that `shape` serves */
+    uint32_t generation;                 /* likewise */
+    uint32_t object;                     /* handle in `scene` */
+    bool takes_slot; /* a slot of the ring, to be returned exactly once */
+    /* [loop] It still waits for its turn, and its deadline has come or it was cancelled:
+     * answer it (srv_request_answer_early), or leave it to its turn. NULL: it is left. */
+    void (*answer_early)(struct srv_request *request, enum pccd_incomplete why);
+    uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0: none */
+};
+
+struct srv_request {
+    struct srv_job job; /* first: the job is the request */
+    struct srv_session *session;
+    struct srv_request *prev; /* [loop] in the session's list */
+    struct srv_request *next;
+    struct srv_plan plan;
+    uint32_t id;
+    int method;
+    uint64_t arrival_ns;
+    union srv_params params;
+    union srv_result result;
+    struct proto_error error;
+    int status;
+    bool is_held; /* its connection was lost: not answered until it comes again */
+    uint64_t upload_bytes;          /* copied out of slots */
+    uint32_t items_done;            /* [compute] of a request that runs in parts */
+    const uint8_t *payload;         /* [compute] likewise, in its slot */
+    struct srv_laststep *last_step; /* of a step that was computed; else NULL */
+    int fds[2];                     /* to send with the answer and close; -1: none */
+    uint64_t deadline_ns;           /* [loop] as the plan's */
+    uint32_t overdue_at;            /* [loop] its place in overdue.h */
+    bool is_answered;               /* before its turn; changes only while it is queued */
+    uint8_t *copy;       /* likewise: of its slot, charged to its user; NULL: none */
+    uint64_t copy_bytes; /* likewise */
+};
+
+/* Admission: the session's ring, or PCCD_E_STATE with call->error set. [loop] */
+int srv_request_ring(struct srv_call *call, struct srv_ring **ring);
+/* Admission: whether slot and sequence number can be those of a written slot. [loop] */
+int srv_request_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t slot,
+                     uint64_t seq);
+
+/* Its deadline has come. [loop] */
+void srv_request_overdue(struct srv_request *request);
+
+/* Answer with `result` a request that still waits for its turn, when it will do what is
+ * left without an answer: out of `copy`, of malloc, charged as SRV_QUOTA_SHM_BYTES and
+ * taken over, in the place of its slot, which is returned. False: it has begun, and
+ * nothing has changed. [loop] */
+bool srv_request_answer_early(struct srv_request *request,
+                              const struct proto_FRAME_SUBMIT_result *result,
+                              uint8_t *copy, uint64_t copy_bytes);
+
+/* Queue a request for `call`. Returns SRV_LATER, or PCCD_E_BUSY or PCCD_E_NOMEM with
+ * call->error set: then neither function of the plan is called. [loop] */
+int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
+
+/* Give the slot back as soon as it has been read; once, further calls do nothing.
+ * [compute] */
+void srv_request_return_slot(struct srv_request *request);
+
+/* Stop it: a queued step is answered at once where that is possible (answer_early), and
+ * runs in its turn with its flag set; another queued request is answered with
+ * PCCD_E_CANCELLED at once; a running one sees the flag. [loop] */
+void srv_request_cancel(struct srv_request *request);
+
+/* The client is gone: stop it without an answer. [loop] */
+void srv_request_abandon(struct srv_request *request);
+
+#endif

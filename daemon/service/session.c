@@ -1,0 +1,268 @@
+/* session.c - what one client has here.
+ *
+ * Room:     service. See session.h.
+ * Does:     the life of a session:
+ *
+ *     accept --> NEW ----- hello -----> OPEN <-- hello with its secret -- WAITING
+ *       |         |                      |  `------ end of file ------------^ |
+ *       |         | no hello in time     | bye, violation, shutdown           | time
+ *       |         v                      v                                    | is up
+ *       `--> REFUSED ----- answer -----> CLOSED <-----------------------------'
+ *         (quota full)                   `--> freed
+ *           Only the session of a client that asked for it waits (linger.c).
+ *           CLOSED waits until request_count = 0 (cancelled ones come back) and
+ *           reap_count = 0 (scenes, meshes and ring were freed on the compute thread).
+ *
+ * Does not: decide whether a session waits.
+ * Threads:  [loop]
+ */
+#include "session.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "conn.h"
+#include "invariant.h"
+#include "limits.h"
+#include "loop.h"
+#include "meshes.h"
+#include "replies.h"
+#include "request.h"
+
+struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
+                                    const struct srv_peer *peer)
+{
+    srv_assert_loop();
+    struct srv_session *session = calloc(1, sizeof *session);
+    if (session == NULL) {
+        return NULL;
+    }
+    session->user = srv_quota_acquire(&loop->quota, peer->uid);
+    if (session->user == NULL) {
+        free(session);
+        return NULL;
+    }
+    session->loop = loop;
+    session->conn = conn;
+    session->lane.group = &session->user->jobs;
+    session->page_lane.group = &session->user->page_jobs;
+    session->pid = peer->pid;
+    session->id = ++loop->session_last;
+    struct proto_error error = {0};
+    session->is_stranger = peer->is_stranger;
+    session->counted =
+        !peer->is_stranger &&
+        srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1, &error) == 0;
+    if (!session->counted && loop->refused_count >= SRV_REFUSED_MAX) {
+        srv_quota_release(&loop->quota, session->user);
+        free(session);
+        return NULL;
+    }
+    if (!session->counted) {
+        loop->refused_count++;
+        session->state = SRV_SESSION_REFUSED;
+    }
+    srv_handles_init(&session->scenes, PROTO_SCENES_PER_CLIENT, 0);
+    srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, 0);
+    session->next = loop->sessions;
+    if (session->next != NULL) {
+        session->next->prev = session;
+    }
+    loop->sessions = session;
+    return session;
+}
+
+int srv_session_admit(struct srv_session *session, struct proto_error *error)
+{
+    struct srv_loop *loop = session->loop;
+    PCCD_ASSERT(session->state == SRV_SESSION_REFUSED);
+    int status =
+        srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1, error);
+    if (status == 0) {
+        session->counted = true;
+        session->state = SRV_SESSION_NEW;
+        loop->refused_count--;
+    }
+    return status;
+}
+
+void srv_session_open(struct srv_session *session, uint32_t version)
+{
+    PCCD_ASSERT(session->state == SRV_SESSION_NEW);
+    session->state = SRV_SESSION_OPEN;
+    session->version = version;
+    session->loop->metrics.counters.sessions_now++;
+    session->loop->metrics.counters.sessions_total++;
+    srv_conn_established(session->conn);
+    srv_loop_client_joined(session->loop);
+}
+
+/* Drop the session's own references; what requests still use goes with the last of
+ * them. */
+static void drop_everything(struct srv_session *session)
+{
+    uint32_t cursor = 0;
+    for (struct srv_scene *scene; (scene = srv_handles_pop(&session->scenes, &cursor));) {
+        srv_resource_drop(&scene->resource);
+    }
+    cursor = 0;
+    for (struct srv_mesh *mesh; (mesh = srv_handles_pop(&session->meshes, &cursor));) {
+        srv_mesh_free(mesh);
+    }
+    if (session->ring != NULL) {
+        srv_resource_drop(&session->ring->resource);
+        session->ring = NULL;
+    }
+    srv_tracing_drop(session);
+}
+
+void srv_session_detach(struct srv_session *session)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(session->state != SRV_SESSION_CLOSED);
+    struct srv_loop *loop = session->loop;
+    bool was_waiting = session->state == SRV_SESSION_WAITING;
+    bool was_open = session->state == SRV_SESSION_OPEN || was_waiting;
+    loop->metrics.counters.sessions_waiting_now -= was_waiting;
+    loop->refused_count -= session->state == SRV_SESSION_REFUSED;
+    session->conn = NULL;
+    session->state = SRV_SESSION_CLOSED;
+    session->user->leaving++;
+    if (session->counted) {
+        srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1);
+    }
+    session->reap_count++; /* keeps the session while requests leave it */
+    for (struct srv_request *request = session->requests; request != NULL;) {
+        struct srv_request *next = request->next; /* taken back: frees the request */
+        srv_request_abandon(request);
+        request = next;
+    }
+    drop_everything(session);
+    if (was_open) {
+        loop->metrics.counters.sessions_now--;
+        srv_loop_client_left(loop);
+    }
+    srv_session_reaped(session);
+}
+
+void srv_session_enlist(struct srv_session *session, struct srv_request *request)
+{
+    PCCD_ASSERT(session->request_count < SRV_REQUESTS_MAX + SRV_OVERDUE_MAX);
+    request->prev = NULL;
+    request->next = session->requests;
+    if (request->next != NULL) {
+        request->next->prev = request;
+    }
+    session->requests = request;
+    session->request_count++;
+    session->submit_count += request->method == PROTO_METHOD_FRAME_SUBMIT;
+    session->loop->request_count++;
+}
+
+void srv_session_unlist(struct srv_session *session, struct srv_request *request)
+{
+    PCCD_ASSERT(session->request_count > 0);
+    if (request->prev != NULL) {
+        request->prev->next = request->next;
+    } else {
+        session->requests = request->next;
+    }
+    if (request->next != NULL) {
+        request->next->prev = request->prev;
+    }
+    session->request_count--;
+    session->overdue_count -= request->is_answered;
+    session->submit_count -=
+        request->method == PROTO_METHOD_FRAME_SUBMIT && !request->is_answered;
+    session->loop->request_count--;
+}
+
+int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
+                       void *item, uint32_t want, uint32_t *handle)
+{
+    if (want == 0) {
+        return srv_handles_add(handles, item, handle);
+    }
+    uint32_t skipped = 0;
+    int status = srv_handles_add_at(handles, item, want,
+                                    SRV_SKIPPED_MAX - session->skip_count, &skipped);
+    if (status == 0) {
+        session->skip_count += skipped;
+        *handle = want;
+    }
+    return status;
+}
+
+void srv_session_hold(struct srv_session *session)
+{
+    for (struct srv_request *request = session->requests; request != NULL;
+         request = request->next) {
+        request->is_held = true;
+    }
+}
+
+struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id)
+{
+    struct srv_request *request = session->requests;
+    while (request != NULL && (request->id != id || request->is_answered)) {
+        request = request->next;
+    }
+    return request;
+}
+
+void srv_session_reaped(struct srv_session *session)
+{
+    PCCD_ASSERT(session->reap_count > 0);
+    session->reap_count--;
+    srv_session_settle(session);
+}
+
+void srv_session_settle(struct srv_session *session)
+{
+    if (session->state != SRV_SESSION_CLOSED || session->request_count > 0 ||
+        session->reap_count > 0) {
+        return;
+    }
+    struct srv_loop *loop = session->loop;
+    PCCD_ASSERT(session->requests == NULL && session->lane.first == NULL);
+    PCCD_ASSERT(session->page_lane.first == NULL);
+    PCCD_ASSERT(session->scenes.count == 0 && session->meshes.count == 0);
+    if (session->prev != NULL) {
+        session->prev->next = session->next;
+    } else {
+        loop->sessions = session->next;
+    }
+    if (session->next != NULL) {
+        session->next->prev = session->prev;
+    }
+    srv_handles_deinit(&session->scenes);
+    srv_handles_deinit(&session->meshes);
+    srv_laststep_set(&session->last_step, NULL);
+    srv_replies_free(session->replies);
+    struct srv_quota_user *user = session->user;
+    free(session);
+    PCCD_ASSERT(user->leaving > 0);
+    user->leaving--;
+    srv_conn_room(loop, user); /* whoever has waited for this refers to the user, too */
+    srv_quota_release(&loop->quota, user);
+}
+
+int srv_session_refuse_stranger(const struct srv_session *session,
+                                struct proto_error *error)
+{
+    uid_t uid = session->user->uid;
+    return uid == 0 || uid == geteuid()
+               ? 0
+               : proto_error_set(error, PCCD_E_ACCESS,
+                                 "only the daemon's own user may, not user %u",
+                                 (unsigned)uid);
+}
+
+void srv_session_cancel_all(struct srv_session *session)
+{
+    for (struct srv_request *request = session->requests; request != NULL;) {
+        struct srv_request *next = request->next;
+        srv_request_cancel(request);
+        request = next;
+    }
+}

@@ -1,0 +1,121 @@
+/* session.h - what one client has here.
+ *
+ * Room:     service. May include: compute.h, handles.h, quota.h, resource.h, request.h.
+ * Does:     own the client's scenes, meshes, ring and requests in flight.
+ * Does not: read or write its socket (conn.h) or know methods (dispatch.h).
+ * Threads:  [loop]
+ */
+#ifndef SRV_SESSION_H
+#define SRV_SESSION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "compute.h"
+#include "handles.h"
+#include "limits.h"
+#include "quota.h"
+
+#define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */
+#define SRV_OVERDUE_MAX  8u    /* of one session, answered before their turn, besides */
+#define SRV_SKIPPED_MAX  2048u /* places of a session's tables that may be left empty */
+#define SRV_REFUSED_MAX  16u   /* sessions, of all users, that wait to hear so */
+
+/* Scenes of one session in memory: those it has, and as many that wait to be freed. No
+ * quota counts them, and while a long step runs nothing is freed. */
+#define SRV_SCENES_MAX (2u * PROTO_SCENES_PER_CLIENT)
+
+enum srv_session_state {
+    SRV_SESSION_NEW = 0,     /* connected, no hello yet */
+    SRV_SESSION_REFUSED = 1, /* connected beyond the quota: hears so and goes */
+    SRV_SESSION_OPEN = 2,    /* hello was answered */
+    SRV_SESSION_WAITING = 3, /* the connection is gone; the client may come back */
+    SRV_SESSION_CLOSED = 4   /* over; waits for the compute thread */
+};
+
+/* Who is at the other end of a socket. */
+struct srv_peer {
+    uid_t uid;
+    pid_t pid;
+    bool is_stranger; /* may not be a client (allow.h) */
+};
+
+struct srv_replies;
+
+struct srv_session {
+    struct srv_session *prev;
+    struct srv_session *next;
+    struct srv_loop *loop;
+    struct srv_conn *conn; /* NULL: closed, or waiting */
+    struct srv_quota_user *user;
+    uint64_t id;
+    pid_t pid; /* of the client's process; 0: not known */
+    enum srv_session_state state;
+    bool is_stranger;               /* REFUSED for who it is, not for want of a place */
+    bool is_ending;                 /* must not wait for its client (linger.h) */
+    uint64_t token[2];              /* secret of a resumable session */
+    struct srv_replies *replies;    /* NULL: the session cannot be resumed */
+    uint64_t lost_ns;               /* WAITING: since when */
+    uint32_t skip_count;            /* places of tables that wanted handles left empty */
+    bool counted;                   /* charged as a client of its user */
+    bool attaching;                 /* a ring is being created */
+    uint32_t version;               /* of the protocol, after hello */
+    struct srv_handles scenes;      /* of struct srv_scene */
+    struct srv_handles meshes;      /* of struct srv_mesh */
+    struct srv_ring *ring;          /* NULL: none attached */
+    struct srv_laststep *last_step; /* NULL: none yet */
+    struct srv_lane lane;
+    struct srv_lane page_lane;    /* of loop->pages: its rings, which nothing uses */
+    struct srv_request *requests; /* in flight, newest first */
+    uint32_t request_count;
+    uint32_t overdue_count; /* of these, steps that were answered before their turn */
+    uint32_t submit_count;  /* other steps */
+    uint32_t reap_count;    /* resources that are being freed */
+    uint32_t scene_count;   /* scenes in memory, those being freed too */
+};
+
+/* A session for a new connection of `peer`. It is REFUSED when the user's quota of
+ * clients is full, or when it may not be a client. NULL: no memory, or too many refused
+ * ones wait to hear so already. */
+struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
+                                    const struct srv_peer *peer);
+/* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA
+ * with *error set. */
+int srv_session_admit(struct srv_session *session, struct proto_error *error);
+
+/* The session is over: stop its requests, drop everything it has. The session frees
+ * itself as soon as the compute thread has let go of it. */
+void srv_session_detach(struct srv_session *session);
+
+/* Hello was answered. */
+void srv_session_open(struct srv_session *session, uint32_t version);
+
+void srv_session_enlist(struct srv_session *session, struct srv_request *request);
+void srv_session_unlist(struct srv_session *session, struct srv_request *request);
+/* A handle for `item` in a table of the session: `want`, or any when that is 0. Returns
+ * 0, PCCD_E_HANDLE (`want` is in use, or none of ours), PCCD_E_LIMIT or PCCD_E_NOMEM. */
+int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
+                       void *item, uint32_t want, uint32_t *handle);
+
+/* The connection is lost: what is in flight is not answered over the next one unless it
+ * comes again, so that answers keep the order of the requests. */
+void srv_session_hold(struct srv_session *session);
+
+/* The request in flight with that message id, or NULL. */
+struct srv_request *srv_session_request(const struct srv_session *session, uint32_t id);
+
+/* A resource of the session has been freed. */
+void srv_session_reaped(struct srv_session *session);
+/* Free a closed session that nothing refers to any more; otherwise nothing. */
+void srv_session_settle(struct srv_session *session);
+
+/* PCCD_E_ACCESS with *error set, unless the session is of the daemon's own user or root:
+ * then 0. */
+int srv_session_refuse_stranger(const struct srv_session *session,
+                                struct proto_error *error);
+
+/* Stop every request in flight; they are answered. */
+void srv_session_cancel_all(struct srv_session *session);
+
+#endif

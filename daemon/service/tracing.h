@@ -1,0 +1,63 @@
+/* tracing.h - a recording of what the daemon does.
+ *
+ * Room:     service. May include: resource.h, the engine's and the protocol's headers.
+ * Does:     own the engine's trace and a ring for what the loop does; one at a time, of
+ *           the session that began it and freed with it.
+ * Does not: decide who may (handlers_watch.c).
+ * Threads:  functions say.
+ *
+ *     start --> recording --stop--> at rest: pages can be read
+ *
+ * While it records, the loop writes its ring and the compute thread, or its team, the
+ * engine's; at rest only the compute thread reads both.
+ */
+#ifndef SRV_TRACING_H
+#define SRV_TRACING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "codec.h"
+#include "pccd_trace.h"
+#include "resource.h"
+#include "trace.h"
+
+struct srv_loop;
+
+struct srv_tracing {
+    struct srv_resource resource; /* first; its session owns the recording */
+    uint32_t lanes;               /* threads of the team */
+    uint32_t capacity;            /* events of each lane, and of the ring; power of two */
+    uint64_t min_ns;
+    struct eng_trace engine; /* [compute]; no lanes until work_start */
+    bool is_recording;       /* [loop] the ring is written */
+    bool is_stopped;         /* [loop] nothing more will be, once trace.stop has run */
+    struct pccd_trace_event *ring; /* [loop], at rest [compute]; [capacity] */
+    uint64_t added;                /* to the ring; the newest `capacity` are there */
+};
+
+/* A recording that is not on yet, as the loop's only one. events: of each thread and of
+ * the loop, 0: as many as are usual and fit. Returns 0, or PCCD_E_LIMIT or PCCD_E_NOMEM
+ * with *error set. [loop] */
+int srv_tracing_new(struct srv_session *session, uint32_t events, uint64_t min_ns,
+                    struct srv_tracing **tracing, struct proto_error *error);
+/* The session's recording ends, if it has one. [loop] */
+void srv_tracing_drop(struct srv_session *session);
+
+/* Let steps be recorded, and no more. Start returns a wire status. [compute] */
+int srv_tracing_start(struct srv_tracing *tracing);
+void srv_tracing_stop(struct srv_tracing *tracing);
+
+/* Events that can be read, and those that were overwritten. At rest. [compute] */
+uint64_t srv_tracing_count(const struct srv_tracing *tracing, uint64_t *lost);
+/* Copy events first .. first+count-1: the threads' one after the other, then the loop's,
+ * each oldest first. At rest. [compute] */
+void srv_tracing_copy(const struct srv_tracing *tracing, uint64_t first, uint64_t count,
+                      struct pccd_trace_event *events);
+
+/* Record what the loop did with a request, if anything is recorded. [loop] */
+void srv_tracing_add(struct srv_loop *loop, enum pccd_trace_kind kind,
+                     const struct srv_session *session, uint64_t begin_ns, int method,
+                     uint32_t id);
+
+#endif
