@@ -2,7 +2,6 @@
 
 include $(top_srcdir)/tests/support/local.mk
 include $(top_srcdir)/tests/support/scenes.mk
-include $(top_srcdir)/tests/oracle/local.mk
 include $(top_srcdir)/tests/unit/local.mk
 include $(top_srcdir)/tests/determinism/local.mk
 include $(top_srcdir)/tests/property/local.mk

@@ -28,7 +28,7 @@
  * of the longer: the normal alone would not tell a place there. Counted apart. */
 #define NEARLY_A_LINE 0x1p-26
 
-/* As tests/oracle wants the points. */
+/* As oracle wants the points. */
 static void points_of(const struct eng_query *query, double p[8][3])
 {
     memcpy(p, query->x, sizeof query->x);

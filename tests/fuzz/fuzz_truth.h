@@ -1,6 +1,6 @@
 /* fuzz_truth.h - is an answer to an elementary test the true one?
  *
- * Room:     tests/fuzz. May include: engine headers, tests/oracle.
+ * Room:     tests/fuzz. May include: engine headers, oracle.
  * Does:     check a claim, a miss or a contact with its bracket of time, without a doubt:
  *           by ranges that are rounded outward where they suffice, else by exact
  *           arithmetic.

@@ -1,6 +1,6 @@
 /* judge.h - a scene of the engine, and what an independent observer knows about it.
  *
- * Room:     tests/property. May include: daemon/engine, tests/oracle, tests/support,
+ * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
  *           tests/unit, cmocka.
  * Does:     keep a copy of every object's positions beside the engine's; compare the
  *           engine's answers with brute force in exact arithmetic. A difference fails the

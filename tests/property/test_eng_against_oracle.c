@@ -1,6 +1,6 @@
 /* test_eng_against_oracle.c - the engine's answers are the exact ones.
  *
- * Room:     tests/property. May include: daemon/engine, tests/oracle, tests/support,
+ * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
  *           cmocka.
  * Does:     generated scenes of every kind, as one object, as several, and moved on over
  *           many steps, each compared with brute force in exact arithmetic.

@@ -1,6 +1,6 @@
 /* test_eng_plays.c - objects that move, break, come and go are answered exactly.
  *
- * Room:     tests/property. May include: daemon/engine, tests/oracle, tests/support,
+ * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
  *           tests/unit, cmocka.
  * Does:     the golden plays, and plays from random seeds under random settings of scene
  *           and step, each step compared with brute force in exact arithmetic.

@@ -19,6 +19,7 @@ cd "$top_srcdir" || exit 99
 # alone, with the types that it includes.
 rooms='
 proto
+oracle
 daemon/engine
 daemon/service      proto daemon/engine daemon/server
 daemon/server       proto daemon/engine daemon/service daemon/server
@@ -32,21 +33,21 @@ bench/model         bench daemon/engine bench/scenes
 bench/peers         bench daemon/engine bench/scenes
 tests/proto         proto
 tests/abi           proto client/lib+
-tests/oracle
-tests/support       proto client/lib+ tests/oracle
-tests/integration   proto client/lib+ tests/support tests/oracle
-tests/unit          proto daemon/engine daemon/service daemon/server client/lib client/ctl client/load tests/support tests/oracle
-tests/fuzz          proto daemon/engine daemon/service daemon/server client/ctl tests/support tests/oracle tests/fault
-tests/fault         proto client/lib+ tests/support tests/oracle
+tests/support       proto client/lib+ oracle
+tests/integration   proto client/lib+ tests/support oracle
+tests/unit          proto daemon/engine daemon/service daemon/server client/lib client/ctl client/load tests/support oracle
+tests/fuzz          proto daemon/engine daemon/service daemon/server client/ctl tests/support oracle tests/fault
+tests/fault         proto client/lib+ tests/support oracle
 tests/zoo           proto client/lib+ tests/support
-tests/determinism   daemon/engine tests/support tests/oracle tests/unit
-tests/property      proto daemon/engine client/lib+ tests/support tests/oracle tests/unit
-tests/truth         proto daemon/engine client/lib+ tests/support tests/oracle tests/unit
+tests/determinism   daemon/engine tests/support oracle tests/unit
+tests/property      proto daemon/engine client/lib+ tests/support oracle tests/unit
+tests/truth         proto daemon/engine client/lib+ tests/support oracle tests/unit
 '
 
 # Folder prefix, then the libraries beside the C library.
 libraries='
 proto               msgpack.h
+oracle              gmp.h
 daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
 daemon/service      uv.h
 daemon/server       uv.h seccomp.h
@@ -73,7 +74,7 @@ c_library='argp.h assert.h ctype.h dirent.h errno.h execinfo.h fcntl.h fenv.h fl
 engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eventfd.h sys/mman.h sys/socket.h sys/un.h
     sys/wait.h spawn.h glob.h'
 
-find proto daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
+find proto oracle daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
 # The engine's folders are one room, in which every name is given once; so are pccdctl's.
 one_room='s|^\(daemon/engine\)/[a-z]*/|\1/|; s|^\(client/ctl\)/[a-z]*/|\1/|'
 sed "$one_room" "$work/paths" | LC_ALL=C sort >"$work/files"
