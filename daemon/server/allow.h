@@ -14,15 +14,7 @@
 #include <sys/socket.h>
 #include <sys/types.h>
 
-#define SRV_ALLOW_MAX 32u /* of a kind */
-
-/* All zero: no list. Then whoever can reach the socket may. */
-struct srv_allow {
-    uint32_t uid_count;
-    uint32_t gid_count;
-    uid_t uids[SRV_ALLOW_MAX];
-    gid_t gids[SRV_ALLOW_MAX];
-};
+#include "options.h"
 
 /* Add a name or a number; false: there is none of that name, or no room. */
 bool srv_allow_user(struct srv_allow *allow, const char *name);

@@ -29,8 +29,8 @@
 #include "invariant.h"
 #include "limits.h"
 #include "linger.h"
-#include "loop.h"
 #include "pccd_types.h"
+#include "reactor.h"
 #include "seqpacket.h"
 #include "session.h"
 #include "watch.h"
@@ -109,14 +109,14 @@ int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes)
     memcpy(copy->data, message, bytes);
     conn->put_off = copy;
     conn->put_off_turns++;
-    conn->loop->put_off_count++;
+    conn->reactor->put_off_count++;
     return 0;
 }
 
 static struct srv_message *take_put_off(struct srv_conn *conn)
 {
     struct srv_message *message = conn->put_off;
-    conn->loop->put_off_count -= message != NULL;
+    conn->reactor->put_off_count -= message != NULL;
     conn->put_off = NULL;
     return message;
 }
@@ -132,11 +132,12 @@ static void come_back(struct srv_conn *conn)
 
 void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user)
 {
+    const struct srv_reactor *reactor = (struct srv_reactor *)loop;
     srv_assert_loop();
-    if (loop->put_off_count == 0) {
+    if (reactor->put_off_count == 0) {
         return;
     }
-    for (struct srv_conn *conn = loop->conns; conn != NULL; conn = conn->next) {
+    for (struct srv_conn *conn = reactor->conns; conn != NULL; conn = conn->next) {
         if (conn->put_off != NULL && conn->state == SRV_CONN_OPEN &&
             conn->session->user == user) {
             uv_timer_start(&conn->timer, on_timer, 0, 0);
@@ -161,7 +162,7 @@ static void close_handles(struct srv_conn *conn)
     uv_close((uv_handle_t *)&conn->poll, on_closed);
     uv_close((uv_handle_t *)&conn->timer, on_closed);
     shutdown(conn->fd, SHUT_RDWR); /* now, whenever it is closed */
-    srv_closer_push(conn->loop->closer, conn->fd);
+    srv_closer_push(conn->reactor->closer, conn->fd);
     conn->fd = -1;
 }
 
@@ -173,7 +174,7 @@ static void drop_reply(struct srv_conn *conn)
         conn->reply_last = NULL;
     }
     conn->reply_count--;
-    conn->loop->reply_count--;
+    conn->reactor->reply_count--;
     close_fds(reply->fds, reply->fd_count);
     free(reply);
 }
@@ -181,7 +182,7 @@ static void drop_reply(struct srv_conn *conn)
 void srv_conn_close(struct srv_conn *conn)
 {
     srv_assert_loop();
-    struct srv_loop *loop = conn->loop;
+    struct srv_reactor *reactor = conn->reactor;
     PCCD_ASSERT(conn->fd >= 0);
     while (conn->reply_count > 0) {
         drop_reply(conn);
@@ -190,7 +191,7 @@ void srv_conn_close(struct srv_conn *conn)
     if (conn->prev != NULL) {
         conn->prev->next = conn->next;
     } else {
-        loop->conns = conn->next;
+        reactor->conns = conn->next;
     }
     if (conn->next != NULL) {
         conn->next->prev = conn->prev;
@@ -202,7 +203,7 @@ void srv_conn_close(struct srv_conn *conn)
         srv_log(SRV_LOG_DEBUG, session->id, "disconnected");
         srv_linger_lost(session);
     }
-    srv_loop_conn_closed(loop);
+    srv_reactor_conn_closed(reactor);
 }
 
 /* Give up on the peer; see "Does not" above. */
@@ -223,6 +224,11 @@ void srv_conn_orphan(struct srv_conn *conn)
     conn->session = NULL;
 }
 
+void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session)
+{
+    conn->session = session;
+}
+
 static void on_timer(uv_timer_t *timer)
 {
     struct srv_conn *conn = timer->data;
@@ -233,7 +239,7 @@ static void on_timer(uv_timer_t *timer)
     if (conn->state == SRV_CONN_OPEN) {
         srv_log(SRV_LOG_WARN, conn->session->id, "closing: no hello within %u s",
                 HELLO_MS / 1000);
-        conn->loop->metrics.counters.sessions_dropped++;
+        conn->reactor->loop.metrics.counters.sessions_dropped++;
     }
     srv_conn_close(conn);
 }
@@ -287,7 +293,7 @@ static int queue_reply(struct srv_conn *conn, const struct proto_encoder *messag
     }
     conn->reply_last = reply;
     conn->reply_count++;
-    conn->loop->reply_count++;
+    conn->reactor->reply_count++;
     return 0;
 }
 
@@ -313,12 +319,20 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
     }
     if (conn->reply_count >= SRV_REPLIES_HARD_MAX) {
         close_fds(fds, fd_count);
-        conn->loop->metrics.counters.sessions_dropped++;
+        conn->reactor->loop.metrics.counters.sessions_dropped++;
         fail(conn, "the client does not read its replies");
     } else if (queue_reply(conn, message, fds, fd_count) != 0) {
         fail(conn, "no memory to queue a reply");
     } else if (!conn->is_corked) {
         watch(conn);
+    }
+}
+
+void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message)
+{
+    const struct srv_reactor *reactor = (struct srv_reactor *)loop;
+    for (struct srv_conn *conn = reactor->conns; conn != NULL; conn = conn->next) {
+        srv_conn_send(conn, message, NULL, 0);
     }
 }
 
@@ -347,12 +361,12 @@ static void flush(struct srv_conn *conn)
  * Returns as proto_receive. */
 static int receive(struct srv_conn *conn, size_t *bytes, int *fd_count)
 {
-    struct srv_loop *loop = conn->loop;
+    struct srv_reactor *reactor = conn->reactor;
     int fds[PROTO_FDS_RECEIVED_MAX];
-    int status = proto_receive_all(conn->fd, loop->buffer, PROTO_MESSAGE_BYTES_MAX, bytes,
-                                   fds, fd_count);
+    int status = proto_receive_all(conn->fd, reactor->buffer, PROTO_MESSAGE_BYTES_MAX,
+                                   bytes, fds, fd_count);
     for (int i = 0; i < *fd_count; i++) {
-        srv_closer_push(loop->closer, fds[i]);
+        srv_closer_push(reactor->closer, fds[i]);
     }
     return status;
 }
@@ -360,7 +374,7 @@ static int receive(struct srv_conn *conn, size_t *bytes, int *fd_count)
 /* One message for dispatch. Returns whether there may be more; closes at end of file. */
 static bool read_one(struct srv_conn *conn)
 {
-    struct srv_loop *loop = conn->loop;
+    struct srv_reactor *reactor = conn->reactor;
     size_t bytes = 0;
     int fd_count = 0;
     errno = 0;
@@ -387,9 +401,9 @@ static bool read_one(struct srv_conn *conn)
         srv_conn_close(conn);
         return false;
     }
-    loop->metrics.counters.messages++;
+    reactor->loop.metrics.counters.messages++;
     conn->put_off_turns = 0;
-    srv_dispatch(conn->session, loop->buffer, bytes);
+    srv_dispatch(conn->session, reactor->buffer, bytes);
     return conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
            conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
 }
@@ -460,37 +474,37 @@ static void on_poll(uv_poll_t *poll, int status, int events)
 
 /* ---- creation ---------------------------------------------------------------------- */
 
-int srv_conn_new(struct srv_loop *loop, int fd, const struct srv_peer *peer)
+int srv_conn_new(struct srv_reactor *reactor, int fd, const struct srv_peer *peer)
 {
     srv_assert_loop();
     struct srv_conn *conn = calloc(1, sizeof *conn);
     if (conn == NULL) {
-        srv_closer_push(loop->closer, fd);
+        srv_closer_push(reactor->closer, fd);
         return PCCD_E_NOMEM;
     }
-    conn->loop = loop;
+    conn->reactor = reactor;
     conn->fd = fd;
     conn->is_new = true;
-    if (uv_poll_init(&loop->uv, &conn->poll, fd) != 0) {
-        srv_closer_push(loop->closer, fd);
+    if (uv_poll_init(&reactor->uv, &conn->poll, fd) != 0) {
+        srv_closer_push(reactor->closer, fd);
         free(conn);
         return PCCD_E_SYSTEM;
     }
-    uv_timer_init(&loop->uv, &conn->timer);
+    uv_timer_init(&reactor->uv, &conn->timer);
     conn->open_count = 2;
     conn->poll.data = conn;
     conn->timer.data = conn;
-    conn->session = srv_session_new(loop, conn, peer);
+    conn->session = srv_session_new(&reactor->loop, conn, peer);
     if (conn->session == NULL) {
         close_handles(conn);
         return PCCD_E_NOMEM;
     }
-    conn->next = loop->conns;
+    conn->next = reactor->conns;
     if (conn->next != NULL) {
         conn->next->prev = conn;
     }
-    loop->conns = conn;
-    loop->conn_count++;
+    reactor->conns = conn;
+    reactor->conn_count++;
     uv_timer_start(&conn->timer, on_timer, HELLO_MS, 0);
     watch(conn);
     srv_log(SRV_LOG_DEBUG, conn->session->id, "connected, user %u", (unsigned)peer->uid);

@@ -14,19 +14,12 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "crashnote.h"
 #include "invariant.h"
 
 #define FRAMES_MAX  64
 #define STACK_BYTES 65536u
 
-struct note {
-    const char *method; /* NULL: none */
-    uint64_t session;
-    uint32_t id;
-};
-
-/* Of the loop thread, and of all that compute. Each is written by one thread. */
-static struct note notes[2];
 static _Thread_local unsigned char handler_stack[STACK_BYTES];
 static atomic_flag reporting = ATOMIC_FLAG_INIT;
 
@@ -74,16 +67,11 @@ static const char *name_of(int signal)
     }
 }
 
-static struct note *note_of_thread(void)
-{
-    return &notes[srv_thread_is_loop() ? 0 : 1];
-}
-
 static void report(const char *what)
 {
     struct line line = {.length = 0};
     void *frames[FRAMES_MAX];
-    const struct note *current = note_of_thread();
+    const struct srv_crashnote *current = srv_crashnote_of_thread();
     add_text(&line, "pccdd " PACKAGE_VERSION ": ");
     add_text(&line, what);
     add_text(&line, " in process ");
@@ -136,11 +124,6 @@ void srv_crash_thread(void)
     if (sigaltstack(NULL, &present) == 0 && (present.ss_flags & SS_DISABLE) != 0) {
         sigaltstack(&stack, NULL);
     }
-}
-
-void srv_crash_note(const char *method, uint64_t session, uint32_t id)
-{
-    *note_of_thread() = (struct note){method, session, id};
 }
 
 void srv_crash_install(void)

@@ -10,17 +10,11 @@
 #ifndef SRV_CRASH_H
 #define SRV_CRASH_H
 
-#include <stdint.h>
-
 /* Handle SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT and SIGSYS, and exit by any thread but
  * the main one; the calling thread gets a stack for it. Once, at the start. */
 void srv_crash_install(void);
 
 /* A stack for the handler, also where the thread's own has overflowed. */
 void srv_crash_thread(void);
-
-/* The loop thread, or else the compute thread with its team, works on that request from
- * now on; `method` NULL: on none. The text must stay. [loop], [compute] */
-void srv_crash_note(const char *method, uint64_t session, uint32_t id);
 
 #endif

@@ -19,11 +19,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "allow.h"
 #include "closer.h"
 #include "conn.h"
 #include "invariant.h"
-#include "loop.h"
 #include "pccd_types.h"
+#include "reactor.h"
 #include "session.h"
 #include "watch.h"
 
@@ -142,8 +143,8 @@ static void watch(struct srv_listener *listener, bool watching)
 
 void srv_listener_room(struct srv_listener *listener)
 {
-    struct srv_loop *loop = listener->loop;
-    if (loop->conn_count < loop->options->connections_max &&
+    struct srv_reactor *reactor = listener->reactor;
+    if (reactor->conn_count < reactor->loop.options->connections_max &&
         !uv_is_active((uv_handle_t *)&listener->retry)) {
         watch(listener, true);
     }
@@ -176,14 +177,14 @@ static void pause_for_retry(struct srv_listener *listener)
 static void turn_away(struct srv_listener *listener)
 {
     srv_log(SRV_LOG_WARN, 0, "no descriptor for a new connection");
-    listener->loop->metrics.counters.sessions_refused++;
+    listener->reactor->loop.metrics.counters.sessions_refused++;
     if (listener->reserve_fd >= 0) {
         close(listener->reserve_fd);
         listener->reserve_fd = -1;
         int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC);
         if (fd >= 0) {
             shutdown(fd, SHUT_RDWR);
-            srv_closer_push(listener->loop->closer, fd);
+            srv_closer_push(listener->reactor->closer, fd);
         }
     }
     keep_reserve(listener);
@@ -193,8 +194,8 @@ static void turn_away(struct srv_listener *listener)
 /* Take one connection over. Returns whether to try for another at once. */
 static bool accept_one(struct srv_listener *listener)
 {
-    struct srv_loop *loop = listener->loop;
-    if (loop->conn_count >= loop->options->connections_max) {
+    struct srv_reactor *reactor = listener->reactor;
+    if (reactor->conn_count >= reactor->loop.options->connections_max) {
         watch(listener, false); /* srv_listener_room goes on */
         return false;
     }
@@ -225,15 +226,15 @@ static bool accept_one(struct srv_listener *listener)
         return false;
     }
     if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
-        srv_closer_push(loop->closer, fd);
+        srv_closer_push(reactor->closer, fd);
         return true;
     }
     const struct srv_peer client = {
         .uid = peer.uid,
         .pid = peer.pid,
-        .is_stranger = !srv_allow_peer(&loop->options->allow, fd, &peer)};
-    if (srv_conn_new(loop, fd, &client) != 0) {
-        loop->metrics.counters.sessions_refused++;
+        .is_stranger = !srv_allow_peer(&reactor->loop.options->allow, fd, &peer)};
+    if (srv_conn_new(reactor, fd, &client) != 0) {
+        reactor->loop.metrics.counters.sessions_refused++;
         srv_log(SRV_LOG_WARN, 0, "a connection of user %u was turned away",
                 (unsigned)peer.uid);
     }
@@ -284,25 +285,25 @@ void srv_listener_make_room(const struct srv_options *options)
     srv_watch_widen(fd_count_of(options));
 }
 
-int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop)
+int srv_listener_open(struct srv_listener *listener, struct srv_reactor *reactor)
 {
-    const char *path = loop->options->socket_path;
-    *listener = (struct srv_listener){.loop = loop, .fd = -1, .reserve_fd = -1};
-    int fd = loop->options->listen_fd;
-    int status = fd >= 0 ? 0 : srv_listener_bind(loop->options, &fd);
+    const char *path = reactor->loop.options->socket_path;
+    *listener = (struct srv_listener){.reactor = reactor, .fd = -1, .reserve_fd = -1};
+    int fd = reactor->loop.options->listen_fd;
+    int status = fd >= 0 ? 0 : srv_listener_bind(reactor->loop.options, &fd);
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
         return status;
     }
-    listener->fd_count = fd_count_of(loop->options);
-    if (srv_watch_reserve(&loop->uv, &listener->spare, fd, &listener->fd_count) != 0 ||
-        uv_poll_init(&loop->uv, &listener->poll, fd) != 0) {
+    listener->fd_count = fd_count_of(reactor->loop.options);
+    if (srv_watch_reserve(&reactor->uv, &listener->spare, fd, &listener->fd_count) != 0 ||
+        uv_poll_init(&reactor->uv, &listener->poll, fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: the socket cannot be watched", path);
-        remove_path(loop->options);
+        remove_path(reactor->loop.options);
         close(fd);
         return PCCD_E_SYSTEM;
     }
-    uv_timer_init(&loop->uv, &listener->retry);
+    uv_timer_init(&reactor->uv, &listener->retry);
     listener->poll.data = listener;
     listener->retry.data = listener;
     listener->fd = fd;
@@ -315,7 +316,7 @@ void srv_listener_close(struct srv_listener *listener)
     if (listener->fd < 0) {
         return;
     }
-    remove_path(listener->loop->options);
+    remove_path(listener->reactor->loop.options);
     watch(listener, false);
     uv_close((uv_handle_t *)&listener->poll, NULL);
     uv_close((uv_handle_t *)&listener->retry, NULL);

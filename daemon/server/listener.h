@@ -12,11 +12,11 @@
 #include <stdbool.h>
 #include <uv.h>
 
-struct srv_loop;
+struct srv_reactor;
 struct srv_options;
 
 struct srv_listener {
-    struct srv_loop *loop;
+    struct srv_reactor *reactor;
     int fd;         /* -1: closed */
     int reserve_fd; /* given up to accept and turn away a client when there is no other */
     bool watching;
@@ -43,9 +43,9 @@ void srv_listener_tell_ready(int fd);
 /* Make room for the descriptors of all connections. [main] before there is a thread. */
 void srv_listener_make_room(const struct srv_options *options);
 
-/* Listen on loop->options->listen_fd, or else on a new socket at socket_path; nobody is
+/* Listen on the options' listen_fd, or else on a new socket at socket_path; nobody is
  * accepted before srv_listener_room. Returns 0 or a status; what was wrong is logged. */
-int srv_listener_open(struct srv_listener *listener, struct srv_loop *loop);
+int srv_listener_open(struct srv_listener *listener, struct srv_reactor *reactor);
 
 /* Stop listening and remove the socket, if it is our own. */
 void srv_listener_close(struct srv_listener *listener);

@@ -6,22 +6,21 @@ libserver_la_SOURCES = \
     daemon/server/allow.c daemon/server/allow.h \
     daemon/server/bell.c daemon/server/bell.h \
     daemon/server/closer.c daemon/server/closer.h \
+    daemon/server/commandline.c daemon/server/commandline.h \
     daemon/server/conn.c daemon/server/conn.h \
     daemon/server/crash.c daemon/server/crash.h \
     daemon/server/lifeline.c daemon/server/lifeline.h \
     daemon/server/listener.c daemon/server/listener.h \
     daemon/server/lockfile.c daemon/server/lockfile.h \
-    daemon/server/loop.c \
-    daemon/server/options.c \
     daemon/server/priority.c daemon/server/priority.h \
+    daemon/server/reactor.c daemon/server/reactor.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
     daemon/server/supervise.c daemon/server/supervise.h \
     daemon/server/threads.c daemon/server/threads.h \
+    daemon/server/timer.c \
     daemon/server/watch.c daemon/server/watch.h
 # -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.
-server_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/server \
-    -iquote $(top_srcdir)/daemon/service \
-    $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto
+server_cppflags = $(service_cppflags) -iquote $(top_srcdir)/daemon/server
 libserver_la_CPPFLAGS = $(server_cppflags)
 libserver_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) -pthread
 libserver_la_LIBADD = libservice.la $(SECCOMP_LIBS)

@@ -17,14 +17,14 @@
 #include <unistd.h>
 
 #include "activate.h"
+#include "commandline.h"
 #include "crash.h"
 #include "kernel.h"
 #include "lifeline.h"
 #include "listener.h"
 #include "lockfile.h"
 #include "log.h"
-#include "loop.h"
-#include "options.h"
+#include "reactor.h"
 #include "supervise.h"
 #include "threads.h"
 
@@ -118,7 +118,7 @@ static int run_locked(const struct srv_options *options, char **argv)
         return 1;
     }
     int exit_status =
-        options->supervise ? srv_supervise(options, argv) : srv_loop_run(options);
+        options->supervise ? srv_supervise(options, argv) : srv_reactor_run(options);
     srv_lockfile_release(&lockfile);
     remove_private_folder(options);
     return exit_status;
@@ -146,7 +146,7 @@ int main(int argc, char **argv)
         options.threads_max = srv_threads_granted(options.threads_max);
     }
     if (options.listen_fd >= 0) {
-        int exit_status = srv_loop_run(&options);
+        int exit_status = srv_reactor_run(&options);
         if (exit_status == 0) {
             srv_lifeline_say_end();
         }

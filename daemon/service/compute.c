@@ -13,7 +13,6 @@
 #include <signal.h>
 #include <stddef.h>
 
-#include "crash.h"
 #include "invariant.h"
 #include "now.h"
 #include "pccd_types.h"
@@ -120,7 +119,6 @@ static void *compute_main(void *context)
 {
     struct srv_compute *compute = context;
     srv_thread_enter(SRV_THREAD_COMPUTE);
-    srv_crash_thread();
     if (compute->enter != NULL) {
         compute->enter(compute->context);
     }

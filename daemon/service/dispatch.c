@@ -10,8 +10,8 @@
 
 #include <unistd.h>
 
-#include "conn.h"
-#include "crash.h"
+#include "crashnote.h"
+#include "host.h"
 #include "invariant.h"
 #include "linger.h"
 #include "loop.h"
@@ -140,9 +140,7 @@ void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text)
     }
     int status = proto_encode_notification(loop->encoder, PROTO_NOTE_GOAWAY, &note);
     PCCD_ASSERT(status == 0);
-    for (struct srv_conn *conn = loop->conns; conn != NULL; conn = conn->next) {
-        srv_conn_send(conn, loop->encoder, NULL, 0);
-    }
+    srv_conn_send_all(loop, loop->encoder);
 }
 
 /* ---- refusals, in their order ------------------------------------------------------ */

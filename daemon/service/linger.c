@@ -12,7 +12,7 @@
 #include <signal.h>
 #include <sys/random.h>
 
-#include "conn.h"
+#include "host.h"
 #include "invariant.h"
 #include "loop.h"
 #include "now.h"
@@ -25,12 +25,6 @@
  * that stay), or of an object; on the safe side, as nothing depends on it but whether a
  * session that waits makes room before a refusal or after it. */
 #define TRIANGLE_BYTES 512u
-
-void srv_linger_init(struct srv_loop *loop)
-{
-    uv_timer_init(&loop->uv, &loop->linger.timer);
-    loop->linger.timer.data = loop;
-}
 
 void srv_linger_enable(struct srv_session *session)
 {
@@ -54,7 +48,7 @@ static void end(struct srv_session *session, const char *why)
     PCCD_ASSERT(session->state == SRV_SESSION_WAITING && loop->linger.count > 0);
     srv_log(SRV_LOG_INFO, session->id, "ended: %s", why);
     if (--loop->linger.count == 0) {
-        uv_timer_stop(&loop->linger.timer);
+        srv_timer_stop(loop->linger.timer);
     }
     srv_session_detach(session);
 }
@@ -66,9 +60,9 @@ static bool is_gone(const struct srv_session *session)
     return session->pid > 0 && kill(session->pid, 0) != 0 && errno == ESRCH;
 }
 
-static void on_tick(uv_timer_t *timer)
+static void on_tick(void *context)
 {
-    struct srv_loop *loop = timer->data;
+    struct srv_loop *loop = context;
     uint64_t patience_ns = (uint64_t)loop->options->linger_s * 1000000000u;
     uint64_t now_ns = srv_now_ns();
     for (struct srv_session *session = loop->sessions; session != NULL;) {
@@ -81,6 +75,18 @@ static void on_tick(uv_timer_t *timer)
         }
         session = next;
     }
+}
+
+int srv_linger_init(struct srv_loop *loop)
+{
+    loop->linger.timer = srv_timer_new(loop, on_tick, loop);
+    return loop->linger.timer != NULL ? 0 : PCCD_E_NOMEM;
+}
+
+void srv_linger_deinit(struct srv_loop *loop)
+{
+    srv_timer_free(loop->linger.timer);
+    loop->linger.timer = NULL;
 }
 
 static bool may_wait(const struct srv_session *session)
@@ -104,7 +110,7 @@ void srv_linger_lost(struct srv_session *session)
     session->lost_ns = srv_now_ns();
     loop->metrics.counters.sessions_waiting_now++;
     if (loop->linger.count++ == 0) {
-        uv_timer_start(&loop->linger.timer, on_tick, TICK_MS, TICK_MS);
+        srv_timer_start(loop->linger.timer, TICK_MS, TICK_MS);
     }
     srv_log(SRV_LOG_DEBUG, session->id, "waits for its client");
 }
@@ -199,13 +205,13 @@ void srv_linger_resume(struct srv_session *session, struct srv_session *fresh)
     if (session->state == SRV_SESSION_WAITING) {
         loop->metrics.counters.sessions_waiting_now--;
         if (--loop->linger.count == 0) {
-            uv_timer_stop(&loop->linger.timer);
+            srv_timer_stop(loop->linger.timer);
         }
     }
     session->state = SRV_SESSION_OPEN;
     session->conn = conn;
     session->pid = fresh->pid;
-    conn->session = session;
+    srv_conn_adopt(conn, session);
     srv_conn_established(conn);
     loop->metrics.counters.sessions_resumed++;
     srv_session_detach(fresh);

@@ -1,6 +1,6 @@
 /* linger.h - sessions that wait for their client to come back.
  *
- * Room:     service. May include: libuv, session.h.
+ * Room:     service. May include: session.h.
  * Does:     let a session outlive its connection for a while, find it again by its
  *           secret, give it another connection, end it when nobody comes.
  * Does not: keep a session whose client said bye, broke the rules, or never asked for it.
@@ -16,7 +16,6 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include <uv.h>
 
 #include "messages.h"
 
@@ -24,14 +23,16 @@ struct srv_conn;
 struct srv_loop;
 struct srv_quota_user;
 struct srv_session;
+struct srv_timer;
 
 struct srv_linger {
-    uv_timer_t timer; /* runs while a session waits */
-    uint32_t count;   /* of these */
+    struct srv_timer *timer; /* runs while a session waits */
+    uint32_t count;          /* of these */
 };
 
-/* The uv handle only. */
-void srv_linger_init(struct srv_loop *loop);
+/* The timer only. Returns 0 or PCCD_E_NOMEM. */
+int srv_linger_init(struct srv_loop *loop);
+void srv_linger_deinit(struct srv_loop *loop);
 
 /* The client of a session that is being opened wants to be able to come back: give it a
  * secret, if there is one to be had. */

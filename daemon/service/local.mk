@@ -4,6 +4,7 @@ noinst_LTLIBRARIES += libservice.la
 libservice_la_SOURCES = \
     daemon/service/call.h \
     daemon/service/compute.c daemon/service/compute.h \
+    daemon/service/crashnote.c daemon/service/crashnote.h \
     daemon/service/dispatch.c daemon/service/dispatch.h \
     daemon/service/enginemem.c daemon/service/enginemem.h \
     daemon/service/fairqueue.c daemon/service/fairqueue.h \
@@ -14,11 +15,12 @@ libservice_la_SOURCES = \
     daemon/service/handlers_scene.c \
     daemon/service/handlers_watch.c \
     daemon/service/handles.c daemon/service/handles.h \
+    daemon/service/host.h \
     daemon/service/invariant.c daemon/service/invariant.h \
     daemon/service/laststep.c daemon/service/laststep.h \
     daemon/service/linger.c daemon/service/linger.h \
     daemon/service/log.c daemon/service/log.h \
-    daemon/service/loop.h \
+    daemon/service/loop.c daemon/service/loop.h \
     daemon/service/meshes.c daemon/service/meshes.h \
     daemon/service/metrics.c daemon/service/metrics.h \
     daemon/service/now.h \
@@ -33,5 +35,8 @@ libservice_la_SOURCES = \
     daemon/service/session.c daemon/service/session.h \
     daemon/service/tracing.c daemon/service/tracing.h \
     daemon/service/wire.c daemon/service/wire.h
-libservice_la_CPPFLAGS = $(server_cppflags)
-libservice_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
+# -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.
+service_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/service \
+    $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto
+libservice_la_CPPFLAGS = $(service_cppflags)
+libservice_la_CFLAGS = $(AM_CFLAGS) -pthread

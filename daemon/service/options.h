@@ -1,8 +1,8 @@
-/* options.h - what the command line decides.
+/* options.h - what is decided at the start.
  *
  * Room:     service. May include: the protocol's headers.
- * Does:     parse and check options; every limit has its default here.
- * Does not: read files or the environment beyond the default socket path.
+ * Does:     hold it, for the service and for the daemon around it.
+ * Does not: have defaults or a command line (daemon/server/commandline.h).
  * Threads:  [loop]; constant after parsing.
  */
 #ifndef SRV_OPTIONS_H
@@ -10,8 +10,8 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <sys/types.h>
 
-#include "allow.h"
 #include "log.h"
 #include "quota.h"
 
@@ -29,6 +29,16 @@ enum srv_sandbox {
     SRV_SANDBOX_OFF = 2
 };
 
+#define SRV_ALLOW_MAX 32u /* of a kind */
+
+/* Who may be a client. All zero: no list. Then whoever can reach the socket may. */
+struct srv_allow {
+    uint32_t uid_count;
+    uint32_t gid_count;
+    uid_t uids[SRV_ALLOW_MAX];
+    gid_t gids[SRV_ALLOW_MAX];
+};
+
 #define SRV_SOCKET_PATH_BYTES 108u /* sockaddr_un holds 107 and the NUL */
 
 struct srv_options {
@@ -40,7 +50,7 @@ struct srv_options {
     uint32_t queue_max;       /* requests that wait for the compute thread */
     uint64_t contacts_max;    /* records kept for one answer */
     uint64_t quota[SRV_QUOTA_COUNT];
-    struct srv_allow allow;    /* who may be a client */
+    struct srv_allow allow;
     uint64_t engine_bytes_max; /* that the engine holds for one user (enginemem.h) */
     uint32_t grace_s;          /* for requests in flight at shutdown */
     uint32_t linger_s;         /* that a session waits for its client; 0: not at all */
@@ -53,8 +63,5 @@ struct srv_options {
     int listen_fd; /* given to us (activate.h); -1: open one */
     enum srv_level log_level;
 };
-
-/* Fill from the command line; prints to stderr and exits on a wrong one, as argp does. */
-void srv_options_parse(struct srv_options *options, int argc, char **argv);
 
 #endif

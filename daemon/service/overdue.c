@@ -8,6 +8,7 @@
 
 #include <stdlib.h>
 
+#include "host.h"
 #include "invariant.h"
 #include "now.h"
 #include "request.h"
@@ -52,27 +53,24 @@ static void sink(struct srv_overdue *overdue, uint32_t at, struct srv_request *r
     put(overdue, at, request);
 }
 
-static void on_timer(uv_timer_t *timer);
-
 /* For the first of them, `least_ms` from now or later; a millisecond is the finest that a
  * timer can be set to. */
 static void set_timer(struct srv_overdue *overdue, uint64_t least_ms)
 {
     if (overdue->count == 0) {
-        uv_timer_stop(&overdue->timer);
+        srv_timer_stop(overdue->timer);
         return;
     }
     uint64_t now_ns = srv_now_ns();
     uint64_t deadline_ns = overdue->heap[0]->deadline_ns;
     uint64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
     uint64_t left_ms = left_ns / NS_PER_MS + (left_ns % NS_PER_MS != 0);
-    uv_update_time(overdue->timer.loop);
-    uv_timer_start(&overdue->timer, on_timer, left_ms > least_ms ? left_ms : least_ms, 0);
+    srv_timer_start(overdue->timer, left_ms > least_ms ? left_ms : least_ms, 0);
 }
 
-static void on_timer(uv_timer_t *timer)
+static void on_timer(void *context)
 {
-    struct srv_overdue *overdue = timer->data;
+    struct srv_overdue *overdue = context;
     uint64_t begin_ns = srv_now_ns();
     while (overdue->count > 0 && overdue->heap[0]->deadline_ns <= begin_ns &&
            srv_now_ns() - begin_ns < TURN_NS) {
@@ -83,21 +81,18 @@ static void on_timer(uv_timer_t *timer)
     set_timer(overdue, 1); /* with 0, libuv would call this again at once */
 }
 
-void srv_overdue_init(struct srv_overdue *overdue, uv_loop_t *loop)
+int srv_overdue_init(struct srv_overdue *overdue, struct srv_loop *loop)
 {
-    uv_timer_init(loop, &overdue->timer);
-    overdue->timer.data = overdue;
+    overdue->timer = srv_timer_new(loop, on_timer, overdue);
+    return overdue->timer != NULL ? 0 : PCCD_E_NOMEM;
 }
 
-void srv_overdue_close(struct srv_overdue *overdue)
+void srv_overdue_deinit(struct srv_overdue *overdue)
 {
     PCCD_ASSERT(overdue->count == 0);
     free(overdue->heap);
-    overdue->heap = NULL;
-    overdue->capacity = 0;
-    if (!uv_is_closing((uv_handle_t *)&overdue->timer)) {
-        uv_close((uv_handle_t *)&overdue->timer, NULL);
-    }
+    srv_timer_free(overdue->timer);
+    *overdue = (struct srv_overdue){0};
 }
 
 void srv_overdue_add(struct srv_overdue *overdue, struct srv_request *request)
@@ -133,6 +128,6 @@ void srv_overdue_remove(struct srv_overdue *overdue, struct srv_request *request
         sink(overdue, last->overdue_at, last);
     }
     if (overdue->count == 0) {
-        uv_timer_stop(&overdue->timer); /* else it fires once for nothing */
+        srv_timer_stop(overdue->timer); /* else it fires once for nothing */
     }
 }

@@ -1,6 +1,6 @@
 /* overdue.h - steps whose deadline may come before their turn.
  *
- * Room:     service. May include: libuv.
+ * Room:     service. May include: host.h.
  * Does:     keep the requests with a deadline, the earliest first, and say when it has
  *           come (srv_request_overdue).
  * Does not: answer them.
@@ -10,20 +10,22 @@
 #define SRV_OVERDUE_H
 
 #include <stdint.h>
-#include <uv.h>
 
+struct srv_loop;
 struct srv_request;
+struct srv_timer;
 
 struct srv_overdue {
-    uv_timer_t timer;
+    struct srv_timer *timer;
     struct srv_request **heap; /* [capacity] earliest deadline first */
     uint32_t count;
     uint32_t capacity;
 };
 
-void srv_overdue_init(struct srv_overdue *overdue, uv_loop_t *loop);
+/* Returns 0 or PCCD_E_NOMEM. */
+int srv_overdue_init(struct srv_overdue *overdue, struct srv_loop *loop);
 /* Nothing may be in it. */
-void srv_overdue_close(struct srv_overdue *overdue);
+void srv_overdue_deinit(struct srv_overdue *overdue);
 
 /* Wait for request->deadline_ns. Without the memory for it the request is answered in its
  * turn. */

@@ -9,7 +9,7 @@
 
 #include <stdlib.h>
 
-#include "crash.h"
+#include "crashnote.h"
 #include "dispatch.h"
 #include "enginemem.h"
 #include "invariant.h"

@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "conn.h"
+#include "host.h"
 #include "invariant.h"
 #include "limits.h"
 #include "loop.h"
@@ -94,7 +94,7 @@ void srv_session_open(struct srv_session *session, uint32_t version)
     session->loop->metrics.counters.sessions_now++;
     session->loop->metrics.counters.sessions_total++;
     srv_conn_established(session->conn);
-    srv_loop_client_joined(session->loop);
+    srv_host_client_joined(session->loop);
 }
 
 /* Drop the session's own references; what requests still use goes with the last of
@@ -140,7 +140,7 @@ void srv_session_detach(struct srv_session *session)
     drop_everything(session);
     if (was_open) {
         loop->metrics.counters.sessions_now--;
-        srv_loop_client_left(loop);
+        srv_host_client_left(loop);
     }
     srv_session_reaped(session);
 }

@@ -1,7 +1,7 @@
 /* host.c - the daemon's server as a thread of the fuzzer's process.
  *
  * Room:     tests/fuzz. May include: host.h, fuzz_target.h, the server's headers.
- * Does:     hand srv_loop_run a socket, as a service manager does; watch the engine's
+ * Does:     hand srv_reactor_run a socket, as a service manager does; watch the engine's
  *           bytes and the process's descriptors.
  * Threads:  as host.h says.
  */
@@ -17,12 +17,13 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "commandline.h"
 #include "fuzz_target.h"
 #include "limits.h"
 #include "log.h"
-#include "loop.h"
 #include "memory.h"
 #include "raw.h"
+#include "reactor.h"
 #include "visitor.h"
 
 #define BACKLOG     64
@@ -40,7 +41,7 @@ static pthread_t server;
 static void *serve(void *context)
 {
     (void)context;
-    FUZZ_CHECK(srv_loop_run(&options) == 0);
+    FUZZ_CHECK(srv_reactor_run(&options) == 0);
     return NULL;
 }
 

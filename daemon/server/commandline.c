@@ -1,11 +1,11 @@
-/* options.c - what the command line decides.
+/* commandline.c - what the command line decides.
  *
- * Room:     server. See options.h.
+ * Room:     server. See commandline.h.
  * Does:     one table of options for argp; every number has a named range.
  * Does not: start anything.
  * Threads:  [loop].
  */
-#include "options.h"
+#include "commandline.h"
 
 #include <argp.h>
 #include <assert.h>
@@ -16,6 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "allow.h"
 #include "limits.h"
 #include "seqpacket.h"
 #include "supervise.h"

@@ -1,0 +1,16 @@
+/* commandline.h - what the command line decides.
+ *
+ * Room:     server. May include: the service's headers.
+ * Does:     parse and check options; every limit has its default here.
+ * Does not: read files or the environment beyond the default socket path.
+ * Threads:  [loop]
+ */
+#ifndef SRV_COMMANDLINE_H
+#define SRV_COMMANDLINE_H
+
+#include "options.h"
+
+/* Fill from the command line; prints to stderr and exits on a wrong one, as argp does. */
+void srv_options_parse(struct srv_options *options, int argc, char **argv);
+
+#endif

@@ -1,0 +1,66 @@
+/* host.h - what the service asks of whoever it runs in.
+ *
+ * Room:     service. May include: the protocol's headers.
+ * Does:     declare how a client is talked to, and timers. The daemon has both of sockets
+ *           and libuv (daemon/server); a program that has the service in its own process,
+ *           of neither (daemon/direct).
+ * Threads:  [loop]
+ */
+#ifndef SRV_HOST_H
+#define SRV_HOST_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "codec.h"
+
+struct srv_conn; /* the way to a client; the host's */
+struct srv_loop;
+struct srv_quota_user;
+struct srv_session;
+
+/* ---- clients ----------------------------------------------------------------------- */
+
+/* Send a message, now or when the client reads. Takes over fds[fd_count] in any case.
+ * What cannot be sent any more is dropped; the connection then closes soon, never
+ * inside. */
+void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
+                   const int *fds, int fd_count);
+/* The same message to all of them. */
+void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message);
+
+/* No more messages either way: send what is queued, let the peer read it, close. */
+void srv_conn_finish(struct srv_conn *conn);
+
+/* The client has said hello: it may be silent now. */
+void srv_conn_established(struct srv_conn *conn);
+
+/* Come back to the message that is being handled when a session of the user has left.
+ * Nothing else is read before it. Returns 0, PCCD_E_LIMIT or PCCD_E_NOMEM. */
+int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes);
+/* A session of the user has left: come back to what was put off, soon, never inside. */
+void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user);
+
+/* Its session goes on over another connection: close soon; also from inside the handler
+ * of another connection's message. */
+void srv_conn_orphan(struct srv_conn *conn);
+/* It is the connection of `session` from now on. */
+void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session);
+
+/* A session was opened; an open session's connection is gone. */
+void srv_host_client_joined(struct srv_loop *loop);
+void srv_host_client_left(struct srv_loop *loop);
+
+/* ---- timers ------------------------------------------------------------------------ */
+
+struct srv_timer; /* the host's */
+
+/* A timer that calls fire(context). NULL: no memory. */
+struct srv_timer *srv_timer_new(struct srv_loop *loop, void (*fire)(void *context),
+                                void *context);
+/* In after_ms from now, and then, unless that is 0, every every_ms. */
+void srv_timer_start(struct srv_timer *timer, uint64_t after_ms, uint64_t every_ms);
+void srv_timer_stop(struct srv_timer *timer);
+void srv_timer_free(struct srv_timer *timer); /* NULL is allowed */
+
+#endif

@@ -1,0 +1,53 @@
+/* loop.c - everything there is one of.
+ *
+ * Room:     service. See loop.h.
+ * Does:     make it and free it.
+ * Threads:  [loop]
+ */
+#include "loop.h"
+
+#include <stdlib.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include "invariant.h"
+#include "now.h"
+#include "pccd_types.h"
+
+/* A number that differs from start to start. */
+static uint64_t make_epoch(void)
+{
+    uint64_t epoch = 0;
+    if (getrandom(&epoch, sizeof epoch, GRND_NONBLOCK) != (ssize_t)sizeof epoch) {
+        epoch = srv_now_ns() ^ (uint64_t)getpid() << 32;
+    }
+    return epoch == 0 ? 1 : epoch; /* 0 means none */
+}
+
+int srv_loop_init(struct srv_loop *loop, const struct srv_options *options)
+{
+    loop->options = options;
+    loop->epoch = make_epoch();
+    eng_places_init(&loop->places);
+    srv_quota_init(&loop->quota, options->quota);
+    loop->decoder = proto_decoder_new();
+    loop->encoder = malloc(sizeof *loop->encoder);
+    loop->segments = malloc(PROTO_SEGMENTS_MAX * sizeof *loop->segments);
+    if (loop->decoder == NULL || loop->encoder == NULL || loop->segments == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    int status = srv_linger_init(loop);
+    return status != 0 ? status : srv_overdue_init(&loop->overdue, loop);
+}
+
+void srv_loop_deinit(struct srv_loop *loop)
+{
+    PCCD_ASSERT(loop->sessions == NULL);
+    srv_linger_deinit(loop);
+    srv_overdue_deinit(&loop->overdue);
+    srv_quota_deinit(&loop->quota);
+    srv_laststep_set(&loop->last_step, NULL);
+    proto_decoder_free(loop->decoder);
+    free(loop->encoder);
+    free(loop->segments);
+}
