@@ -206,6 +206,8 @@ struct lending {
     atomic_bool is_ready;
     atomic_bool is_done;
     uint64_t work_ns; /* of a processor; 0: the thread waits, too */
+    uint64_t look_ns; /* between two looks at it, by the clock that they are told */
+    bool is_waiting;  /* or says so */
     uint32_t moved;   /* looks that moved it */
     int cpu;          /* where it ended its work */
     int cpu_after;    /* and where it was sent back to */
@@ -240,7 +242,7 @@ static void pause_us(long us)
 static void work(struct lending *lending)
 {
     uint64_t end_ns = thread_ns() + lending->work_ns;
-    eng_seat_set_waiting(&lending->places, 1, lending->work_ns == 0);
+    eng_seat_set_waiting(&lending->places, 1, lending->is_waiting);
     atomic_store(&lending->is_ready, true);
     if (lending->work_ns == 0) {
         pause_us(20000);
@@ -257,7 +259,8 @@ static void work(struct lending *lending)
 static void *lend(void *data)
 {
     struct lending *lending = data;
-    struct eng_seat_look look = {0, 0};
+    struct eng_seat_look look = {0, 0, 0};
+    uint64_t now_ns = 0;
 #pragma omp parallel num_threads(2)
     {
         uint32_t thread = (uint32_t)omp_get_thread_num();
@@ -267,12 +270,33 @@ static void *lend(void *data)
         }
         while (thread == 0 && !atomic_load(&lending->is_done)) {
             if (atomic_load(&lending->is_ready)) {
-                lending->moved += eng_seat_lend(&lending->places, 0, 2, &look);
+                now_ns += lending->look_ns;
+                lending->moved += eng_seat_lend(&lending->places, 0, 2, now_ns, &look);
             }
             pause_us(50);
         }
     }
     return NULL;
+}
+
+static void lend_beside_burners(struct lending *lending)
+{
+    (void)usable(&lending->places);
+    lending->work_ns = 50000000;
+    lending->look_ns = 50000;
+    atomic_store(&lending->burn, true);
+    for (int i = 0; i < BURNERS; i++) {
+        assert_int_equal(pthread_create(&lending->burners[i], NULL, burn, lending), 0);
+    }
+    apart(lend, lending);
+    atomic_store(&lending->burn, false);
+    for (int i = 0; i < BURNERS; i++) {
+        assert_int_equal(pthread_join(lending->burners[i], NULL), 0);
+    }
+    assert_int_equal(lending->moved, 1);
+    assert_int_equal(lending->cpu, lending->places.cpu[0]);
+    assert_int_equal(lending->cpu_after, lending->places.cpu[1]);
+    assert_int_equal(lending->allowed_after, 1);
 }
 
 /* If it failed: a team would wait for the next tick, and the next, for one of its threads
@@ -282,27 +306,23 @@ static void place__who_waits_lends_its_processor(void **state)
 {
     static struct lending lending;
     (void)state;
-    (void)usable(&lending.places);
-    lending.work_ns = 50000000;
-    atomic_store(&lending.burn, true);
-    for (int i = 0; i < BURNERS; i++) {
-        assert_int_equal(pthread_create(&lending.burners[i], NULL, burn, &lending), 0);
-    }
-    apart(lend, &lending);
-    atomic_store(&lending.burn, false);
-    for (int i = 0; i < BURNERS; i++) {
-        assert_int_equal(pthread_join(lending.burners[i], NULL), 0);
-    }
-    assert_int_equal(lending.moved, 1);
-    assert_int_equal(lending.cpu, lending.places.cpu[0]);
-    assert_int_equal(lending.cpu_after, lending.places.cpu[1]);
-    assert_int_equal(lending.allowed_after, 1);
+    lend_beside_burners(&lending);
 }
 
-/* If it failed: threads that wait, asleep, for a third one would be thrown together. */
+/* If it failed: two threads would wait for each other until the next tick, one of which
+ * has waited, and cannot see that it need not any more. */
+static void place__who_waits_lends_to_one_that_cannot_look(void **state)
+{
+    static struct lending lending = {.is_waiting = true};
+    (void)state;
+    lend_beside_burners(&lending);
+}
+
+/* If it failed: threads that wait, asleep, for a third one would be thrown together. The
+ * clock stands at less than any wait sleeps. */
 static void place__who_waits_itself_is_not_moved(void **state)
 {
-    static struct lending lending;
+    static struct lending lending = {.is_waiting = true, .look_ns = 100};
     (void)state;
     (void)usable(&lending.places);
     apart(lend, &lending);
@@ -319,6 +339,7 @@ int main(void)
         cmocka_unit_test(place__each_thread_has_its_own_processor),
         cmocka_unit_test(place__crowd_may_run_anywhere),
         cmocka_unit_test(place__who_waits_lends_its_processor),
+        cmocka_unit_test(place__who_waits_lends_to_one_that_cannot_look),
         cmocka_unit_test(place__who_waits_itself_is_not_moved),
         CREW_TEST(place__steps_bind_their_team_only),
     };

@@ -16,6 +16,11 @@
 
 #define SEATS_MAX 256u /* threads of a team */
 
+/* One that waits sleeps for 160 us at most (wait.c), and runs for some then. Longer: what
+ * it waits for has come or not, it cannot look, because somebody else has its processor;
+ * and the others wait for it, 4 ms of a tick where one burns. */
+#define ASLEEP_NS 400000u
+
 /* Of one thread of a team. */
 struct seat {
     _Alignas(128) _Atomic(const struct eng_places *) places; /* NULL: empty */
@@ -116,19 +121,24 @@ static uint64_t time_of(const struct seat *seat)
     return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
 }
 
-/* Look at one that sits and is not known to wait; true: it was moved. Locked. */
-static bool look_at(const struct eng_places *places, struct seat *seat,
+/* Look at one that sits; true: it was moved. Locked. */
+static bool look_at(const struct eng_places *places, struct seat *seat, uint64_t now_ns,
                     struct eng_seat_look *look)
 {
-    uint64_t before_ns = look->ran_ns;
-    look->ran_ns = time_of(seat);
-    if (before_ns == 0) {
-        return false; /* the next look tells */
+    uint64_t ran_ns = time_of(seat);
+    if (look->ran_ns == 0) {
+        look->ran_ns = ran_ns; /* the next look tells */
+        look->since_ns = now_ns;
+        return false;
     }
-    bool has_not_run = look->ran_ns == before_ns;
+    bool has_run = ran_ns != look->ran_ns;
+    if (!has_run && now_ns - look->since_ns < ASLEEP_NS &&
+        atomic_load_explicit(&seat->is_waiting, memory_order_relaxed)) {
+        return false; /* it may be asleep */
+    }
     look->ran_ns = 0;
     look->mate++;
-    if (!has_not_run) {
+    if (has_run) {
         return false;
     }
     /* The flag first: the thread may run at once, and is to find it. */
@@ -136,23 +146,39 @@ static bool look_at(const struct eng_places *places, struct seat *seat,
     return eng_places_bind(places, sched_getcpu(), seat->thread);
 }
 
+/* The mate to look at, from that of `look` on: one that works, or if none does, one that
+ * waits, maybe for nothing that is still to come. Not while a look at it has begun. */
+static struct seat *choose(const struct eng_places *places, uint32_t thread,
+                           uint32_t team_count, struct eng_seat_look *look)
+{
+    uint32_t others = team_count - 1;
+    look->mate %= others;
+    for (uint32_t i = 0; i < others && look->ran_ns == 0; i++) {
+        uint32_t mate = (look->mate + i) % others;
+        const struct seat *seat =
+            seat_of(places, (thread + 1 + mate) % team_count, team_count);
+        if (seat && !atomic_load_explicit(&seat->is_waiting, memory_order_relaxed)) {
+            look->mate = mate;
+            break;
+        }
+    }
+    return seat_of(places, (thread + 1 + look->mate) % team_count, team_count);
+}
+
 bool eng_seat_lend(const struct eng_places *places, uint32_t thread, uint32_t team_count,
-                   struct eng_seat_look *look)
+                   uint64_t now_ns, struct eng_seat_look *look)
 {
     if (!seat_of(places, thread, team_count) || team_count < 2) {
         return false;
     }
-    look->mate = look->mate < team_count - 1 ? look->mate : 0;
-    struct seat *seat =
-        seat_of(places, (thread + 1 + look->mate) % team_count, team_count);
+    struct seat *seat = choose(places, thread, team_count, look);
     if (!seat || pthread_mutex_trylock(&seats_lock) != 0) {
         return false;
     }
     bool is_moved = false;
     if (atomic_load_explicit(&seat->places, memory_order_relaxed) == places &&
-        !atomic_load_explicit(&seat->is_waiting, memory_order_relaxed) &&
         !atomic_load_explicit(&seat->is_away, memory_order_relaxed)) {
-        is_moved = look_at(places, seat, look);
+        is_moved = look_at(places, seat, now_ns, look);
     } else {
         look->ran_ns = 0;
         look->mate++;

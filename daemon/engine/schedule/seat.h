@@ -15,8 +15,9 @@
 
 /* How far one that waits has got with looking at the others. All zero: not begun. */
 struct eng_seat_look {
-    uint32_t mate;   /* of the others, from the next one on */
-    uint64_t ran_ns; /* of a processor it had had at the last look; 0: not looked at */
+    uint32_t mate;     /* of the others, from the next one on */
+    uint64_t ran_ns;   /* of a processor it had had at the last look; 0: not looked at */
+    uint64_t since_ns; /* when that was */
 };
 
 /* The calling thread is the `thread`-th of a team, until it ends or is another. Nothing
@@ -27,14 +28,14 @@ void eng_seat_take(const struct eng_places *places, uint32_t thread, uint32_t te
 bool eng_seat_end_loan(const struct eng_places *places, uint32_t thread,
                        uint32_t team_count);
 
-/* It waits for others, maybe asleep, and is not waited for; or no longer. [team] */
+/* It waits for others, maybe asleep; or no longer. [team] */
 void eng_seat_set_waiting(const struct eng_places *places, uint32_t thread,
                           bool is_waiting);
 
-/* Look at one of the others; called every 50 us or so by a thread that waits. One that
- * has not run since the last look, and may, is put on the caller's processor, where it
- * runs as soon as the caller sleeps: true. [team] */
+/* Look at one of the others; called every 50 us or so, with the time, by a thread that
+ * waits. One that has not run since the last look, and is not asleep, is put on the
+ * caller's processor, where it runs as soon as the caller sleeps: true. [team] */
 bool eng_seat_lend(const struct eng_places *places, uint32_t thread, uint32_t team_count,
-                   struct eng_seat_look *look);
+                   uint64_t now_ns, struct eng_seat_look *look);
 
 #endif

@@ -27,26 +27,34 @@
 #define SLEEP_MIN_NS 20000u
 #define SLEEP_MAX_NS 160000u
 
-void eng_wait_begin(struct eng_wait *wait, struct eng_worker *worker)
+static void begin(struct eng_wait *wait, const struct eng_places *places, uint32_t thread)
 {
-    const struct eng_places *places = worker->settings->places;
     uint32_t team_count = (uint32_t)omp_get_num_threads();
     bool is_crowded = team_count > eng_places_processors(places);
     uint64_t now_ns = eng_now_ns();
     *wait = (struct eng_wait){
-        .worker = worker,
+        .places = places,
+        .thread = thread,
         .team_count = team_count,
         .begin_ns = now_ns,
         .next_ns = now_ns + LOOK_NS,
         .spin_end_ns = now_ns + (is_crowded ? SPIN_CROWDED_NS : SPIN_NS),
     };
-    eng_seat_set_waiting(places, worker->thread, true);
+    eng_seat_set_waiting(places, thread, true);
+}
+
+void eng_wait_begin(struct eng_wait *wait, struct eng_worker *worker)
+{
+    begin(wait, worker->settings->places, worker->thread);
+    wait->worker = worker;
 }
 
 static void sleep_for(struct eng_wait *wait)
 {
     uint64_t ns = wait->sleep_ns == 0 ? SLEEP_MIN_NS : wait->sleep_ns;
-    wait->worker->record.sleeps++;
+    if (wait->worker) {
+        wait->worker->record.sleeps++;
+    }
     clock_nanosleep(CLOCK_MONOTONIC, 0, &(struct timespec){0, (long)ns}, NULL);
     wait->sleep_ns = 2 * ns < SLEEP_MAX_NS ? 2 * ns : SLEEP_MAX_NS;
 }
@@ -60,8 +68,8 @@ bool eng_wait_moment(struct eng_wait *wait)
     uint64_t now_ns = eng_now_ns();
     if (now_ns >= wait->next_ns) {
         wait->next_ns = now_ns + LOOK_NS;
-        if (eng_seat_lend(wait->worker->settings->places, wait->worker->thread,
-                          wait->team_count, &wait->look)) {
+        if (eng_seat_lend(wait->places, wait->thread, wait->team_count, now_ns,
+                          &wait->look)) {
             wait->spin_end_ns = now_ns; /* it has our processor when we sleep */
         }
     }
@@ -74,18 +82,38 @@ bool eng_wait_moment(struct eng_wait *wait)
 
 void eng_wait_end(struct eng_wait *wait)
 {
-    eng_seat_set_waiting(wait->worker->settings->places, wait->worker->thread, false);
-    eng_worker_waited(wait->worker, wait->begin_ns);
+    eng_seat_set_waiting(wait->places, wait->thread, false);
+    if (wait->worker) {
+        eng_worker_waited(wait->worker, wait->begin_ns);
+    }
+}
+
+static bool has_come(const atomic_uint *counter, uint32_t value)
+{
+    return atomic_load_explicit(counter, memory_order_acquire) == value;
+}
+
+void eng_wait_plainly(const struct eng_places *places, uint32_t thread,
+                      const atomic_uint *counter, uint32_t value)
+{
+    struct eng_wait wait;
+    if (!has_come(counter, value)) {
+        begin(&wait, places, thread);
+        while (!has_come(counter, value)) {
+            eng_wait_moment(&wait);
+        }
+        eng_wait_end(&wait);
+    }
 }
 
 void eng_wait_for(struct eng_worker *worker, const atomic_uint *counter, uint32_t value)
 {
-    if (atomic_load_explicit(counter, memory_order_acquire) == value) {
+    if (has_come(counter, value)) {
         return;
     }
     struct eng_wait wait;
     eng_wait_begin(&wait, worker);
-    while (atomic_load_explicit(counter, memory_order_acquire) != value) {
+    while (!has_come(counter, value)) {
         eng_wait_moment(&wait);
     }
     eng_wait_end(&wait);

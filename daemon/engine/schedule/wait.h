@@ -17,7 +17,9 @@
 #include "worker.h"
 
 struct eng_wait {
-    struct eng_worker *worker;
+    struct eng_worker *worker; /* that it is accounted to; NULL: none */
+    const struct eng_places *places;
+    uint32_t thread;
     uint32_t team_count;
     uint32_t moments;
     uint64_t begin_ns;
@@ -38,6 +40,10 @@ void eng_wait_end(struct eng_wait *wait);
 
 /* Until the counter has that value: what was released with it is visible then. */
 void eng_wait_for(struct eng_worker *worker, const atomic_uint *counter, uint32_t value);
+
+/* The same by a thread that is no worker of a step. */
+void eng_wait_plainly(const struct eng_places *places, uint32_t thread,
+                      const atomic_uint *counter, uint32_t value);
 
 /* Until all threads of the region are here; every one of them calls it, and what one did
  * before is visible to all after it. */
