@@ -180,6 +180,14 @@ int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
     return 0;
 }
 
+/* Not with the lock: where both share a processor the thread runs at once, finds the lock
+ * taken and sleeps again, and the processor may go to another for a tick: 3 ms behind the
+ * making of a ring. */
+static void wake(struct srv_compute *compute)
+{
+    pthread_cond_signal(&compute->wake);
+}
+
 void srv_compute_stop(struct srv_compute *compute)
 {
     if (!compute->started) {
@@ -188,8 +196,8 @@ void srv_compute_stop(struct srv_compute *compute)
     lock(compute);
     PCCD_ASSERT(compute->queued == 0);
     compute->stop = true;
-    pthread_cond_signal(&compute->wake);
     unlock(compute);
+    wake(compute);
     int failed = pthread_join(compute->thread, NULL);
     PCCD_ASSERT(failed == 0 && compute->done_first == NULL);
     pthread_cond_destroy(&compute->wake);
@@ -203,7 +211,7 @@ void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done)
     atomic_init(&job->cancel, false);
 }
 
-/* Append to the lane, wake the thread. Locked. */
+/* Append to the lane; wake the thread then. Locked. */
 static void append(struct srv_compute *compute, struct srv_lane *lane,
                    struct srv_job *job)
 {
@@ -219,7 +227,6 @@ static void append(struct srv_compute *compute, struct srv_lane *lane,
     }
     lane->last = job;
     update(compute, lane);
-    pthread_cond_signal(&compute->wake);
 }
 
 int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
@@ -231,7 +238,11 @@ int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
         append(compute, lane, job);
     }
     unlock(compute);
-    return room ? 0 : PCCD_E_BUSY;
+    if (!room) {
+        return PCCD_E_BUSY;
+    }
+    wake(compute);
+    return 0;
 }
 
 void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
@@ -240,6 +251,7 @@ void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
     lock(compute);
     append(compute, lane, job);
     unlock(compute);
+    wake(compute);
 }
 
 /* Unlink a queued job from its lane. Locked; a lane holds a bounded number of jobs. */
