@@ -6,7 +6,8 @@
  *           and the longest over all clients and kills: from the kill to the answer, and
  *           of it what telling the new daemon anew took. With -e nothing is
  *           registered, and the answer is that to a ping. After each kill a bare process
- *           is killed, too (bareend.h): what of the times is the machine's.
+ *           is killed, too, and one that has a bare successor (bareend.h): what of the
+ *           times is the machine's.
  * Threads:  one a process; times are handed over in shared memory.
  */
 #include <poll.h>
@@ -49,7 +50,8 @@ struct run {
     unsigned settle_ms; /* before each kill */
     unsigned scenes;    /* of each client, with two meshes each; 0: ping only */
     struct shared *shared;
-    uint64_t *floor_us; /* [kills][clients]: a bare process's end */
+    uint64_t *floor_us; /* [kills][clients]: a bare process's end, */
+    uint64_t *bare_us;  /* and the answer of its successor */
     struct test_daemon daemon;
 };
 
@@ -144,17 +146,22 @@ static void report(const struct run *run)
 
     qsort(samples, count, sizeof(*samples), by_all);
     qsort(run->floor_us, count, sizeof(*run->floor_us), by_us);
+    qsort(run->bare_us, count, sizeof(*run->bare_us), by_us);
     printf("kill -9 to the next answer, %u clients, %u kills, %u meshes each\n",
            run->clients, run->kills, 2 * run->scenes);
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
         const struct sample *at = &samples[rows[i].at];
         uint64_t floor_us = run->floor_us[rows[i].at];
+        uint64_t bare_us = run->bare_us[rows[i].at];
 
         printf("%s %10.3f ms, of it telling anew %8.3f ms; end of a bare process seen "
-               "after %8.3f ms (1 : %.1f)\n",
+               "after %8.3f ms (1 : %.1f), its successor's answer after %8.3f ms "
+               "(1 : %.1f)\n",
                rows[i].name, (double)at->all_us * 1e-3, (double)at->restore_us * 1e-3,
                (double)floor_us * 1e-3,
-               (double)at->all_us / (double)(floor_us > 0 ? floor_us : 1));
+               (double)at->all_us / (double)(floor_us > 0 ? floor_us : 1),
+               (double)bare_us * 1e-3,
+               (double)at->all_us / (double)(bare_us > 0 ? bare_us : 1));
     }
 }
 
@@ -185,7 +192,8 @@ static bool kill_all(const struct run *run)
         atomic_store(&run->shared->killed_us, test_now_us());
         (void)kill((pid_t)atomic_load(&run->shared->worker), SIGKILL);
         if (!await_ready(run, run->clients * (turn + 2)) ||
-            !bareend_turn(run->clients, run->floor_us + turn * run->clients)) {
+            !bareend_turn(run->clients, false, run->floor_us + turn * run->clients) ||
+            !bareend_turn(run->clients, true, run->bare_us + turn * run->clients)) {
             return false;
         }
     }
@@ -268,11 +276,13 @@ int main(int argc, char **argv)
         mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
 
     run.floor_us = calloc((size_t)run.clients * run.kills, sizeof(*run.floor_us));
-    if (shared == MAP_FAILED || run.floor_us == NULL) {
+    run.bare_us = calloc((size_t)run.clients * run.kills, sizeof(*run.bare_us));
+    if (shared == MAP_FAILED || run.floor_us == NULL || run.bare_us == NULL) {
         return 1;
     }
     run.shared = shared;
     int status = measure(&run);
     free(run.floor_us);
+    free(run.bare_us);
     return status;
 }
