@@ -23,6 +23,10 @@
 
 /* Bits of hello's `features`. */
 #define PROTO_FEATURE_RESUME 1u
+#define PROTO_FEATURE_OBSERVE 4u /* list, stats.histogram, config, watch */
+
+/* Steps that may wait for a client that watches; more are lost, and counted. */
+#define PROTO_WATCH_ROOM 128u
 
 /* Upload ring and result region. */
 #define PROTO_SLOTS_MAX 16u

@@ -8,6 +8,7 @@ libproto_la_SOURCES = \
     proto/memfd.h \
     proto/messages.def \
     proto/messages.h \
+    proto/pccd_daemon.h \
     proto/pccd_trace.h \
     proto/pccd_types.h \
     proto/records.h \
@@ -23,7 +24,7 @@ libproto_la_SOURCES = \
 libproto_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto $(MSGPACK_CFLAGS)
 libproto_la_LIBADD = $(MSGPACK_LIBS)
 
-include_HEADERS += proto/pccd_trace.h proto/pccd_types.h
+include_HEADERS += proto/pccd_daemon.h proto/pccd_trace.h proto/pccd_types.h
 dist_doc_DATA += proto/PROTOCOL.md
 
 # The tables of PROTOCOL.md, from the manifest: make protocol-doc writes them anew.

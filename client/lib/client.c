@@ -24,6 +24,7 @@
 #include "records.h" /* asserts that the records have the layout of the wire */
 #include "rpc.h"
 #include "seqpacket.h"
+#include "watch.h"
 
 #define CLI_TIMEOUT_MS     30000
 #define CLI_TIMEOUT_MS_MAX 3600000
@@ -300,6 +301,7 @@ void pccd_close(struct pccd_client *client)
     cli_page_deinit(client);
     cli_ring_deinit(&client->ring);
     cli_keep_deinit(client);
+    cli_watch_deinit(client);
     if (client->owner == getpid()) {
         cli_launch_stop(&client->child);
     }

@@ -139,6 +139,7 @@ struct cli_link {
     struct pccd_link_info info;
 };
 
+struct cli_watch;
 struct cli_kept_scene;
 struct cli_kept_mesh;
 
@@ -152,6 +153,10 @@ struct pccd_client {
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid;
     char cpu[PROTO_STR_MAX + 1];
+    char daemon[PROTO_STR_MAX + 1]; /* its name and release */
+    uint32_t version, threads_max;  /* of the protocol; of a step */
+    uint64_t session;        /* number */
+    struct cli_watch *watch; /* NULL: it does not watch (watch.c) */
     bool slots_chosen; /* the user set slot_count: never take fewer */
     bool dead;
     int goaway; /* status of the daemon's last words, 0: none */

@@ -151,6 +151,10 @@ static int say_hello(struct pccd_client *client, bool with_held, uint64_t deadli
     client->pid = result.pid;
     static_assert(sizeof(client->cpu) == sizeof(result.cpu), "the whole string");
     memcpy(client->cpu, result.cpu, sizeof(client->cpu));
+    memcpy(client->daemon, result.daemon, sizeof(client->daemon));
+    client->version = result.version;
+    client->threads_max = result.threads_max;
+    client->session = result.session;
     return 0;
 }
 

@@ -18,6 +18,7 @@ libpccd_la_SOURCES = \
     client/lib/launch.h \
     client/lib/link.c \
     client/lib/link.h \
+    client/lib/list.c \
     client/lib/mesh.c \
     client/lib/mesh.h \
     client/lib/page.c \
@@ -35,7 +36,9 @@ libpccd_la_SOURCES = \
     client/lib/stats.c \
     client/lib/step.c \
     client/lib/step.h \
-    client/lib/trace.c
+    client/lib/trace.c \
+    client/lib/watch.c \
+    client/lib/watch.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib \

@@ -35,6 +35,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pccd_daemon.h"
 #include "pccd_trace.h"
 #include "pccd_types.h"
 
@@ -158,6 +159,58 @@ int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context);
  * client's. */
 int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
                       pccd_stat_fn each, void *context);
+
+/* ---- what a daemon tells about itself and its clients ------------------------------ */
+
+/* Its name and release, and what was agreed on when connecting; asks nothing. The strings
+ * live as long as the client. */
+int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info);
+
+/* The lists, histograms, settings and steps below need a daemon that offers them
+ * (E_VERSION otherwise). A list is read entry by entry while others work: it is no
+ * snapshot. `each` may not call the library with this client.
+ *
+ * Sessions of this client's user, the newest first, or of everybody when that user is
+ * root or the daemon's own. */
+typedef void (*pccd_session_fn)(void *context, const struct pccd_session_info *info);
+int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *context);
+/* What a session has, in no particular order; `session` 0: this client's own. E_HANDLE:
+ * there is no such session or scene, or it is another user's. */
+typedef void (*pccd_scene_fn)(void *context, const struct pccd_scene_info *info);
+int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn each,
+                     void *context);
+typedef void (*pccd_object_fn)(void *context, const struct pccd_object_info *info);
+int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t scene,
+                      pccd_object_fn each, void *context);
+typedef void (*pccd_mesh_fn)(void *context, const struct pccd_registered_mesh *info);
+int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn each,
+                     void *context);
+
+/* How long all steps, or all requests, took since the daemon's start. */
+int pccd_histogram(struct pccd_client *client, enum pccd_histogram_kind kind,
+                   struct pccd_histogram_info *info);
+
+/* Settings that may change while the daemon runs: the one of that name (E_INVAL: there is
+ * none), or with NULL each of them. */
+typedef void (*pccd_setting_fn)(void *context, const struct pccd_setting *setting);
+int pccd_config_get(struct pccd_client *client, const char *name, pccd_setting_fn each,
+                    void *context);
+/* Give one another value, until the daemon ends or crashes: for root and the daemon's own
+ * user (E_ACCESS). E_INVAL: no such setting or value. */
+int pccd_config_set(struct pccd_client *client, const char *name, const char *value);
+
+/* Be told of every step that is answered from now on: of a session (E_HANDLE), its number
+ * 0: of all, which is for root and the daemon's own user (E_ACCESS); of one scene of it,
+ * 0: of all. Nothing waits for a client that does not take them: steps that had no room
+ * are counted in the next event's `lost`. Another call replaces the choice. When another
+ * daemon takes the place of one that was lost, it is asked again; session numbers are
+ * others then. */
+int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scene);
+/* The next step; timeout_ms < 0: the client's default. E_TIMEOUT; with timeout_ms 0
+ * E_AGAIN. */
+int pccd_watch_next(struct pccd_client *client, int timeout_ms,
+                    struct pccd_step_event *event);
+int pccd_watch_stop(struct pccd_client *client);
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 

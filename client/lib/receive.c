@@ -13,6 +13,7 @@
 #include "keep.h"
 #include "page.h"
 #include "rpc.h"
+#include "watch.h"
 
 /* The call that an answer is for. */
 static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
@@ -153,6 +154,10 @@ static void take_notification(struct pccd_client *client,
     struct proto_GOAWAY_request goaway;
     struct proto_error error;
 
+    if (envelope->method == PROTO_NOTE_STEP) {
+        cli_watch_take(client, envelope);
+        return;
+    }
     if (envelope->method != PROTO_NOTE_GOAWAY ||
         proto_decode_body(envelope, &proto_messages[PROTO_NOTE_GOAWAY].request, &goaway,
                           &error) != 0) {

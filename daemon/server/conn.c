@@ -29,6 +29,7 @@
 #include "invariant.h"
 #include "limits.h"
 #include "linger.h"
+#include "monitor.h"
 #include "pccd_types.h"
 #include "reactor.h"
 #include "seqpacket.h"
@@ -336,6 +337,11 @@ void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *messag
     }
 }
 
+bool srv_conn_is_free(const struct srv_conn *conn)
+{
+    return conn->state == SRV_CONN_OPEN && conn->reply_count == 0;
+}
+
 /* Send what is queued, as far as the socket takes it. */
 static void flush(struct srv_conn *conn)
 {
@@ -457,6 +463,9 @@ static void on_poll(uv_poll_t *poll, int status, int events)
     }
     if ((events & UV_WRITABLE) != 0) {
         flush(conn);
+        if (conn->session != NULL) {
+            srv_monitor_flush(conn->session);
+        }
     }
     bool reading = (conn->events & UV_READABLE) != 0;
     if ((events & UV_READABLE) != 0 && conn->state == SRV_CONN_OPEN) {

@@ -327,3 +327,10 @@ uint32_t srv_compute_queued(struct srv_compute *compute)
     unlock(compute);
     return queued;
 }
+
+void srv_compute_resize(struct srv_compute *compute, uint32_t capacity)
+{
+    lock(compute);
+    compute->capacity = capacity;
+    unlock(compute);
+}

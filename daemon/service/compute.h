@@ -116,6 +116,9 @@ bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
 /* Call `done` of every finished job, in the order in which they finished. [loop] */
 uint32_t srv_compute_drain(struct srv_compute *compute);
 
+/* Let so many jobs wait from now on; those that do stay. [loop] */
+void srv_compute_resize(struct srv_compute *compute, uint32_t capacity);
+
 /* Jobs that wait now. [any] */
 uint32_t srv_compute_queued(struct srv_compute *compute);
 

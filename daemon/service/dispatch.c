@@ -60,6 +60,7 @@ static void send_answer(struct srv_session *session, uint32_t id, int method,
         return;
     }
     srv_metrics_add_error(&loop->metrics, error->code);
+    session->told.errors++;
     srv_log(SRV_LOG_DEBUG, session->id, "%s: %s: %s",
             method >= 0 && method < PROTO_MESSAGE_COUNT ? proto_messages[method].name
                                                         : "?",
@@ -84,6 +85,8 @@ static void answer(struct srv_session *session, const struct question *question,
     struct srv_loop *loop = session->loop;
     uint64_t begin_ns = loop->tracing != NULL ? srv_now_ns() : 0;
     send_answer(session, question->id, question->method, result, error, fds, fd_count);
+    srv_metrics_add_duration(&loop->metrics, PCCD_HISTOGRAM_REQUESTS,
+                             srv_now_ns() - question->arrival_ns);
     srv_tracing_add(loop, PCCD_TRACE_ANSWER, session, begin_ns, question->method,
                     question->id);
     srv_tracing_add(loop, PCCD_TRACE_REQUEST, session, question->arrival_ns,

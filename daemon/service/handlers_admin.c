@@ -1,4 +1,4 @@
-/* handlers_admin.c - ping, stats, cancel and shm.attach.
+/* handlers_admin.c - ping, stats, stats.histogram, cancel and shm.attach.
  *
  * Room:     service. See call.h.
  * Does:     what concerns the session and the daemon rather than geometry.
@@ -40,6 +40,18 @@ int srv_on_STATS(struct srv_call *call)
     result->allocs = eng_alloc_count();
     result->engine_bytes_now = eng_alloc_bytes();
     strcpy(result->cpu, eng_kernels()->name);
+    return 0;
+}
+
+int srv_on_STATS_HISTOGRAM(struct srv_call *call)
+{
+    const struct srv_metrics *metrics = &call->session->loop->metrics;
+    uint32_t kind = call->params.STATS_HISTOGRAM.kind;
+    if (kind >= PCCD_HISTOGRAM_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "there is no histogram %u",
+                               kind);
+    }
+    call->result.STATS_HISTOGRAM = metrics->histograms[kind];
     return 0;
 }
 

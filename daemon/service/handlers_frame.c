@@ -353,18 +353,50 @@ static void answer_submit_early(struct srv_request *request, enum pccd_incomplet
     }
 }
 
+/* Count the step where list.session and list.scene look. [loop] */
+static void tell_step(const struct srv_request *request, uint64_t number)
+{
+    const struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    struct proto_LIST_SESSION_result *session = &request->session->told;
+    struct proto_LIST_SCENE_result *scene = &request->plan.scene->told;
+    session->steps++;
+    session->steps_incomplete += answer->incomplete != PCCD_COMPLETE;
+    session->contacts += answer->mode == PCCD_MODE_PAIRS ? 0 : answer->total;
+    session->upload_bytes += request->upload_bytes;
+    session->result_bytes += answer->count * answer->record_bytes;
+    session->ns_queue += answer->ns_queue;
+    session->ns_ingest += answer->ns_ingest;
+    session->ns_refit += answer->ns_refit;
+    session->ns_traversal += answer->ns_traversal;
+    session->ns_tests += answer->ns_tests;
+    session->ns_merge += answer->ns_merge;
+    session->ns_step += answer->ns_step;
+    scene->steps++;
+    scene->number = number;
+    scene->total = answer->total;
+    scene->hash_hi = answer->hash_hi;
+    scene->hash_lo = answer->hash_lo;
+    scene->ns_step = answer->ns_step;
+}
+
 static void finish_submit(struct srv_request *request)
 {
     struct srv_loop *loop = request->session->loop;
     struct srv_laststep *last = request->last_step;
+    uint64_t number = 0;
     if (request->status == 0) {
+        number = ++loop->step_last;
         srv_metrics_add_step(&loop->metrics, &request->result.FRAME_SUBMIT);
+        tell_step(request, number);
     }
     if (last != NULL) {
         last->answer = request->result.FRAME_SUBMIT;
-        last->number = ++loop->step_last;
+        last->number = number;
         srv_laststep_set(&request->session->last_step, last);
         srv_laststep_set(&loop->last_step, last);
+    }
+    if (loop->monitors != NULL) {
+        srv_monitor_step(request, number);
     }
 }
 

@@ -53,6 +53,7 @@ static int open_session(struct srv_call *call, uint32_t version)
         srv_linger_enable(session);
     }
     srv_session_open(session, version);
+    strcpy(session->told.client, request->client); /* as long at most */
     srv_log(SRV_LOG_INFO, session->id, "opened by \"%s\", user %u", request->client,
             (unsigned)session->user->uid);
     return 0;
@@ -87,7 +88,7 @@ int srv_on_HELLO(struct srv_call *call)
     }
     call->result.HELLO = (struct proto_HELLO_result){
         .version = version,
-        .features = PROTO_FEATURE_RESUME,
+        .features = PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE,
         .epoch = loop->epoch,
         .session = call->session->id,
         .pid = (uint32_t)getpid(),

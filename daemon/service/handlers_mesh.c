@@ -65,6 +65,7 @@ int srv_on_MESH_CREATE(struct srv_call *call)
         }
         return proto_error_set(&call->error, status, "no handle for a mesh");
     }
+    mesh->handle = call->result.MESH_CREATE.mesh;
     return 0;
 }
 

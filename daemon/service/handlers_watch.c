@@ -1,4 +1,4 @@
-/* handlers_watch.c - stats.thread, trace.start, stop and dump.
+/* handlers_watch.c - stats.thread, watch, and trace.start, stop and dump.
  *
  * Room:     service. See call.h.
  * Does:     let clients watch their own steps, and the daemon's user anybody's.
@@ -50,6 +50,32 @@ int srv_on_STATS_THREAD(struct srv_call *call)
 #define COPY(type, name, need, text) result->name = record->name;
     PROTO_THREAD_RECORD(COPY)
 #undef COPY
+    return 0;
+}
+
+/* ---- watch ------------------------------------------------------------------------- */
+
+int srv_on_WATCH_START(struct srv_call *call)
+{
+    const struct proto_WATCH_START_request *request = &call->params.WATCH_START;
+    struct srv_session *watched = NULL;
+    int status = request->session != 0
+                     ? srv_session_find(call, request->session, &watched)
+                     : srv_session_refuse_stranger(call->session, &call->error);
+    if (status != 0) {
+        return status;
+    }
+    if (srv_monitor_start(call->session, request->session, request->scene) != 0) {
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for %u steps",
+                               PROTO_WATCH_ROOM);
+    }
+    call->result.WATCH_START.room = PROTO_WATCH_ROOM;
+    return 0;
+}
+
+int srv_on_WATCH_STOP(struct srv_call *call)
+{
+    call->result.WATCH_STOP.lost = srv_monitor_stop(call->session);
     return 0;
 }
 

@@ -175,6 +175,12 @@ void *srv_handles_remove(struct srv_handles *handles, uint32_t handle)
     return vacate(handles, srv_handle_index(handle));
 }
 
+uint32_t srv_handles_at(const struct srv_handles *handles, uint32_t index)
+{
+    PCCD_ASSERT(index < handles->used && handles->slots[index].item != NULL);
+    return handles->slots[index].generation << SRV_HANDLE_INDEX_BITS | index;
+}
+
 void *srv_handles_next(const struct srv_handles *handles, uint32_t *cursor)
 {
     while (*cursor < handles->used) {

@@ -61,6 +61,9 @@ void *srv_handles_get(const struct srv_handles *handles, uint32_t handle);
 /* Forget a handle and return its item, or NULL for an unknown or stale one. */
 void *srv_handles_remove(struct srv_handles *handles, uint32_t handle);
 
+/* The handle of the item at an index that is in use. */
+uint32_t srv_handles_at(const struct srv_handles *handles, uint32_t index);
+
 /* The items in the order of their indices; NULL after the last. `*cursor` starts at 0. */
 void *srv_handles_next(const struct srv_handles *handles, uint32_t *cursor);
 

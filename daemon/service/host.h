@@ -9,6 +9,7 @@
 #ifndef SRV_HOST_H
 #define SRV_HOST_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -26,6 +27,8 @@ struct srv_session;
  * inside. */
 void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
                    const int *fds, int fd_count);
+/* Whether nothing waits to be sent, so that a message would go now. */
+bool srv_conn_is_free(const struct srv_conn *conn);
 /* The same message to all of them. */
 void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message);
 

@@ -4,13 +4,16 @@ noinst_LTLIBRARIES += libservice.la
 libservice_la_SOURCES = \
     daemon/service/call.h \
     daemon/service/compute.c daemon/service/compute.h \
+    daemon/service/config.c daemon/service/config.h \
     daemon/service/crashnote.c daemon/service/crashnote.h \
     daemon/service/dispatch.c daemon/service/dispatch.h \
     daemon/service/enginemem.c daemon/service/enginemem.h \
     daemon/service/fairqueue.c daemon/service/fairqueue.h \
     daemon/service/handlers_admin.c \
+    daemon/service/handlers_config.c \
     daemon/service/handlers_frame.c \
     daemon/service/handlers_hello.c \
+    daemon/service/handlers_list.c \
     daemon/service/handlers_mesh.c \
     daemon/service/handlers_scene.c \
     daemon/service/handlers_watch.c \
@@ -23,6 +26,7 @@ libservice_la_SOURCES = \
     daemon/service/loop.c daemon/service/loop.h \
     daemon/service/meshes.c daemon/service/meshes.h \
     daemon/service/metrics.c daemon/service/metrics.h \
+    daemon/service/monitor.c daemon/service/monitor.h \
     daemon/service/now.h \
     daemon/service/options.h \
     daemon/service/overdue.c daemon/service/overdue.h \

@@ -26,7 +26,9 @@ static uint64_t make_epoch(void)
 
 int srv_loop_init(struct srv_loop *loop, const struct srv_options *options)
 {
-    loop->options = options;
+    loop->live = *options;
+    loop->options = &loop->live;
+    loop->start_options = options;
     loop->epoch = make_epoch();
     eng_places_init(&loop->places);
     srv_quota_init(&loop->quota, options->quota);

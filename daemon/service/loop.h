@@ -19,6 +19,7 @@
 #include "linger.h"
 #include "log.h"
 #include "metrics.h"
+#include "monitor.h"
 #include "options.h"
 #include "overdue.h"
 #include "place.h"
@@ -34,7 +35,9 @@ enum srv_phase {
 };
 
 struct srv_loop {
-    const struct srv_options *options;
+    const struct srv_options *options;       /* as they are now */
+    const struct srv_options *start_options; /* as they were when it started */
+    struct srv_options live;                 /* where `options` points: config.set */
     struct srv_compute compute;
     struct srv_compute pages; /* makes and frees rings: 2 us a page */
     struct eng_places places; /* processors that may be used; constant */
@@ -49,6 +52,7 @@ struct srv_loop {
     struct proto_decoder *decoder;  /* one message is decoded at a time */
     struct proto_encoder *encoder;  /* and one encoded */
     struct proto_segment *segments; /* [compute] PROTO_SEGMENTS_MAX: the step's table */
+    struct srv_monitor *monitors;   /* of the sessions that watch; NULL: none does */
     struct srv_session *sessions;   /* newest first, closed ones included */
     uint32_t client_count;          /* open sessions */
     uint32_t refused_count;         /* sessions that wait to hear they are refused */

@@ -203,6 +203,7 @@ static void charge_objects(struct srv_session *session, struct srv_mesh *mesh,
             srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_TRIANGLES,
                              object->charge - charge);
         }
+        session->told.triangles += charge - object->charge; /* modulo 2^64 */
         object->charge = charge;
     }
 }

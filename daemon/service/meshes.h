@@ -27,6 +27,7 @@ struct srv_mesh {
     struct srv_shape *next;     /* announced and not committed; NULL: none */
     struct srv_object *objects; /* made of it, in the scenes that the session has */
     uint64_t object_count;
+    uint32_t handle;     /* 0: none yet */
     uint64_t number;     /* in this daemon; never another mesh's */
     uint32_t generation; /* of `current`: 1, then one more with each replacement */
     bool is_committed;   /* `current` is */

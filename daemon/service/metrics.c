@@ -7,11 +7,36 @@
  */
 #include "metrics.h"
 
+#include <assert.h>
+#include <stddef.h>
+
+#define BUCKET_FIRST 10u /* of proto_STATS_HISTOGRAM_result: less than 2^10 ns */
+#define BUCKET_COUNT 26u
+static_assert(offsetof(struct proto_STATS_HISTOGRAM_result, above) ==
+                  offsetof(struct proto_STATS_HISTOGRAM_result, b10) +
+                      BUCKET_COUNT * sizeof(uint64_t),
+              "the buckets follow one another, and `above` follows them");
+
+void srv_metrics_add_duration(struct srv_metrics *metrics, enum pccd_histogram_kind kind,
+                              uint64_t took_ns)
+{
+    struct proto_STATS_HISTOGRAM_result *histogram = &metrics->histograms[kind];
+    /* The bits that the time takes say which power of two it is less than. */
+    uint32_t bits = took_ns == 0 ? 0 : 64u - (uint32_t)__builtin_clzll(took_ns);
+    uint32_t bucket = bits <= BUCKET_FIRST ? 0 : bits - BUCKET_FIRST;
+    size_t at = offsetof(struct proto_STATS_HISTOGRAM_result, b10) +
+                (bucket < BUCKET_COUNT ? bucket : BUCKET_COUNT) * sizeof(uint64_t);
+    ++*(uint64_t *)(void *)((char *)histogram + at);
+    histogram->count++;
+    histogram->ns_sum += took_ns;
+}
+
 void srv_metrics_add_step(struct srv_metrics *metrics,
                           const struct proto_FRAME_SUBMIT_result *answer)
 {
     struct proto_STATS_result *counters = &metrics->counters;
     counters->steps++;
+    srv_metrics_add_duration(metrics, PCCD_HISTOGRAM_STEPS, answer->ns_step);
     counters->steps_incomplete += answer->incomplete != PCCD_COMPLETE;
     counters->contacts += answer->mode == PCCD_MODE_PAIRS ? 0 : answer->total;
     counters->possible += answer->possible;

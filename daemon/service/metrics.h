@@ -12,10 +12,16 @@
 #include <stdint.h>
 
 #include "messages.h"
+#include "pccd_daemon.h"
 
 struct srv_metrics {
     struct proto_STATS_result counters;
+    struct proto_STATS_HISTOGRAM_result histograms[PCCD_HISTOGRAM_COUNT];
 };
+
+/* Something of that kind took so long. */
+void srv_metrics_add_duration(struct srv_metrics *metrics, enum pccd_histogram_kind kind,
+                              uint64_t took_ns);
 
 /* Add what a finished step says of itself, and its failure if it has failed. */
 void srv_metrics_add_step(struct srv_metrics *metrics,

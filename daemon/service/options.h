@@ -3,11 +3,13 @@
  * Room:     service. May include: the protocol's headers.
  * Does:     hold it, for the service and for the daemon around it.
  * Does not: have defaults or a command line (daemon/server/commandline.h).
- * Threads:  [loop]; constant after parsing.
+ * Threads:  [loop]; what is atomic is read on [compute], too, while config.c changes it:
+ *           each value by itself, in no order with anything else.
  */
 #ifndef SRV_OPTIONS_H
 #define SRV_OPTIONS_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -43,15 +45,16 @@ struct srv_allow {
 
 struct srv_options {
     char socket_path[SRV_SOCKET_PATH_BYTES];
-    uint32_t threads_max; /* of a step */
+    _Atomic uint32_t threads_max; /* of a step */
     enum srv_pin pin;
     uint32_t connections_max; /* of all users; beyond it nobody is accepted */
     uint32_t inflight_max;    /* requests of one client, 1 .. 16 */
     uint32_t queue_max;       /* requests that wait for the compute thread */
-    uint64_t contacts_max;    /* records kept for one answer */
+    _Atomic uint64_t contacts_max; /* records kept for one answer */
     uint64_t quota[SRV_QUOTA_COUNT];
     struct srv_allow allow;
-    uint64_t engine_bytes_max; /* that the engine holds for one user (enginemem.h) */
+    _Atomic uint64_t engine_bytes_max; /* that the engine holds for one user
+                                          (enginemem.h) */
     uint32_t grace_s;          /* for requests in flight at shutdown */
     uint32_t linger_s;         /* that a session waits for its client; 0: not at all */
     uint32_t idle_exit_s;      /* 0: stay */

@@ -68,8 +68,8 @@ int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
 {
     uint64_t used = user->used[kind];
     uint64_t limit = quota->limit[kind];
-    PCCD_ASSERT(used <= limit);
-    if (amount > limit - used) {
+    /* Who has more than the limit had it before the limit was lowered (config.c). */
+    if (amount > 0 && (used > limit || amount > limit - used)) {
         quota->is_beyond = amount > limit;
         return proto_error_set(error, PCCD_E_QUOTA,
                                "user %u has %llu %s, %llu more exceed the quota of %llu",

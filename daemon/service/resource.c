@@ -184,6 +184,8 @@ static void object_free(struct srv_session *session, struct srv_object *object)
     srv_object_unlink(object);
     srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, object->charge);
     loop->metrics.counters.objects_now--;
+    session->told.objects--;
+    session->told.triangles -= object->charge;
     free(object);
 }
 
@@ -305,6 +307,8 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *ob
     item->charge = charge;
     srv_mesh_link(mesh, item);
     loop->metrics.counters.objects_now++;
+    session->told.objects++;
+    session->told.triangles += charge;
     return 0;
 }
 

@@ -72,8 +72,9 @@ struct srv_placed {
 
 struct srv_scene {
     struct srv_resource resource;
-    struct srv_handles objects;         /* [loop] of struct srv_object */
-    struct eng_scene_settings settings; /* does not change */
+    struct srv_handles objects;          /* [loop] of struct srv_object */
+    struct eng_scene_settings settings;  /* does not change */
+    struct proto_LIST_SCENE_result told; /* [loop] its steps, and the last of them */
     /* [compute] */
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */

@@ -26,6 +26,8 @@
 #include "limits.h"
 #include "loop.h"
 #include "meshes.h"
+#include "monitor.h"
+#include "now.h"
 #include "replies.h"
 #include "request.h"
 
@@ -91,6 +93,7 @@ void srv_session_open(struct srv_session *session, uint32_t version)
     PCCD_ASSERT(session->state == SRV_SESSION_NEW);
     session->state = SRV_SESSION_OPEN;
     session->version = version;
+    session->open_ns = srv_now_ns();
     session->loop->metrics.counters.sessions_now++;
     session->loop->metrics.counters.sessions_total++;
     srv_conn_established(session->conn);
@@ -114,6 +117,7 @@ static void drop_everything(struct srv_session *session)
         session->ring = NULL;
     }
     srv_tracing_drop(session);
+    (void)srv_monitor_stop(session);
 }
 
 void srv_session_detach(struct srv_session *session)

@@ -15,6 +15,7 @@
 #include "compute.h"
 #include "handles.h"
 #include "limits.h"
+#include "messages.h"
 #include "quota.h"
 
 #define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */
@@ -41,6 +42,8 @@ struct srv_peer {
     bool is_stranger; /* may not be a client (allow.h) */
 };
 
+struct srv_call;
+struct srv_monitor;
 struct srv_replies;
 
 struct srv_session {
@@ -65,6 +68,9 @@ struct srv_session {
     struct srv_handles meshes;      /* of struct srv_mesh */
     struct srv_ring *ring;          /* NULL: none attached */
     struct srv_laststep *last_step; /* NULL: none yet */
+    struct srv_monitor *monitor;    /* NULL: it does not watch */
+    uint64_t open_ns;               /* when hello was answered */
+    struct proto_LIST_SESSION_result told; /* what is counted of it, and its name */
     struct srv_lane lane;
     struct srv_lane page_lane;    /* of loop->pages: its rings, which nothing uses */
     struct srv_request *requests; /* in flight, newest first */
@@ -114,6 +120,14 @@ void srv_session_settle(struct srv_session *session);
  * then 0. */
 int srv_session_refuse_stranger(const struct srv_session *session,
                                 struct proto_error *error);
+
+/* Whether the session may know what the other one has and does: one of the same user, and
+ * anybody's to the daemon's own user or root. */
+bool srv_session_may_see(const struct srv_session *session,
+                         const struct srv_session *other);
+/* The open session of that number that the asking one may see, 0: itself. PCCD_E_HANDLE
+ * with the call's error set: there is none. */
+int srv_session_find(struct srv_call *call, uint64_t id, struct srv_session **found);
 
 /* Stop every request in flight; they are answered. */
 void srv_session_cancel_all(struct srv_session *session);

@@ -34,7 +34,7 @@ compiles_alone() {
 }
 
 cxx=$(first_of "${CXX-}" g++ clang++ c++)
-for header in pccd.h pccd_trace.h pccd_types.h; do
+for header in pccd.h pccd_daemon.h pccd_trace.h pccd_types.h; do
     # shellcheck disable=SC2086 # CC may hold flags
     compiles_alone $header c11 c ${CC-cc} -std=c11
     for standard in c++11 c++17; do

@@ -105,6 +105,37 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_scene_settings, rebuild_ratio, 8);
 }
 
+/* If this failed, a program would read what a daemon tells of itself at wrong places. */
+static void daemon__structs_keep_their_layout(void **state)
+{
+    (void)state;
+    SIZE(pccd_daemon_info, 56);
+    AT(pccd_daemon_info, pid, 16);
+    AT(pccd_daemon_info, features, 32);
+    AT(pccd_daemon_info, session, 48);
+    AT(pccd_session_info, client, 8);
+    AT(pccd_session_info, ns_open, 32);
+    AT(pccd_session_info, triangles, 56);
+    AT(pccd_session_info, steps, 80);
+    AT(pccd_session_info, ns_step, 168);
+    AT(pccd_scene_info, hash, 32);
+    AT(pccd_scene_info, ns_step, 48);
+    AT(pccd_object_info, triangles, 8);
+    AT(pccd_registered_mesh, objects, 16);
+    AT(pccd_registered_mesh, replacing, 25);
+    SIZE(pccd_histogram_info, 232);
+    AT(pccd_histogram_info, bucket, 16);
+    VALUE(PCCD_HISTOGRAM_STEPS, 0);
+    VALUE(PCCD_HISTOGRAM_REQUESTS, 1);
+    AT(pccd_setting, text, 16);
+    AT(pccd_setting, changed, 24);
+    SIZE(pccd_step_event, 96);
+    AT(pccd_step_event, status, 20);
+    AT(pccd_step_event, mode, 32);
+    AT(pccd_step_event, total, 48);
+    AT(pccd_step_event, lost, 88);
+}
+
 /* If this failed, a step would be computed or described in another way than asked for. */
 static void step__structs_keep_their_layout(void **state)
 {
@@ -308,11 +339,14 @@ static void enums__keep_their_values(void **state)
 static void recordings__keep_their_numbers(void **state)
 {
     static const char *const methods[] = {
-        "hello",       "ping",         "shm.attach",   "scene.create", "scene.destroy",
-        "mesh.create", "mesh.data",    "mesh.commit",  "mesh.edges",   "mesh.destroy",
-        "scene.add",   "scene.remove", "frame.submit", "frame.fetch",  "cancel",
-        "stats",       "mesh.replace", "stats.thread", "trace.start",  "trace.stop",
-        "trace.dump",  "bye"};
+        "hello",         "ping",         "shm.attach",      "scene.create",
+        "scene.destroy", "mesh.create",  "mesh.data",       "mesh.commit",
+        "mesh.edges",    "mesh.destroy", "scene.add",       "scene.remove",
+        "frame.submit",  "frame.fetch",  "cancel",          "stats",
+        "mesh.replace",  "stats.thread", "trace.start",     "trace.stop",
+        "trace.dump",    "bye",          "list.session",    "list.scene",
+        "list.object",   "list.mesh",    "stats.histogram", "config.get",
+        "config.set",    "watch.start",  "watch.stop"};
     (void)state;
     for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
         assert_true((size_t)i < sizeof methods / sizeof methods[0]);
@@ -359,6 +393,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records__keep_their_layout),
         cmocka_unit_test(library__structs_keep_their_layout),
+        cmocka_unit_test(daemon__structs_keep_their_layout),
         cmocka_unit_test(step__structs_keep_their_layout),
         cmocka_unit_test(answer__keeps_its_layout),
         cmocka_unit_test(shared_memory__keeps_its_layout),

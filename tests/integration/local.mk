@@ -8,6 +8,7 @@ integration_names = \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
     tests/integration/test_int_orphan \
+    tests/integration/test_int_observe \
     tests/integration/test_int_overdue \
     tests/integration/test_int_peer \
     tests/integration/test_int_quota \
@@ -53,6 +54,10 @@ tests_integration_test_int_flow_LDADD = $(integration_libs) $(XXHASH_LIBS)
 tests_integration_test_int_hostile_SOURCES = tests/integration/test_int_hostile.c
 tests_integration_test_int_hostile_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_hostile_LDADD = $(integration_libs)
+
+tests_integration_test_int_observe_SOURCES = tests/integration/test_int_observe.c
+tests_integration_test_int_observe_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_observe_LDADD = $(integration_libs)
 
 tests_integration_test_int_overdue_SOURCES = tests/integration/test_int_overdue.c
 tests_integration_test_int_overdue_CPPFLAGS = $(integration_cppflags)

@@ -99,7 +99,7 @@ tap_result $? rooms__have_a_rule_each "$work/log"
 
 # If this failed, a layer would depend on one above it or beside it.
 awk -v rooms="$rooms" '
-    function public(name) { return name == "pccd.h" || name ~ /^pccd_(trace|types)[.]h$/ }
+    function public(name) { return name == "pccd.h" || name ~ /^pccd_(daemon|trace|types)[.]h$/ }
     BEGIN {
         count = split(rooms, lines, "\n")
         for (i = 1; i <= count; i++) {

@@ -1,0 +1,151 @@
+/* watch.c - steps that a client is told of.
+ *
+ * Room:     client/lib. May include: watch.h, rpc.h, proto.
+ * Does:     a ring of CLI_WATCH_ROOM steps, allocated when the client begins to watch.
+ *           What has no room is counted as lost, as the daemon counts what it has none
+ *           for.
+ * Threads:  [owner].
+ */
+#include "watch.h"
+
+#include <stdlib.h>
+
+#include "pccd_daemon.h"
+#include "rpc.h"
+
+#define CLI_WATCH_ROOM 256u
+
+struct cli_watch {
+    uint64_t of_session;
+    uint32_t of_scene;
+    uint64_t epoch; /* of the daemon that was asked */
+    uint64_t lost;  /* here, since the step taken last */
+    uint32_t first;
+    uint32_t count;
+    struct pccd_step_event ring[CLI_WATCH_ROOM];
+};
+
+void cli_watch_take(struct pccd_client *client, const struct proto_envelope *envelope)
+{
+    struct cli_watch *watch = client->watch;
+    struct proto_STEP_request step;
+    struct proto_error error;
+
+    if (watch == NULL ||
+        proto_decode_body(envelope, &proto_messages[PROTO_NOTE_STEP].request, &step,
+                          &error) != 0) {
+        return; /* of a newer protocol, or not wanted any more */
+    }
+    if (watch->count == CLI_WATCH_ROOM) {
+        watch->lost += step.lost + 1;
+        return;
+    }
+    watch->ring[(watch->first + watch->count++) % CLI_WATCH_ROOM] =
+        (struct pccd_step_event){
+            .number = step.number,
+            .session = step.session,
+            .scene = step.scene,
+            .status = step.code > INT32_MAX ? PCCD_E_INTERNAL : -(int)step.code,
+            .step = step.step,
+            .mode = step.mode,
+            .incomplete = step.incomplete,
+            .verdict = step.verdict,
+            .threads = step.threads,
+            .total = step.total,
+            .hash = {step.hash_hi, step.hash_lo},
+            .ns_queue = step.ns_queue,
+            .ns_step = step.ns_step,
+            .lost = step.lost + watch->lost,
+        };
+    watch->lost = 0;
+}
+
+void cli_watch_deinit(struct pccd_client *client)
+{
+    free(client->watch);
+    client->watch = NULL;
+}
+
+/* Ask the daemon that is there now. */
+static int ask(struct pccd_client *client)
+{
+    struct proto_WATCH_START_request request = {.session = client->watch->of_session,
+                                                .scene = client->watch->of_scene};
+    int rc = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
+                           cli_deadline(client, -1));
+
+    client->watch->epoch = client->link.epoch;
+    return rc;
+}
+
+int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scene)
+{
+    int rc;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (client->watch == NULL) {
+        client->watch = malloc(sizeof(*client->watch));
+        if (client->watch == NULL) {
+            return cli_fail(client, PCCD_E_NOMEM, "no memory for %u steps",
+                            CLI_WATCH_ROOM);
+        }
+    }
+    client->watch->of_session = session;
+    client->watch->of_scene = scene;
+    client->watch->first = client->watch->count = 0;
+    client->watch->lost = 0;
+    rc = ask(client);
+    if (rc != 0) {
+        cli_watch_deinit(client);
+    }
+    return rc;
+}
+
+int pccd_watch_next(struct pccd_client *client, int timeout_ms,
+                    struct pccd_step_event *event)
+{
+    uint64_t deadline_ns;
+    int rc = 0;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (client->watch == NULL || event == NULL) {
+        return event == NULL
+                   ? cli_fail(client, PCCD_E_INVAL, "watch: event is NULL")
+                   : cli_fail(client, PCCD_E_STATE, "pccd_watch_start comes first");
+    }
+    deadline_ns = cli_deadline(client, timeout_ms);
+    while (client->watch->count == 0 && rc == 0) {
+        if (!client->link.is_down && client->watch->epoch != client->link.epoch) {
+            rc = ask(client); /* the daemon that was asked is gone */
+        } else {
+            rc = timeout_ms == 0 && !client->link.is_down
+                     ? cli_receive(client)
+                     : cli_progress(client, deadline_ns);
+        }
+    }
+    if (client->watch->count == 0) {
+        return rc;
+    }
+    *event = client->watch->ring[client->watch->first];
+    client->watch->first = (client->watch->first + 1) % CLI_WATCH_ROOM;
+    client->watch->count--;
+    return 0;
+}
+
+int pccd_watch_stop(struct pccd_client *client)
+{
+    struct proto_WATCH_STOP_request request = {.reserved = 0};
+    int rc;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    rc = cli_call_sync(client, PROTO_METHOD_WATCH_STOP, &request, NULL,
+                       cli_deadline(client, -1));
+    cli_watch_deinit(client);
+    return rc;
+}

@@ -1,0 +1,18 @@
+/* watch.h - steps that a client is told of.
+ *
+ * Room:     client/lib, private. May include: client.h.
+ * Does:     keep them until pccd_watch_next takes them.
+ * Threads:  [owner].
+ */
+#ifndef CLI_WATCH_H
+#define CLI_WATCH_H
+
+#include "client.h"
+
+/* A notification of a step has come. */
+void cli_watch_take(struct pccd_client *client, const struct proto_envelope *envelope);
+
+/* The client goes. */
+void cli_watch_deinit(struct pccd_client *client);
+
+#endif

@@ -1,0 +1,156 @@
+/* handlers_list.c - list.session, list.scene, list.object and list.mesh.
+ *
+ * Room:     service. See call.h.
+ * Does:     tell what there is, one thing a request, so that no answer is ever long.
+ * Does not: show a client what another user has, but to the daemon's own user and root.
+ * Threads:  [loop].
+ */
+#include "call.h"
+#include "loop.h"
+#include "meshes.h"
+#include "ringio.h"
+#include "session.h"
+
+/* ---- sessions ---------------------------------------------------------------------- */
+
+static bool is_listed(const struct srv_session *session)
+{
+    return session->state == SRV_SESSION_OPEN || session->state == SRV_SESSION_WAITING;
+}
+
+bool srv_session_may_see(const struct srv_session *session,
+                         const struct srv_session *other)
+{
+    struct proto_error ignored;
+    return session->user == other->user ||
+           srv_session_refuse_stranger(session, &ignored) == 0;
+}
+
+int srv_session_find(struct srv_call *call, uint64_t id, struct srv_session **found)
+{
+    struct srv_session *at = call->session;
+    if (id != 0) {
+        at = call->session->loop->sessions;
+        while (at != NULL && at->id != id) {
+            at = at->next;
+        }
+    }
+    if (at == NULL || !is_listed(at) || !srv_session_may_see(call->session, at)) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no session %llu",
+                               (unsigned long long)id);
+    }
+    *found = at;
+    return 0;
+}
+
+int srv_on_LIST_SESSION(struct srv_call *call)
+{
+    uint64_t before = call->params.LIST_SESSION.before;
+    const struct srv_session *at = call->session->loop->sessions; /* the newest first */
+    while (at != NULL && ((before != 0 && at->id >= before) || !is_listed(at) ||
+                          !srv_session_may_see(call->session, at))) {
+        at = at->next;
+    }
+    if (at == NULL) {
+        return 0; /* number 0: none */
+    }
+    struct proto_LIST_SESSION_result *result = &call->result.LIST_SESSION;
+    *result = at->told;
+    result->session = at->id;
+    result->uid = (uint32_t)at->user->uid;
+    result->pid = (uint32_t)at->pid;
+    result->waiting = at->state == SRV_SESSION_WAITING;
+    result->ns_open = call->arrival_ns - at->open_ns;
+    result->scenes = at->scenes.count;
+    result->meshes = at->meshes.count;
+    result->requests = at->request_count;
+    result->shm_bytes =
+        at->ring != NULL ? at->ring->upload_bytes + at->ring->result_bytes : 0;
+    return 0;
+}
+
+/* ---- what a session has ------------------------------------------------------------ */
+
+/* The next item of a table from the place *cursor on; its handle, and the place behind
+ * it in *cursor. NULL: there is none. */
+static void *next_item(const struct srv_handles *handles, uint32_t *cursor,
+                       uint32_t *handle)
+{
+    void *item = srv_handles_next(handles, cursor);
+    *handle = item != NULL ? srv_handles_at(handles, *cursor - 1) : 0;
+    return item;
+}
+
+int srv_on_LIST_SCENE(struct srv_call *call)
+{
+    const struct proto_LIST_SCENE_request *request = &call->params.LIST_SCENE;
+    struct srv_session *owner = NULL;
+    int status = srv_session_find(call, request->session, &owner);
+    if (status != 0) {
+        return status;
+    }
+    uint32_t cursor = request->cursor;
+    uint32_t handle = 0;
+    const struct srv_scene *scene = next_item(&owner->scenes, &cursor, &handle);
+    if (scene != NULL) {
+        struct proto_LIST_SCENE_result *result = &call->result.LIST_SCENE;
+        *result = scene->told;
+        result->scene = handle;
+        result->next = cursor;
+        result->objects = scene->objects.count;
+    }
+    return 0;
+}
+
+int srv_on_LIST_OBJECT(struct srv_call *call)
+{
+    const struct proto_LIST_OBJECT_request *request = &call->params.LIST_OBJECT;
+    struct srv_session *owner = NULL;
+    int status = srv_session_find(call, request->session, &owner);
+    if (status != 0) {
+        return status;
+    }
+    const struct srv_scene *scene = srv_handles_get(&owner->scenes, request->scene);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               request->scene);
+    }
+    uint32_t cursor = request->cursor;
+    uint32_t handle = 0;
+    const struct srv_object *object = next_item(&scene->objects, &cursor, &handle);
+    if (object != NULL) {
+        call->result.LIST_OBJECT = (struct proto_LIST_OBJECT_result){
+            .object = handle,
+            .next = cursor,
+            .mesh = object->mesh != NULL ? object->mesh->handle : 0,
+            .triangles = object->charge,
+        };
+    }
+    return 0;
+}
+
+int srv_on_LIST_MESH(struct srv_call *call)
+{
+    const struct proto_LIST_MESH_request *request = &call->params.LIST_MESH;
+    struct srv_session *owner = NULL;
+    int status = srv_session_find(call, request->session, &owner);
+    if (status != 0) {
+        return status;
+    }
+    uint32_t cursor = request->cursor;
+    uint32_t handle = 0;
+    const struct srv_mesh *mesh = next_item(&owner->meshes, &cursor, &handle);
+    if (mesh != NULL) {
+        call->result.LIST_MESH = (struct proto_LIST_MESH_result){
+            .mesh = handle,
+            .next = cursor,
+            .vertex_count = mesh->current->vertex_count,
+            .triangle_count = mesh->current->triangle_count,
+            .generation = mesh->generation,
+            .objects = mesh->object_count,
+            .committed = mesh->is_committed,
+            .replacing = mesh->next != NULL,
+        };
+    }
+    return 0;
+}

@@ -1,0 +1,430 @@
+/* test_int_observe.c - lists, histograms, settings and steps that others are told of.
+ *
+ * Room:     tests/integration. May include: proto, pccd.h, tests/support.
+ * Does:     what a real daemon tells agrees with what was done, and nobody is told of
+ *           another user.
+ * Threads:  one.
+ */
+#include <grp.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "limits.h"
+#include "raw.h"
+
+#define NOBODY 65534
+#define TURNS  5
+
+/* ---- lists ------------------------------------------------------------------------- */
+
+/* The session that is looked for, and how many came. */
+struct sessions {
+    uint64_t wanted;
+    uint32_t count;
+    struct pccd_session_info found; /* session 0: it did not come */
+    char client[64];
+};
+
+static void take_session(void *context, const struct pccd_session_info *info)
+{
+    struct sessions *sessions = context;
+
+    sessions->count++;
+    if (info->session == sessions->wanted) {
+        sessions->found = *info;
+        (void)snprintf(sessions->client, sizeof sessions->client, "%s", info->client);
+    }
+}
+
+struct scenes {
+    uint32_t count;
+    struct pccd_scene_info last;
+};
+
+static void take_scene(void *context, const struct pccd_scene_info *info)
+{
+    struct scenes *scenes = context;
+
+    scenes->count++;
+    scenes->last = *info;
+}
+
+struct objects {
+    uint32_t count;
+    uint32_t handles[4];
+    uint32_t meshes[4];
+};
+
+static void take_object(void *context, const struct pccd_object_info *info)
+{
+    struct objects *objects = context;
+
+    if (objects->count < 4) {
+        objects->handles[objects->count] = info->object;
+        objects->meshes[objects->count] = info->mesh;
+    }
+    objects->count++;
+    assert_int_equal(info->triangles, 1);
+}
+
+static void take_mesh(void *context, const struct pccd_registered_mesh *info)
+{
+    uint32_t *count = context;
+
+    assert_int_equal(info->vertex_count, 3);
+    assert_int_equal(info->triangle_count, 1);
+    assert_int_equal(info->objects, 1);
+    assert_int_equal(info->generation, 1);
+    assert_true(info->committed);
+    assert_false(info->replacing);
+    ++*count;
+}
+
+/* If it failed, pccdctl would tell of other sessions, scenes or meshes than there are. */
+static void list__has_what_a_session_has(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_daemon_info self;
+    struct sessions sessions = {.count = 0};
+    struct scenes scenes = {.count = 0};
+    struct objects objects = {.count = 0};
+    uint32_t meshes = 0;
+
+    assert_non_null(other);
+    for (int i = 0; i < TURNS; i++) {
+        assert_true(test_crossing_turn(crossing));
+    }
+    assert_int_equal(pccd_daemon(crossing->client, &self), 0);
+    assert_true(strncmp(self.name, "pccdd ", 6) == 0);
+    sessions.wanted = self.session;
+    assert_int_equal(pccd_list_sessions(other, take_session, &sessions), 0);
+    assert_int_equal(sessions.count, 2);
+    assert_int_equal(sessions.found.session, self.session);
+    assert_int_equal(sessions.found.pid, getpid());
+    assert_int_equal(sessions.found.uid, getuid());
+    assert_true(sessions.client[0] != '\0');
+    assert_int_equal(sessions.found.steps, TURNS);
+    assert_int_equal(sessions.found.scenes, 1);
+    assert_int_equal(sessions.found.objects, 2);
+    assert_int_equal(sessions.found.meshes, 2);
+    assert_int_equal(sessions.found.triangles, 2);
+    assert_true(sessions.found.contacts >= TURNS);
+    assert_true(sessions.found.upload_bytes >= TURNS * 36);
+    assert_int_equal(sessions.found.result_bytes, sessions.found.contacts * 64);
+    assert_true(sessions.found.ns_step > 0 && sessions.found.ns_open > 0);
+    assert_false(sessions.found.waiting);
+
+    assert_int_equal(pccd_list_scenes(other, self.session, take_scene, &scenes), 0);
+    assert_int_equal(scenes.count, 1);
+    assert_int_equal(scenes.last.scene, crossing->scene);
+    assert_int_equal(scenes.last.objects, 2);
+    assert_int_equal(scenes.last.steps, TURNS);
+    assert_true(scenes.last.number >= TURNS && scenes.last.total > 0);
+
+    assert_int_equal(
+        pccd_list_objects(other, self.session, crossing->scene, take_object, &objects),
+        0);
+    assert_int_equal(objects.count, 2);
+    assert_int_equal(objects.handles[0], crossing->floor);
+    assert_int_equal(objects.handles[1], crossing->object);
+    assert_int_equal(objects.meshes[0], crossing->floor_mesh);
+    assert_int_equal(objects.meshes[1], crossing->mesh);
+    assert_int_equal(pccd_list_meshes(other, self.session, take_mesh, &meshes), 0);
+    assert_int_equal(meshes, 2);
+
+    assert_int_equal(pccd_mesh_destroy(crossing->client, crossing->mesh), 0);
+    assert_int_equal(
+        pccd_scene_remove(crossing->client, crossing->scene, crossing->floor), 0);
+    objects.count = 0;
+    assert_int_equal(
+        pccd_list_objects(crossing->client, 0, crossing->scene, take_object, &objects),
+        0);
+    assert_int_equal(objects.count, 1);
+    assert_int_equal(objects.meshes[0], 0);
+    assert_int_equal(pccd_list_sessions(other, take_session, &sessions), 0);
+    assert_int_equal(sessions.found.triangles, 1);
+    assert_int_equal(pccd_list_scenes(other, self.session + 1000, take_scene, &scenes),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_list_objects(other, 0, 77, take_object, &objects),
+                     PCCD_E_HANDLE);
+    pccd_close(other);
+}
+
+/* ---- histograms -------------------------------------------------------------------- */
+
+static uint64_t sum_of(const struct pccd_histogram_info *info)
+{
+    uint64_t sum = 0;
+
+    for (int i = 0; i < PCCD_HISTOGRAM_BUCKETS; i++) {
+        sum += info->bucket[i];
+    }
+    return sum;
+}
+
+/* If it failed, a latency that is plotted would be another than the clients'. */
+static void histogram__counts_every_step_and_request(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_histogram_info steps0, steps1, requests0, requests1;
+    uint64_t span_ns;
+
+    assert_int_equal(pccd_histogram(crossing->client, PCCD_HISTOGRAM_STEPS, &steps0), 0);
+    assert_int_equal(
+        pccd_histogram(crossing->client, PCCD_HISTOGRAM_REQUESTS, &requests0), 0);
+    uint64_t begin_us = test_now_us();
+    for (int i = 0; i < TURNS; i++) {
+        assert_true(test_crossing_turn(crossing));
+    }
+    span_ns = (test_now_us() - begin_us + 1) * 1000;
+    assert_int_equal(pccd_histogram(crossing->client, PCCD_HISTOGRAM_STEPS, &steps1), 0);
+    assert_int_equal(
+        pccd_histogram(crossing->client, PCCD_HISTOGRAM_REQUESTS, &requests1), 0);
+    assert_int_equal(steps1.count - steps0.count, TURNS);
+    assert_int_equal(sum_of(&steps1), steps1.count);
+    assert_true(steps1.ns_sum > steps0.ns_sum);
+    assert_true(steps1.ns_sum - steps0.ns_sum <= span_ns);
+    assert_true(requests1.count - requests0.count >= TURNS + 2);
+    assert_int_equal(sum_of(&requests1), requests1.count);
+    assert_int_equal(pccd_histogram(crossing->client, PCCD_HISTOGRAM_COUNT, &steps1),
+                     PCCD_E_INVAL);
+}
+
+/* ---- settings ---------------------------------------------------------------------- */
+
+struct settings {
+    uint32_t count;
+    char value[64]; /* of the last one */
+    bool changed;
+};
+
+static void take_setting(void *context, const struct pccd_setting *setting)
+{
+    struct settings *settings = context;
+
+    assert_true(setting->name[0] != '\0' && setting->text[0] != '\0');
+    settings->count++;
+    settings->changed = setting->changed;
+    (void)snprintf(settings->value, sizeof settings->value, "%s", setting->value);
+}
+
+static void expect_setting(struct pccd_client *client, const char *name,
+                           const char *value, bool changed)
+{
+    struct settings settings = {.count = 0};
+
+    assert_int_equal(pccd_config_get(client, name, take_setting, &settings), 0);
+    assert_int_equal(settings.count, 1);
+    assert_string_equal(settings.value, value);
+    assert_int_equal(settings.changed, changed);
+}
+
+/* If it failed, a daemon could not be tuned without losing its clients, or would be told
+ * nonsense. */
+static void config__settings_change_and_hold(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct settings settings = {.count = 0};
+    uint32_t mesh = 0;
+
+    assert_int_equal(pccd_config_get(client, NULL, take_setting, &settings), 0);
+    assert_true(settings.count >= 14);
+    assert_int_equal(pccd_config_get(client, "no-such", take_setting, &settings),
+                     PCCD_E_INVAL);
+    expect_setting(client, "meshes-max", "1024", false);
+    assert_int_equal(pccd_config_set(client, "meshes-max", "2"), 0); /* as it has */
+    expect_setting(client, "meshes-max", "2", true);
+    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &mesh, NULL),
+                     PCCD_E_QUOTA);
+    assert_int_equal(pccd_config_set(client, "meshes-max", "1"), 0); /* less than that */
+    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &mesh, NULL),
+                     PCCD_E_QUOTA);
+    assert_true(test_crossing_turn(crossing));
+    assert_int_equal(pccd_config_set(client, "meshes-max", "1024"), 0);
+    expect_setting(client, "meshes-max", "1024", false);
+    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &mesh, NULL),
+                     0);
+
+    assert_int_equal(pccd_config_set(client, "log-level", "debug"), 0);
+    expect_setting(client, "log-level", "debug", true);
+    assert_int_equal(pccd_config_set(client, "log-level", "loud"), PCCD_E_INVAL);
+    assert_int_equal(pccd_config_set(client, "log-level", "info"), 0);
+    assert_int_equal(pccd_config_set(client, "threads", "0"), PCCD_E_INVAL);
+    assert_int_equal(pccd_config_set(client, "threads", "4096"), PCCD_E_INVAL);
+    assert_int_equal(pccd_config_set(client, "threads", "1"), 0);
+    assert_true(test_crossing_turn(crossing));
+    assert_int_equal(pccd_config_set(client, "queue-max", "-1"), PCCD_E_INVAL);
+    assert_int_equal(pccd_config_set(client, "queue-max", "9 "), PCCD_E_INVAL);
+    assert_int_equal(pccd_config_set(client, "contacts-max", "1"), 0);
+    assert_true(test_daemon_logged(&test_shared, "meshes-max: 1024, was 1"));
+    assert_int_equal(pccd_config_set(client, "contacts-max", "16777216"), 0);
+}
+
+/* ---- watching ---------------------------------------------------------------------- */
+
+/* If it failed, who watches would be told of other steps than there are, or of none. */
+static void watch__tells_every_step_of_another_session(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_daemon_info self;
+    struct pccd_step_event event;
+    uint64_t number = 0;
+
+    assert_non_null(other);
+    assert_int_equal(pccd_daemon(crossing->client, &self), 0);
+    assert_int_equal(pccd_watch_next(other, 0, &event), PCCD_E_STATE);
+    assert_int_equal(pccd_watch_start(other, self.session + 1000, 0), PCCD_E_HANDLE);
+    assert_int_equal(pccd_watch_start(other, self.session, 0), 0);
+    assert_int_equal(pccd_watch_next(other, 0, &event), PCCD_E_AGAIN);
+    assert_int_equal(pccd_watch_next(other, 20, &event), PCCD_E_TIMEOUT);
+    for (int i = 0; i < TURNS; i++) {
+        assert_true(test_crossing_turn(crossing));
+        assert_int_equal(pccd_watch_next(other, -1, &event), 0);
+        assert_int_equal(event.session, self.session);
+        assert_int_equal(event.scene, crossing->scene);
+        assert_int_equal(event.status, 0);
+        assert_int_equal(event.lost, 0);
+        assert_true(event.total > 0 && (event.hash[0] != 0 || event.hash[1] != 0));
+        assert_true(event.ns_step > 0 && event.number > number);
+        number = event.number;
+    }
+    assert_int_equal(pccd_watch_start(other, 0, 77),
+                     0); /* of a scene that is not there */
+    assert_true(test_crossing_turn(crossing));
+    assert_int_equal(pccd_watch_next(other, 20, &event), PCCD_E_TIMEOUT);
+    assert_int_equal(pccd_watch_stop(other), 0);
+    pccd_close(other);
+}
+
+/* If it failed, a watcher that does not read would hold up steps, take the daemon's
+ * memory, be dropped, or not hear that it has missed something. */
+static void watch__who_does_not_read_hears_what_was_lost(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_step_event event;
+    const int turns = 3000;
+    uint64_t told = 0, lost = 0;
+
+    assert_non_null(other);
+    assert_int_equal(pccd_watch_start(other, 0, 0), 0);
+    for (int i = 0; i < turns; i++) {
+        assert_true(test_crossing_turn(crossing));
+    }
+    while (told + lost < (uint64_t)turns) {
+        if (pccd_watch_next(other, 500, &event) != 0) { /* the last are told with one */
+            assert_true(test_crossing_turn(crossing));
+            assert_int_equal(pccd_watch_next(other, -1, &event), 0);
+            told--;
+        }
+        told++;
+        lost += event.lost;
+    }
+    assert_int_equal(told + lost, turns);
+    assert_true(lost > 0 && told >= PROTO_WATCH_ROOM);
+    assert_int_equal(pccd_watch_stop(other), 0);
+    assert_true(test_crossing_turn(crossing));
+    pccd_close(other);
+}
+
+/* ---- other users ------------------------------------------------------------------- */
+
+/* [child] 0: everything that another user asks for is refused or empty. */
+static int ask_as_nobody(uint64_t session)
+{
+    static struct test_raw raw;
+    struct proto_LIST_SESSION_request list = {.before = 0};
+    struct proto_LIST_SESSION_result listed = {.session = 0};
+    struct proto_LIST_SCENE_request scene = {.session = session};
+    struct proto_WATCH_START_request all = {.session = 0};
+    struct proto_WATCH_START_request one = {.session = session};
+    struct proto_CONFIG_SET_request set = {.name = "grace", .value = "1"};
+    struct proto_CONFIG_GET_request get = {.name = "grace"};
+    int rc = 0;
+
+    if (setgroups(0, NULL) != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
+        !test_raw_open(&raw, test_shared.socket) || test_raw_hello(&raw) != 0) {
+        return 1;
+    }
+    if (test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &listed) != 0 ||
+        listed.session == session || listed.uid != NOBODY) {
+        rc |= 2;
+    }
+    list.before = listed.session; /* its own is the only one */
+    if (test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &listed) != 0 ||
+        listed.session != 0) {
+        rc |= 4;
+    }
+    if (test_raw_call(&raw, PROTO_METHOD_LIST_SCENE, &scene, NULL) != PCCD_E_HANDLE ||
+        test_raw_call(&raw, PROTO_METHOD_WATCH_START, &one, NULL) != PCCD_E_HANDLE) {
+        rc |= 8;
+    }
+    if (test_raw_call(&raw, PROTO_METHOD_WATCH_START, &all, NULL) != PCCD_E_ACCESS) {
+        rc |= 16;
+    }
+    if (test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &set, NULL) != PCCD_E_ACCESS ||
+        test_raw_call(&raw, PROTO_METHOD_CONFIG_GET, &get, NULL) != 0) {
+        rc |= 32;
+    }
+    test_raw_close(&raw);
+    return rc;
+}
+
+/* If it failed, a user could see what another one does, or change a daemon of another. */
+static void observe__other_users_are_refused(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_daemon_info self;
+    int status = 0;
+
+    if (geteuid() != 0) {
+        skip(); /* only root can be another user */
+    }
+    assert_int_equal(pccd_daemon(crossing->client, &self), 0);
+    assert_int_equal(chmod(test_shared.directory, 0711), 0);
+    assert_int_equal(chmod(test_shared.socket, 0666), 0);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        _exit(ask_as_nobody(self.session));
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    assert_int_equal(chmod(test_shared.directory, 0700), 0);
+    assert_int_equal(chmod(test_shared.socket, 0600), 0);
+}
+
+int main(void)
+{
+#define TEST(name)                                                                       \
+    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
+    const struct CMUnitTest tests[] = {
+        TEST(list__has_what_a_session_has),
+        TEST(histogram__counts_every_step_and_request),
+        TEST(config__settings_change_and_hold),
+        TEST(watch__tells_every_step_of_another_session),
+        TEST(watch__who_does_not_read_hears_what_was_lost),
+        TEST(observe__other_users_are_refused),
+    };
+#undef TEST
+
+    return cmocka_run_group_tests_name("observe", tests, test_shared_start,
+                                       test_shared_stop);
+}
