@@ -13,4 +13,5 @@ include $(top_srcdir)/tests/model/local.mk
 include $(top_srcdir)/tests/abi/local.mk
 include $(top_srcdir)/tests/integration/local.mk
 include $(top_srcdir)/tests/zoo/local.mk
+include $(top_srcdir)/tests/python/local.mk
 include $(top_srcdir)/tests/style/local.mk

@@ -11,10 +11,11 @@ trap 'rm -rf "$work"' EXIT
 cd "$top_srcdir" || exit 99
 mapfile -t sources < <(find proto oracle daemon client bench tests \( -name '*.[ch]' -o -name '*.cc' \) |
     LC_ALL=C sort)
+mapfile -t scripts < <(find client bench tests -name '*.py' | LC_ALL=C sort)
 mapfile -t texts < <(find proto oracle daemon client bench tests \
     \( -name '*.[ch]' -o -name '*.cc' -o -name '*.def' -o -name '*.mk' -o -name '*.sh' -o -name '*.md' \
-    -o -name '*.map' \) | LC_ALL=C sort)
-[ ${#sources[@]} -gt 0 ] || exit 99
+    -o -name '*.map' -o -name '*.py' \) | LC_ALL=C sort)
+[ ${#sources[@]} -gt 0 ] && [ ${#scripts[@]} -gt 0 ] || exit 99
 
 # Headers that may be longer than 200 lines, each with its reason.
 long_headers='
@@ -32,7 +33,7 @@ exec 2>"$work/errors"
 
 # If this failed, a file would hold two nouns.
 awk 'FNR > 600 && !told[FILENAME]++ { print FILENAME " has more than 600 lines" }' \
-    "${sources[@]}" >"$work/log"
+    "${sources[@]}" "${scripts[@]}" >"$work/log"
 check files__have_at_most_600_lines
 
 # If this failed, a header would not be read as a whole any more.
@@ -58,12 +59,33 @@ awk 'FNR == 1 { start = 0; excused = 0 }
     }' "${sources[@]}" >"$work/log"
 check functions__have_at_most_70_lines
 
+# If this failed, the same of a function in Python: one ends where something begins that is
+# not indented more.
+awk 'function ends(at) {
+        while (depth > 0 && at <= indent[depth]) {
+            if (last - start[depth] + 1 > 70)
+                print file ":" start[depth] ": " last - start[depth] + 1 " lines"
+            depth--
+        }
+    }
+    FNR == 1 { ends(0); file = FILENAME }
+    /^ *$/ { next }
+    {
+        match($0, /^ */)
+        if ($0 !~ /^ *[])}]/)
+            ends(RLENGTH)
+        last = FNR
+    }
+    /^ *def / { indent[++depth] = RLENGTH; start[depth] = FNR }
+    END { ends(0) }' "${scripts[@]}" >"$work/log"
+check python_functions__have_at_most_70_lines
+
 # If this failed, two files side by side would not fit on a screen.
-LC_ALL=C.UTF-8 grep -nE '^.{91,}' "${sources[@]}" | cut -c1-100 >"$work/log"
+LC_ALL=C.UTF-8 grep -nE '^.{91,}' "${sources[@]}" "${scripts[@]}" | cut -c1-100 >"$work/log"
 check lines__have_at_most_90_columns
 
 # If this failed, the same file would look different in another editor.
-grep -n "$(printf '\t')" "${sources[@]}" >"$work/log"
+grep -n "$(printf '\t')" "${sources[@]}" "${scripts[@]}" >"$work/log"
 check files__have_no_tabs
 
 # If this failed, a diff would show changes that nobody sees.
@@ -93,6 +115,16 @@ for file in "${sources[@]}"; do
         END { if (NR > 1 && !bad && !(room && does))
             print FILENAME ": the header has no \"Room:\" or no \"Does:\"" }' "$file"
 done >"$work/log"
+for file in "${scripts[@]}"; do
+    awk -v name="${file##*/}" '
+        NR == 1 && /^#!/ { next }
+        !begun { begun = 1; good = index($0, "\"\"\"" name " - ") == 1; next }
+        NR <= 20 && /^Room:     / { room = 1 }
+        NR <= 20 && /^Does:     / { does = 1 }
+        /^"""$/ { exit }
+        END { if (!(good && room && does))
+            print FILENAME ": the docstring has no name, no \"Room:\" or no \"Does:\"" }' "$file"
+done >>"$work/log"
 check files__begin_with_what_they_are
 
 # If this failed, a test would say nothing about why it is there.
@@ -102,6 +134,11 @@ for file in "${sources[@]}"; do
             print FILENAME ":" FNR ": no comment before the test" }
         { commented = /\*\/$/ }' "$file"
 done >"$work/log"
+awk '/^ *def test_[a-z0-9_]+__[a-z0-9_]+\(/ && !commented {
+        print FILENAME ":" FNR ": no comment before the test" }
+    /^ *def test_/ && !/^ *def test_[a-z0-9_]+__[a-z0-9_]+\(/ {
+        print FILENAME ":" FNR ": the name has not the form noun__behaviour" }
+    { commented = /^ *# / }' "${scripts[@]}" >>"$work/log"
 check tests__say_what_would_be_wrong
 
 tap_end

@@ -1,0 +1,24 @@
+#!/bin/bash
+# test_python_client.sh - the Python client against real daemons (TAP).
+#
+# Room:     tests/python.
+# Does:     run the cases of check_*.py with the first Python that has msgpack and numpy;
+#           without one, skip them by name.
+# Needs:    PCCDD, PCCD_DAEMON, PCCDCTL and top_srcdir, set by `make check`.
+set -u
+: "${top_srcdir:?is set by make check}" "${PCCDD:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+# shellcheck source=tests/python/find.sh
+. "$top_srcdir/tests/python/find.sh"
+
+cases="check_wire check_client check_link"
+if [ -z "$python" ]; then
+    for case in $cases; do
+        tap_skip "$case" "no python3 with msgpack and numpy"
+    done
+    tap_end
+    exit
+fi
+# shellcheck disable=SC2086 # words on purpose
+exec timeout 600 "$python" "$top_srcdir/tests/python/tap.py" $cases

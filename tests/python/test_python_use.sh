@@ -1,0 +1,77 @@
+#!/bin/bash
+# test_python_use.sh - what a user of the Python client sees (TAP).
+#
+# Room:     tests/python.
+# Does:     the example, the lines of README.md as written, an installation, the types.
+# Needs:    PCCD_DAEMON, top_srcdir and top_builddir, set by `make check`.
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCD_DAEMON:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+# shellcheck source=tests/python/find.sh
+. "$top_srcdir/tests/python/find.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/runtime"
+export XDG_RUNTIME_DIR=$work/runtime
+
+# run NAME PROGRAM...: ok when it exits with 0; its output goes into $work/log.
+run() {
+    local name=$1
+    shift
+    if [ -z "$python" ]; then
+        tap_skip "$name" "no python3 with msgpack and numpy"
+        return
+    fi
+    timeout 400 "$@" >"$work/log" 2>&1
+    tap_result $? "$name" "$work/log"
+}
+
+# If this failed, the first program that anybody tries would be wrong: it checks that no
+# vertex of the cloth gets into the sphere.
+run example__cloth_stays_outside "$python" "$top_srcdir/client/python/example_cloth.py"
+
+# If this failed, the ten lines of README.md would not do what they say.
+awk '/^```python$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/README.md" >"$work/readme.py"
+run readme__works_as_written "$python" "$work/readme.py"
+if [ -n "$python" ]; then
+    [ "$(wc -l <"$work/readme.py")" -ge 5 ] && grep -q '[1-9] contacts' "$work/log"
+    tap_result $? readme__finds_contacts "$work/log"
+else
+    tap_skip readme__finds_contacts "no python3 with msgpack and numpy"
+fi
+
+# If this failed, the installed module would lack a part, or not find what it needs.
+cat >"$work/installed.sh" <<'SH'
+make -C "$top_builddir" install-dist_pythonDATA install-dist_python_partsDATA \
+    pythondir="$1/python" python_partsdir="$1/python/_pccd" || exit 1
+cd / || exit 1
+PYTHONPATH=$1/python "$2" -c '
+import sys, pccd
+assert pccd.__file__.startswith(sys.argv[1]), pccd.__file__
+with pccd.connect(private=True, result_bytes=1 << 16) as client:
+    assert client.ping() > 0' "$1"
+SH
+run installation__is_whole "$BASH" "$work/installed.sh" "$work" "$python"
+
+# If this failed, the type hints would promise what the code does not keep.
+for tool in mypy pyflakes; do
+    name=types__are_what_the_hints_say
+    [ $tool = mypy ] || name=names__are_all_used
+    if [ -n "$python" ] && ! "$python" -m $tool --version >/dev/null 2>&1; then
+        tap_skip $name "no $tool (Debian: python3-mypy, pyflakes3)"
+    elif [ $tool = mypy ]; then
+        run $name "$python" -m mypy --strict --cache-dir="$work/mypy" \
+            "$top_srcdir/client/python/pccd.py" "$top_srcdir/client/python/_pccd"
+    else
+        run $name "$python" -m pyflakes "$top_srcdir/client/python" "$top_srcdir/tests/python"
+    fi
+done
+
+# If this failed, a client would leave a daemon or its folder behind.
+ls -A "$work/runtime" >"$work/log"
+[ ! -s "$work/log" ]
+tap_result $? runtime_folder__is_empty "$work/log"
+
+tap_end
