@@ -414,8 +414,14 @@ static bool read_one(struct srv_conn *conn)
            conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
 }
 
+/* Turns of a client until it is asked again whether it sends ahead. */
+#define ASK_AHEAD_EVERY 8u
+
 /* Few at a turn: 16 of them would serve two fifths more of messages that are sent many
  * ahead, and as many of others; but others' answers would be later by half.
+ *
+ * Of a client that waits for each answer there is one: to ask for a second would be the
+ * third system call of a ping. What it does not tell, the loop's next turn does.
  *
  * A client that comes back sends behind hello what had no answer. It is woken once for
  * the answers to both, and not for that to hello alone: with a thousand clients at once a
@@ -427,8 +433,13 @@ void srv_conn_read(struct srv_conn *conn)
     }
     conn->is_corked = conn->is_new;
     conn->is_new = false;
-    for (uint32_t i = 0; i < PROTO_MESSAGES_PER_TURN && read_one(conn); i++) {
+    bool asks =
+        conn->is_corked || conn->is_ahead || conn->turns++ % ASK_AHEAD_EVERY == 0;
+    uint32_t count = 0;
+    while (count < (asks ? PROTO_MESSAGES_PER_TURN : 1) && read_one(conn)) {
+        count++;
     }
+    conn->is_ahead = asks && count > 1;
     if (conn->is_corked) {
         conn->is_corked = false;
         if (conn->fd >= 0 && conn->state != SRV_CONN_BROKEN) {

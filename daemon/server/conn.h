@@ -49,6 +49,8 @@ struct srv_conn {
     struct srv_reply *reply_first;
     struct srv_reply *reply_last;
     uint32_t reply_count;
+    uint32_t turns; /* at which something was read */
+    bool is_ahead;  /* its client sends before it has an answer */
     bool is_new;    /* nothing has been read yet */
     bool is_corked; /* replies wait until what has come first is read */
 };
