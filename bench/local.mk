@@ -112,7 +112,7 @@ death: bench/death$(EXEEXT) pccdd$(EXEEXT)
 	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS) -e
 	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS)
 
-bench_ipc_SOURCES = bench/ipc.c bench/report.c bench/report.h
+bench_ipc_SOURCES = bench/asker.c bench/asker.h bench/ipc.c bench/report.c bench/report.h
 bench_ipc_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
 bench_ipc_LDADD = libpccd.la
 

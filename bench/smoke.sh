@@ -18,6 +18,14 @@ for program in census step parallel small rebuild kernels roofline wide ipc; do
     tap_result $? "bench_${program}__finds_equal_results" "$log"
 done
 
+# If this failed, what it costs to ask could not be compared with what it costs to ask Redis.
+"$top_builddir/bench/redis/beside_redis" --smoke >"$log" 2>&1
+case $? in
+    77) tap_skip bench_beside_redis__finds_equal_results "redis-server is not installed" ;;
+    0) tap_result 0 bench_beside_redis__finds_equal_results "$log" ;;
+    *) tap_result 1 bench_beside_redis__finds_equal_results "$log" ;;
+esac
+
 # If this failed, results could not be kept and compared.
 for program in census step parallel small rebuild kernels roofline wide ipc; do
     "$top_builddir/bench/$program" --smoke --json 2>/dev/null |

@@ -31,6 +31,7 @@ bench/scenes        tests/support
 bench               proto daemon/engine client/lib+ tests/support bench/scenes
 bench/model         bench daemon/engine bench/scenes
 bench/peers         bench daemon/engine bench/scenes
+bench/redis         bench proto client/lib+
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/support       proto client/lib+ oracle

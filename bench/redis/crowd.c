@@ -1,0 +1,157 @@
+/* crowd.c - fifty connections with a ping each in flight.
+ *
+ * Room:     bench/redis; proto, for the message and the daemon's kind of socket.
+ * Does:     the same loop for both: wait for answers, read each, ask again; we on one
+ *           processor, the servers on another.
+ * Threads:  one.
+ */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "asker.h"
+#include "codec.h"
+#include "pairs.h"
+#include "rows.h"
+
+#define CLIENTS 50u
+
+struct crowd {
+    const char *name;
+    int epoll;
+    int fds[CLIENTS];
+    const void *question;
+    size_t question_bytes;
+    const void *answer; /* how it begins */
+    size_t answer_bytes;
+};
+
+static void fail(const char *what)
+{
+    fprintf(stderr, "bench-ipc: %s: %s\n", what, strerror(errno));
+    exit(2);
+}
+
+static int connect_daemon(const char *url)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    snprintf(address.sun_path, sizeof address.sun_path, "%s", url + strlen("unix:"));
+    if (fd < 0 || connect(fd, (struct sockaddr *)&address, sizeof address) != 0) {
+        fail(url);
+    }
+    return fd;
+}
+
+static void watch_all(struct crowd *crowd)
+{
+    crowd->epoll = epoll_create1(EPOLL_CLOEXEC);
+    for (uint32_t i = 0; i < CLIENTS; i++) {
+        struct epoll_event event = {.events = EPOLLIN, .data.u32 = i};
+        if (crowd->epoll < 0 ||
+            epoll_ctl(crowd->epoll, EPOLL_CTL_ADD, crowd->fds[i], &event) != 0) {
+            fail("epoll");
+        }
+    }
+}
+
+static void end(struct crowd *crowd)
+{
+    for (uint32_t i = 0; i < CLIENTS; i++) {
+        close(crowd->fds[i]);
+    }
+    close(crowd->epoll);
+}
+
+static void ask(const struct crowd *crowd, uint32_t i)
+{
+    if (send(crowd->fds[i], crowd->question, crowd->question_bytes, MSG_NOSIGNAL) !=
+        (ssize_t)crowd->question_bytes) {
+        fail(crowd->name);
+    }
+}
+
+static void take_answer(const struct crowd *crowd, uint32_t i)
+{
+    char got[256];
+    ssize_t n = recv(crowd->fds[i], got, sizeof got, 0);
+    if (n < (ssize_t)crowd->answer_bytes ||
+        memcmp(got, crowd->answer, crowd->answer_bytes) != 0) {
+        bench_check(false, crowd->name, "a ping has another answer");
+        exit(1);
+    }
+}
+
+/* Returns answers a second, in thousands. */
+static double rate(const struct crowd *crowd, uint32_t count)
+{
+    struct epoll_event events[CLIENTS];
+    uint32_t asked = CLIENTS;
+    uint64_t begin_ns = bench_now_ns();
+    for (uint32_t i = 0; i < CLIENTS; i++) {
+        ask(crowd, i);
+    }
+    for (uint32_t answered = 0; answered < count;) {
+        int ready = epoll_wait(crowd->epoll, events, CLIENTS, -1);
+        for (int i = 0; i < ready; i++, answered++) {
+            take_answer(crowd, events[i].data.u32);
+            if (asked < count) {
+                ask(crowd, events[i].data.u32);
+                asked++;
+            }
+        }
+    }
+    return 1e6 * count / (double)(bench_now_ns() - begin_ns);
+}
+
+void rows_crowd(const struct rows *rows)
+{
+    static const unsigned char answer[] = {0x94, 1, 1, 0xc0}; /* [1, id, nil, .. */
+    static struct proto_encoder message;
+    struct proto_PING_request ping = {0};
+    struct crowd ours = {
+        .name = "pccdd", .answer = answer, .answer_bytes = sizeof answer};
+    struct crowd redis = {.name = "redis",
+                          .question = REDIS_PING,
+                          .question_bytes = REDIS_PING_BYTES,
+                          .answer = REDIS_PONG,
+                          .answer_bytes = REDIS_PONG_BYTES};
+    struct pairs pairs = {0};
+    if (proto_encode_request(&message, 1, PROTO_METHOD_PING, &ping) != 0) {
+        fail("encode");
+    }
+    ours.question = message.data;
+    ours.question_bytes = message.bytes;
+    for (uint32_t i = 0; i < CLIENTS; i++) {
+        ours.fds[i] = connect_daemon(pccd_url(rows->blocking));
+        redis.fds[i] = redis_connect(rows->redis);
+    }
+    watch_all(&ours);
+    watch_all(&redis);
+    pid_t daemon = (pid_t)pccd_daemon_pid(rows->blocking);
+    int second = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? 1 : 0;
+    bench_pin(0, 0); /* as the kernel places them, but always */
+    bench_pin(daemon, second);
+    bench_pin(rows->redis->pid, second);
+    uint32_t count = rows->smoke ? 500 : 20000;
+    for (unsigned turn = 0, turns = rows->smoke ? 2 : 20; turn <= turns; turn++) {
+        double redis_rate = rate(&redis, count);
+        double our_rate = rate(&ours, count);
+        if (turn > 0) {
+            pairs_add(&pairs, our_rate, redis_rate);
+        }
+    }
+    bench_pin(0, -1);
+    bench_pin(daemon, -1);
+    bench_pin(rows->redis->pid, -1);
+    pairs_print(&(struct pairs_row){"2", "pings of 50 clients", "PING of 50 clients",
+                                    "K/s", PAIRS_AT_LEAST, 1.0},
+                &pairs);
+    end(&ours);
+    end(&redis);
+}

@@ -1,0 +1,30 @@
+# bench/redis/local.mk - what it costs to ask pccdd, beside Redis from its package.
+#
+# make bench-ipc                      the table of design.md's targets, two minutes
+# make bench-ipc IPC_ARGS=updates     one part: trips, crowd, updates, busy
+# make bench-ipc IPC_ARGS=--json      one JSON line a row
+
+check_PROGRAMS += bench/redis/beside_redis
+
+bench_redis_beside_redis_SOURCES = \
+    bench/asker.c \
+    bench/asker.h \
+    bench/redis/busy.c \
+    bench/redis/crowd.c \
+    bench/redis/main.c \
+    bench/redis/pairs.c \
+    bench/redis/pairs.h \
+    bench/redis/redis.c \
+    bench/redis/redis.h \
+    bench/redis/rows.h \
+    bench/redis/trips.c \
+    bench/redis/updates.c \
+    bench/report.c \
+    bench/report.h
+bench_redis_beside_redis_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/bench/redis \
+    -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
+bench_redis_beside_redis_LDADD = libpccd.la libproto.la
+
+.PHONY: bench-ipc
+bench-ipc: bench/redis/beside_redis$(EXEEXT) pccdd$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) ./bench/redis/beside_redis $(IPC_ARGS)

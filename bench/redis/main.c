@@ -1,0 +1,53 @@
+/* main.c - what it costs to ask pccdd, beside what it costs to ask Redis.
+ *
+ * Room:     bench/redis; the public header of the client library.
+ * Does:     start both, measure each row by turns, print the table.
+ * Threads:  one; the daemon is a private one.
+ */
+#include <stdio.h>
+
+#include "asker.h"
+#include "pairs.h"
+#include "rows.h"
+
+static void measure(const struct rows *rows, const struct bench_options *options)
+{
+    pairs_heading(options->json);
+    if (bench_is_wanted(options, "trips")) {
+        rows_trips(rows);
+    }
+    if (bench_is_wanted(options, "crowd")) {
+        rows_crowd(rows);
+    }
+    if (bench_is_wanted(options, "updates")) {
+        rows_updates(rows);
+    }
+    if (bench_is_wanted(options, "busy")) {
+        rows_busy(rows);
+    }
+    if (!options->json) {
+        printf("%u missed\n", pairs_missed());
+    }
+}
+
+int main(int argc, char **argv)
+{
+    struct bench_options options;
+    struct redis redis;
+    int exit_status;
+    if (!bench_begin("beside_redis", argc, argv, &options, &exit_status)) {
+        return exit_status;
+    }
+    if (!redis_start(&redis)) {
+        bench_skip("all", "it needs redis-server (Debian: apt install redis-server)");
+        return 77;
+    }
+    struct rows rows = {.redis = &redis, .smoke = options.smoke};
+    rows.blocking = bench_connect(0, NULL);
+    rows.spinning = bench_connect(50, pccd_url(rows.blocking));
+    measure(&rows, &options);
+    pccd_close(rows.spinning);
+    pccd_close(rows.blocking);
+    redis_stop(&redis);
+    return bench_end();
+}
