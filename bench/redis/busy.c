@@ -14,9 +14,9 @@
 
 #define JOB_NS 1000000000u
 
-/* Between two pings, so that who pings needs a small share of a processor. Without a pause
- * it and the loop want a whole one, of which fair shares leave them two thirds: then the
- * rest is waited for in slices, now and then. That is told, too. */
+/* Between two pings, so that who pings needs a small share of a processor. Without a
+ * pause it and the loop want a whole one, of which fair shares leave them two thirds: then
+ * the rest is waited for in slices, now and then. That is told, too. */
 #define PAUSE_NS 1000000
 
 /* A step that takes a while: triangles that are slivers along a diagonal, side by side in
