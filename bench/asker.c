@@ -88,7 +88,7 @@ void bench_pin(pid_t pid, int cpu) /* cpu < 0: anywhere */
     }
 }
 
-/* ---- many vertices ------------------------------------------------------------------ */
+/* ---- many vertices ----------------------------------------------------------------- */
 
 /* Small triangles far apart that all move a little; the last but one passes through the
  * last, so that an answer shows whether the positions arrived. All numbers are floats. */

@@ -15,7 +15,7 @@
 #define JOB_NS 1000000000u
 
 /* Between two pings, so that who pings needs a small share of a processor. Without a
- * pause it and the loop want a whole one, of which fair shares leave them two thirds: then
+ * pause it and the loop want a whole one, of which fair shares leave them two thirds:
  * the rest is waited for in slices, now and then. That is told, too. */
 #define PAUSE_NS 1000000
 
