@@ -12,6 +12,7 @@ dist_python_parts_DATA = \
     client/python/_pccd/keep.py \
     client/python/_pccd/launch.py \
     client/python/_pccd/link.py \
+    client/python/_pccd/observe.py \
     client/python/_pccd/reach.py \
     client/python/_pccd/recover.py \
     client/python/_pccd/restore.py \

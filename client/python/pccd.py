@@ -40,30 +40,31 @@ from _pccd.answer import Answer, Result
 from _pccd.frame import Frame
 from _pccd.keep import Kept
 from _pccd.link import Call
-from _pccd.restore import Restore
+from _pccd.observe import Histogram, Observe, Setting, StepEvent
 from _pccd.ring import Ring, Slot
 from _pccd.values import (SOCKET_BYTES, LinkInfo, MeshInfo, Options, PccdError,
                           StepCounters, StepSettings, StepTimes, default_socket_path,
                           failure, pack_vertices)
 from _pccd.wire import (CONTACT, EDGE, FEATURE_RESUME, PAIR, RESULT_BYTES_MIN, SEGMENT,
                         SEGMENTS_MAX, SLOT_BYTES_MIN, SLOTS_MAX, TRACE_EVENT, ContactFlag,
-                        Format, HighLevel, Incomplete, Kind, Method, Mode, Quality, Refit,
-                        Scheduler, Status, TraceKind, Verdict)
+                        Format, HighLevel, HistogramKind, Incomplete, Kind, Method, Mode,
+                        Quality, Refit, Scheduler, Status, TraceKind, Verdict)
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Answer", "Client", "CONTACT", "ContactFlag", "EDGE", "Format", "Frame", "HighLevel",
-    "Incomplete", "Kind", "LinkInfo", "MeshInfo", "Method", "Mode", "PAIR", "PccdError",
-    "Quality", "Refit", "Result", "Scheduler", "Status", "StepCounters", "StepSettings",
-    "StepTimes", "TRACE_EVENT", "TraceKind", "Verdict", "connect", "default_socket_path",
+    "Histogram", "HistogramKind", "Incomplete", "Kind", "LinkInfo", "MeshInfo", "Method",
+    "Mode", "PAIR", "PccdError", "Quality", "Refit", "Result", "Scheduler", "Setting",
+    "Status", "StepCounters", "StepEvent", "StepSettings", "StepTimes", "TRACE_EVENT",
+    "TraceKind", "Verdict", "connect", "default_socket_path",
 ]
 
 STEPS = 32  # submitted, answers not taken
 PAGES = 256  # of records, not released
 
 
-class Client(Restore):
+class Client(Observe):
     """A connection to the daemon; made by connect(). As a context manager it closes
     itself. Handles (of scenes, meshes, objects) are integers and stay the same when
     another daemon takes over. `call` reaches every method of the protocol."""
@@ -107,7 +108,7 @@ class Client(Restore):
 
     @property
     def features(self) -> int:
-        """The daemon's feature bits: 1 = sessions can be resumed."""
+        """The daemon's feature bits, as in hello of PROTOCOL.md."""
         return self._features
 
     def call(self, method: str, /, **params: Any) -> Result:

@@ -486,6 +486,60 @@ class Others(Case):
         self.assertEqual(self.client.stats_thread(any=True)["number"], thread["number"])
         self.fails(pccd.Status.E_INVAL, self.client.stats_thread, thread["threads"])
 
+    # If this failed, nobody could see from Python who uses the daemon, and how.
+    def test_lists_and_settings__tell_what_there_is(self):
+        scene = Scene(self.client)
+        want = scene.hash(0.5)
+        mine = self.client.list_sessions()[0]
+        self.assertEqual(mine["pid"], os.getpid())
+        self.assertEqual((mine["objects"], mine["steps"]), (2, 1))
+        session = mine["session"]
+        other = self.connect()
+        for client, whose in ((self.client, 0), (other, session)):
+            entry, = client.list_scenes(whose)
+            self.assertEqual((entry["scene"], entry["hash"]), (scene.scene, want))
+            objects = client.list_objects(scene.scene, whose)
+            self.assertEqual([item["object"] for item in objects],
+                             [scene.floor, scene.cloth])
+            meshes = client.list_meshes(whose)
+            self.assertEqual([item["vertex_count"] for item in meshes], [81, 400])
+        self.assertEqual(other.list_scenes(), [])
+        self.fails(pccd.Status.E_HANDLE, self.client.list_scenes, 1 << 40)
+        steps = self.client.histogram(pccd.HistogramKind.STEPS)
+        self.assertEqual(steps.counts.sum(), steps.total)
+        self.assertEqual(len(steps.below_ns), 27)
+        settings = self.client.config_list()
+        for setting in settings:
+            self.assertEqual(self.client.config_get(setting.name), setting)
+        number = [item for item in settings if item.value.isdigit()][0]
+        self.assertEqual(self.client.config_set(number.name, number.value), number.value)
+        self.fails(pccd.Status.E_INVAL, self.client.config_set, number.name, "x")
+        self.fails(pccd.Status.E_INVAL, self.client.config_get, "nothing")
+
+    # If this failed, who shares a scene would not be told of its steps.
+    def test_watch__tells_of_the_steps_of_others(self):
+        scene = Scene(self.client)
+        session = self.client.list_sessions()[0]["session"]
+        other = self.connect()
+        self.fails(pccd.Status.E_STATE, other.watch_next)
+        self.fails(pccd.Status.E_HANDLE, other.watch_start, 1 << 40)
+        self.fails(pccd.Status.E_STATE, other.watch_next)
+        other.watch_start(other.list_sessions()[0]["session"])
+        scene.hash(0.5)
+        self.assertIsNone(other.watch_next(0))
+        self.assertIsNone(other.watch_next(0.01))
+        other.watch_start(session, scene.scene)
+        wants = [scene.hash(step) for step in (0.3, 0.6)]
+        for want in wants:
+            event = other.watch_next()
+            self.assertEqual((event.hash, event.scene, event.session, event.lost),
+                             (want, scene.scene, session, 0))
+            self.assertGreater(event.total, 0)
+        self.assertEqual(other.watch_stop(), 0)
+        scene.hash(0.1)
+        other.ping()
+        self.fails(pccd.Status.E_STATE, other.watch_next)
+
     # If this failed, a daemon that hangs would hang its clients for ever.
     def test_waits__end_at_their_timeout(self):
         with pccd.connect(private=True, timeout=2, result_bytes=1 << 16) as client:

@@ -273,6 +273,23 @@ class Losses(Case):
         self.assertEqual(client.link_info.resumed, 10)
         self.assertEqual(client.fileno(), fileno)
 
+    # If this failed, who watches would hear nothing more after a crash.
+    def test_watch__goes_on_with_the_next_daemon(self):
+        client, watcher = self.connect(), self.connect()
+        scene = Scene(client)
+        watcher.watch_start()
+        for step in (0.3, 0.6):
+            want = scene.hash(step)
+            event = watcher.watch_next()
+            while event.mode != pccd.Mode.ALL:  # by which the cloth was brought back
+                event = watcher.watch_next()
+            self.assertEqual((event.hash, event.scene), (want, scene.scene))
+            self.kill(client)
+            self.assertIsNone(watcher.watch_next(0.01))
+            watcher.ping()
+            self.assertIsNone(watcher.watch_next(0.01))  # asks the daemon that is there
+        self.assertEqual(watcher.link_info.reconnects, 2)
+
     # If this failed, a loop that polls would block while there is no daemon.
     def test_poll__makes_the_connection_again(self):
         client = self.connect()

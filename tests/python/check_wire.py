@@ -13,7 +13,7 @@ import unittest
 import numpy as np
 
 import pccd
-from _pccd import wire
+from _pccd import observe, wire
 
 ROOT = os.environ["top_srcdir"]
 
@@ -29,6 +29,7 @@ TYPES = header("proto/pccd_types.h")
 SHM = header("proto/shm.h")
 LIMITS = header("proto/limits.h")
 TRACE = header("proto/pccd_trace.h")
+DAEMON = header("proto/pccd_daemon.h")
 
 
 def c_enum(text, name, prefix):
@@ -79,7 +80,8 @@ class Wire(unittest.TestCase):
                 (pccd.Kind, TYPES, "pccd_kind", "PCCD_"),
                 (pccd.ContactFlag, TYPES, "pccd_contact_flag", "PCCD_"),
                 (pccd.Verdict, TYPES, "pccd_verdict", "PCCD_VERDICT_"),
-                (pccd.TraceKind, TRACE, "pccd_trace_kind", "PCCD_TRACE_")):
+                (pccd.TraceKind, TRACE, "pccd_trace_kind", "PCCD_TRACE_"),
+                (pccd.HistogramKind, DAEMON, "pccd_histogram_kind", "PCCD_HISTOGRAM_")):
             with self.subTest(name):
                 self.assertEqual(c_enum(text, name, prefix),
                                  {item.name: item.value for item in python})
@@ -92,7 +94,7 @@ class Wire(unittest.TestCase):
     def test_enums__are_all_compared(self):
         known = {name for name, item in vars(pccd).items()
                  if isinstance(item, type) and issubclass(item, enum.Enum)}
-        names = re.findall(r"enum pccd_(\w+) \{", TYPES + TRACE)
+        names = re.findall(r"enum pccd_(\w+) \{", TYPES + TRACE + DAEMON)
         self.assertEqual(len(known), len(names))
 
     # If this failed, a record would be read at other offsets than it was written to.
@@ -108,11 +110,12 @@ class Wire(unittest.TestCase):
 
     # If this failed, this client would ask for what the daemon refuses, or too little.
     def test_limits__are_those_of_the_header(self):
-        for name in ("VERSION_MIN", "VERSION_MAX", "FEATURE_RESUME", "MESSAGE_BYTES_MAX",
-                     "SLOTS_MAX", "INFLIGHT_MAX", "REPLIES_KEPT", "SEGMENTS_MAX",
-                     "SLOT_BYTES_MIN", "RESULT_BYTES_MIN"):
+        for name in ("VERSION_MIN", "VERSION_MAX", "FEATURE_RESUME", "FEATURE_OBSERVE",
+                     "MESSAGE_BYTES_MAX", "SLOTS_MAX", "INFLIGHT_MAX", "REPLIES_KEPT",
+                     "SEGMENTS_MAX", "SLOT_BYTES_MIN", "RESULT_BYTES_MIN"):
             with self.subTest(name):
                 self.assertEqual(getattr(wire, name), define(LIMITS, "PROTO_" + name))
+        self.assertEqual(wire.HISTOGRAM_BUCKETS, define(DAEMON, "PCCD_HISTOGRAM_BUCKETS"))
 
     # If this failed, a word of the upload ring would be stored beside its place.
     def test_words__stand_where_the_header_says(self):
@@ -168,6 +171,17 @@ class Wire(unittest.TestCase):
             with open(path, encoding="utf-8") as file:
                 names = re.findall(r"^ *(?:import|from) (\w*)", file.read(), re.M)
             self.assertEqual(set(names) - allowed, set(), path)
+
+    # If this failed, a step that is watched, or a histogram, would lack a field.
+    def test_events_and_histograms__have_every_field_of_the_manifest(self):
+        with open(f"{ROOT}/proto/messages.def", encoding="utf-8") as file:
+            text = file.read()
+        step = re.search(r"#define PROTO_STEP_REQUEST\(F\)(.*?)\n\n", text, re.S).group(1)
+        fields = set(re.findall(r"F\(\w+, (\w+),", step)) - {"hash_hi", "hash_lo", "code"}
+        self.assertEqual(fields | {"hash", "status"}, set(pccd.StepEvent._fields))
+        buckets = re.findall(r"F\(u64, b(\d+), REQ", text)
+        self.assertEqual(int(buckets[0]), observe.BUCKET_FIRST)
+        self.assertEqual(len(buckets) + 1, wire.HISTOGRAM_BUCKETS)
 
 
 if __name__ == "__main__":

@@ -9,4 +9,5 @@ Does:     nothing. The modules have the names of their like in client/lib:
     link      requests and their answers               reach    the way to a daemon
     recover   another connection when one is lost      keep     what a new one is told
     upload    the ring, and meshes through it          restore  how it is told
+    observe   what a daemon tells of itself
 """

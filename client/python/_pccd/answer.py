@@ -18,6 +18,11 @@ from .values import PccdError, StepCounters, StepTimes, failure
 from .wire import CONTACT, PAIR, Mode, Status, Verdict
 
 
+def hash_text(result: Dict[str, Any]) -> str:
+    """Of the records of an answer, as `pccdctl check --json` writes it."""
+    return f"{result.get('hash_hi', 0):016x}{result.get('hash_lo', 0):016x}"
+
+
 class Result(Dict[str, Any]):
     """The fields of an answer, and the page of records that came with it, if any."""
 
@@ -104,9 +109,8 @@ class Answer:
 
     @property
     def hash(self) -> str:
-        """Of all records of the answer, as `pccdctl check --json` writes it."""
-        high, low = self._result.get("hash_hi", 0), self._result.get("hash_lo", 0)
-        return f"{high:016x}{low:016x}"
+        """Of all records of the answer."""
+        return hash_text(self._result)
 
     @property
     def times(self) -> StepTimes:

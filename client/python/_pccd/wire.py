@@ -151,6 +151,13 @@ class TraceKind(enum.IntEnum):
     ANSWER = 13
 
 
+class HistogramKind(enum.IntEnum):
+    """Whose times a histogram has."""
+
+    STEPS = 0  # steps, as computed
+    REQUESTS = 1  # requests of every kind, from arrival to answer
+
+
 #: struct pccd_contact. toi, toi_hi in 0 .. 1; param: barycentric weights of the face's
 #: second and third vertex, or positions along edge a and edge b; normal: unit, from b
 #: to a.
@@ -170,6 +177,8 @@ TRACE_EVENT = np.dtype([("begin_ns", "<u8"), ("end_ns", "<u8"), ("kind", "<u4"),
 VERSION_MIN = 1
 VERSION_MAX = 1
 FEATURE_RESUME = 1
+FEATURE_OBSERVE = 4  # lists, histograms, settings, watching
+HISTOGRAM_BUCKETS = 27
 MESSAGE_BYTES_MAX = 65536
 SLOTS_MAX = 16
 INFLIGHT_MAX = 16
