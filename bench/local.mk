@@ -118,7 +118,15 @@ bench_ipc_LDADD = libpccd.la
 
 TESTS += bench/smoke.sh
 dist_check_SCRIPTS += bench/smoke.sh
-EXTRA_DIST += bench/README.md
+EXTRA_DIST += bench/README.md bench/python.py
+
+# The Python client beside libpccd.
+PYTHON_ROUNDS = 40
+.PHONY: bench-python
+bench-python: pccdd libpccd.la
+	@$(AM_TESTS_ENVIRONMENT) . $(top_srcdir)/tests/python/find.sh; \
+	[ -n "$$python" ] || { echo "no python3 with msgpack and numpy" >&2; exit 1; }; \
+	PYTHON_ROUNDS=$(PYTHON_ROUNDS) "$$python" $(top_srcdir)/bench/python.py .libs/libpccd.so
 
 .PHONY: bench
 bench: $(bench_names) pccdd
