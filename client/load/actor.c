@@ -8,12 +8,17 @@
 #include "actor.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "judge.h"
 
-#define SLOT_BYTES   8192u        /* the largest step takes some 1300 */
-#define RESULT_BYTES (256u << 10) /* the answers to LOAD_DEPTH_MAX steps take less */
+/* A slot takes both ends of the sheet in double; the region the answers to LOAD_DEPTH_MAX
+ * steps of a small sheet, which has most records for its size. */
+#define SLOT_BYTES          4096u
+#define SLOT_VERTEX_BYTES   48u
+#define RESULT_BYTES        (256u << 10)
+#define RESULT_VERTEX_BYTES 1024u
 
 /* A step without an answer for so long is lost. */
 #define STALL_NS 120000000000ull
@@ -33,30 +38,38 @@ static void complain(const struct load_actor *actor, const char *what)
 
 /* ---- what it registers ------------------------------------------------------------- */
 
+static int create_sheet(struct load_actor *actor, bool replace, void *x,
+                        uint32_t (*triangles)[3])
+{
+    uint32_t vertices = load_sheet_vertices(&actor->shape);
+    uint32_t count = load_sheet_triangle_count(&actor->shape);
+    const uint32_t(*constant)[3] = (const uint32_t(*)[3])(const void *)triangles;
+    load_sheet_f32(&actor->shape, 0, x);
+    load_sheet(&actor->shape, triangles);
+    return replace ? pccd_mesh_replace(actor->client, actor->sheet_mesh, x,
+                                       PCCD_FORMAT_F32, vertices, constant, count, NULL)
+                   : pccd_mesh_create(actor->client, x, PCCD_FORMAT_F32, vertices,
+                                      constant, count, &actor->sheet_mesh, NULL);
+}
+
 static int add_sheet(struct load_actor *actor, bool replace)
 {
-    float x[LOAD_SHEET_VERTICES][3];
-    uint32_t triangles[LOAD_SHEET_TRIANGLES][3];
-    load_sheet_f32(actor->load->settings.seed, actor->number, 0, x);
-    load_sheet(triangles);
-    if (replace) {
-        return pccd_mesh_replace(
-            actor->client, actor->sheet_mesh, x, PCCD_FORMAT_F32, LOAD_SHEET_VERTICES,
-            (const uint32_t(*)[3])(const void *)triangles, LOAD_SHEET_TRIANGLES, NULL);
-    }
-    int rc = pccd_mesh_create(actor->client, x, PCCD_FORMAT_F32, LOAD_SHEET_VERTICES,
-                              (const uint32_t(*)[3])(const void *)triangles,
-                              LOAD_SHEET_TRIANGLES, &actor->sheet_mesh, NULL);
-    return rc != 0 ? rc
-                   : pccd_scene_add(actor->client, actor->scene, actor->sheet_mesh,
-                                    &actor->sheet);
+    void *x = malloc(sizeof(float[3]) * load_sheet_vertices(&actor->shape));
+    void *triangles =
+        malloc(sizeof(uint32_t[3]) * load_sheet_triangle_count(&actor->shape));
+    int rc = x && triangles ? create_sheet(actor, replace, x, triangles) : PCCD_E_NOMEM;
+    free(x);
+    free(triangles);
+    return rc != 0 || replace ? rc
+                              : pccd_scene_add(actor->client, actor->scene,
+                                               actor->sheet_mesh, &actor->sheet);
 }
 
 static int add_floor(struct load_actor *actor)
 {
     float x[LOAD_FLOOR_VERTICES][3];
     uint32_t triangles[LOAD_FLOOR_TRIANGLES][3];
-    load_floor(x, triangles);
+    load_floor(&actor->shape, x, triangles);
     int rc = pccd_mesh_create(actor->client, x, PCCD_FORMAT_F32, LOAD_FLOOR_VERTICES,
                               (const uint32_t(*)[3])(const void *)triangles,
                               LOAD_FLOOR_TRIANGLES, &actor->floor_mesh, NULL);
@@ -90,8 +103,10 @@ static int connect_and_add(struct load_actor *actor, bool loud)
     options.name = "pccd-load";
     options.no_autostart = true;
     options.slot_count = actor->load->settings.depth;
-    options.slot_bytes = SLOT_BYTES;
-    options.result_bytes = RESULT_BYTES;
+    uint64_t vertices = load_sheet_vertices(&actor->shape);
+    options.slot_bytes = SLOT_BYTES + SLOT_VERTEX_BYTES * vertices;
+    options.result_bytes =
+        RESULT_BYTES + RESULT_VERTEX_BYTES * vertices * options.slot_count;
     options.spin_us = 0; /* there are more clients than processors */
     options.reconnect_ms = PATIENCE_MS;
     options.daemons_max = -1; /* they are killed by chance, not by what is asked */
@@ -108,6 +123,18 @@ static int connect_and_add(struct load_actor *actor, bool loud)
     return rc;
 }
 
+/* Clients take the kinds by turns. */
+static enum load_kind kind_of(uint32_t kinds, uint32_t number)
+{
+    uint32_t rank = number % (uint32_t)__builtin_popcount(kinds);
+    for (int kind = 0; kind < LOAD_KINDS; kind++) {
+        if ((kinds >> kind & 1) != 0 && rank-- == 0) {
+            return (enum load_kind)kind;
+        }
+    }
+    return LOAD_FOLLOW;
+}
+
 int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
                     struct load_tally *tally, bool sheet_first, bool loud)
 {
@@ -116,7 +143,9 @@ int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t 
     actor->tally = tally;
     actor->number = number;
     actor->sheet_first = sheet_first;
-    actor->kind = (enum load_kind)(number % LOAD_KINDS);
+    actor->shape = load_shape_of(load, number);
+    actor->kind = kind_of(load->settings.kinds, number);
+    actor->pace = (struct load_pace){.client = number, .due_ns = load_now_ns()};
     return connect_and_add(actor, loud);
 }
 
@@ -179,16 +208,15 @@ static enum load_mischief mischief_of(const struct load_actor *actor)
 static int write_jump(const struct load_actor *actor, struct pccd_frame *frame,
                       const struct load_pending *pending)
 {
-    uint64_t seed = actor->load->settings.seed;
     void *x0;
     void *x1;
-    int rc = pccd_frame_x0x1(frame, actor->sheet, PCCD_FORMAT_F64, 0, LOAD_SHEET_VERTICES,
-                             &x0, &x1);
+    int rc = pccd_frame_x0x1(frame, actor->sheet, PCCD_FORMAT_F64, 0,
+                             load_sheet_vertices(&actor->shape), &x0, &x1);
     if (rc != 0) {
         return rc;
     }
-    load_sheet_f64(seed, actor->number, pending->from, x0);
-    load_sheet_f64(seed, actor->number, (pending->from + 1) % LOAD_FRAMES, x1);
+    load_sheet_f64(&actor->shape, pending->from, x0);
+    load_sheet_f64(&actor->shape, (pending->from + 1) % LOAD_FRAMES, x1);
     if (pending->mischief == LOAD_NOT_FINITE) {
         ((double *)x1)[7] = NAN;
     }
@@ -198,7 +226,8 @@ static int write_jump(const struct load_actor *actor, struct pccd_frame *frame,
 static int write_step(const struct load_actor *actor, struct pccd_frame *frame,
                       const struct load_pending *pending)
 {
-    uint64_t seed = actor->load->settings.seed;
+    const struct load_shape *shape = &actor->shape;
+    uint32_t vertices = load_sheet_vertices(shape);
     uint32_t to = (pending->from + 1) % LOAD_FRAMES;
     double m0[12];
     double m1[12];
@@ -207,17 +236,17 @@ static int write_step(const struct load_actor *actor, struct pccd_frame *frame,
         return write_jump(actor, frame, pending);
     }
     if (actor->kind == LOAD_RIGID) {
-        load_sheet_pose(seed, actor->number, pending->from, m0);
-        load_sheet_pose(seed, actor->number, to, m1);
-        return pccd_frame_rigid(frame, actor->sheet, 0, LOAD_SHEET_VERTICES, m0, m1);
+        load_sheet_pose(shape, pending->from, m0);
+        load_sheet_pose(shape, to, m1);
+        return pccd_frame_rigid(frame, actor->sheet, 0, vertices, m0, m1);
     }
     enum pccd_format format =
         actor->kind == LOAD_PAIRS ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;
-    int rc = pccd_frame_x1(frame, actor->sheet, format, 0, LOAD_SHEET_VERTICES, &x1);
+    int rc = pccd_frame_x1(frame, actor->sheet, format, 0, vertices, &x1);
     if (rc == 0 && format == PCCD_FORMAT_F64) {
-        load_sheet_f64(seed, actor->number, to, x1);
+        load_sheet_f64(shape, to, x1);
     } else if (rc == 0) {
-        load_sheet_f32(seed, actor->number, to, x1);
+        load_sheet_f32(shape, to, x1);
     }
     return rc;
 }
@@ -229,6 +258,9 @@ static struct pccd_step_settings settings_of(const struct load_actor *actor,
     settings.mode = actor->kind == LOAD_RIGID   ? PCCD_MODE_FIRST
                     : actor->kind == LOAD_PAIRS ? PCCD_MODE_PAIRS
                                                 : PCCD_MODE_ALL;
+    if (actor->load->settings.mode >= 0) {
+        settings.mode = (enum pccd_mode)actor->load->settings.mode;
+    }
     settings.deadline_ns = mischief == LOAD_DUE ? 1 : 0;
     return settings;
 }
@@ -240,10 +272,12 @@ static int submit(struct load_actor *actor)
     struct pccd_frame frame;
     *pending = (struct load_pending){.from = (uint32_t)(actor->next % LOAD_FRAMES),
                                      .mischief = mischief_of(actor),
+                                     .due_ns = actor->pace.due_ns,
                                      .sent_ns = load_now_ns()};
     struct pccd_step_settings settings = settings_of(actor, pending->mischief);
-    int rc = pccd_frame_begin(actor->client, actor->scene, 1,
-                              sizeof(double[2 * LOAD_SHEET_VERTICES][3]), &frame);
+    int rc = pccd_frame_begin(
+        actor->client, actor->scene, 1,
+        (uint64_t)SLOT_VERTEX_BYTES * load_sheet_vertices(&actor->shape), &frame);
     if (rc != 0) {
         return rc;
     }
@@ -272,6 +306,7 @@ static int take(struct load_actor *actor, bool *moved)
     while ((rc = pccd_poll(actor->client, &answer)) == 0) {
         load_judge(actor, &answer);
         pccd_answer_release(actor->client, &answer);
+        actor->is_blocked = false;
         *moved = true;
     }
     return rc == PCCD_E_AGAIN ? 0 : rc;
@@ -283,21 +318,29 @@ static bool must_churn(const struct load_actor *actor)
            actor->next % CHURN_EVERY == 0 && actor->changed != actor->next;
 }
 
-/* As an application does between its frames. */
-static void think(struct load_actor *actor)
+/* Until the next one is due, or the client stops. */
+static void go_on(struct load_actor *actor)
 {
-    uint64_t think_ns = (uint64_t)actor->load->settings.think_ms * 1000000u;
-    if (think_ns > 0) {
-        uint64_t luck = load_mix(actor->number, actor->next ^ actor->last_step << 32);
-        actor->due_ns = load_now_ns() + think_ns / 2 + luck % think_ns;
+    if (actor->is_alone) {
+        return;
+    }
+    uint64_t now_ns = load_now_ns();
+    uint64_t stall_ns = load_pace_stall_ns(&actor->pace, actor->load);
+    load_pace_next(&actor->pace, actor->load, now_ns);
+    if (stall_ns > 0) {
+        actor->stall_until_ns = now_ns + stall_ns;
+        actor->tally->stalled++;
     }
 }
 
 static int send(struct load_actor *actor, bool *moved)
 {
+    actor->is_blocked = false;
     while (actor->pending_count < actor->load->settings.depth) {
+        uint64_t now_ns = load_now_ns();
         if (must_churn(actor)) {
-            if (actor->pending_count > 0) {
+            actor->is_blocked = actor->pending_count > 0;
+            if (actor->is_blocked) {
                 return 0;
             }
             actor->changed = actor->next;
@@ -306,34 +349,54 @@ static int send(struct load_actor *actor, bool *moved)
                 return rc;
             }
         }
-        if (load_now_ns() < actor->due_ns) {
+        if (now_ns < actor->stall_until_ns ||
+            (!actor->is_alone && now_ns < actor->pace.due_ns)) {
             return 0;
         }
         int rc = submit(actor);
         if (rc != 0) {
+            actor->is_blocked = rc == PCCD_E_BUSY;
             return rc == PCCD_E_BUSY ? 0 : rc;
         }
         *moved = true;
-        think(actor);
+        go_on(actor);
     }
     return 0;
 }
 
-bool load_actor_turn(struct load_actor *actor, bool more)
+bool load_actor_turn(struct load_actor *actor, bool more, bool readable)
 {
     bool moved = false;
+    if (load_now_ns() < actor->stall_until_ns) {
+        return false;
+    }
     int rc = more ? send(actor, &moved) : 0;
-    rc = rc == 0 ? take(actor, &moved) : rc;
-    uint64_t now_ns = load_now_ns();
+    bool takes = (readable || moved) && load_now_ns() >= actor->stall_until_ns;
+    rc = rc == 0 && takes ? take(actor, &moved) : rc;
     if (rc != 0) {
         break_off(actor, "a call failed");
         return true;
     }
     if (moved || actor->pending_count == 0) {
-        actor->moved_ns = now_ns;
-    } else if (now_ns - actor->moved_ns > STALL_NS) {
-        break_off(actor, "no answer came");
-        return true;
+        actor->moved_ns = load_now_ns();
     }
     return moved;
+}
+
+uint64_t load_actor_wake_ns(const struct load_actor *actor, bool more)
+{
+    if (actor->stall_until_ns > load_now_ns()) {
+        return actor->stall_until_ns;
+    }
+    bool can_submit =
+        more && !actor->is_blocked && actor->pending_count < actor->load->settings.depth;
+    return can_submit ? actor->pace.due_ns : UINT64_MAX;
+}
+
+void load_actor_check(struct load_actor *actor, uint64_t now_ns)
+{
+    if (actor->pending_count > 0 && now_ns > actor->moved_ns &&
+        now_ns - actor->moved_ns > STALL_NS) {
+        break_off(actor, "no answer came");
+    }
 }

@@ -1,6 +1,6 @@
 /* actor.h - one client of a run.
  *
- * Room:     client/load. May include: load.h, pccd.h.
+ * Room:     client/load. May include: load.h, pace.h, pccd.h.
  * Does:     connect, register its shape, keep some steps in flight, and judge each
  *           answer: is it to a request that waits for one, and what a lone client got?
  * Does not: wait: who has many of them takes turns (crowd.h).
@@ -19,9 +19,12 @@
 #define LOAD_ACTOR_H
 
 #include "load.h"
+#include "pace.h"
 #include "pccd.h"
 
 enum load_kind { LOAD_FOLLOW, LOAD_JUMP, LOAD_RIGID, LOAD_PAIRS, LOAD_CHURN, LOAD_KINDS };
+
+#define LOAD_KINDS_ALL ((1u << LOAD_KINDS) - 1)
 
 /* What is special about a request. */
 enum load_mischief { LOAD_PLAIN, LOAD_CANCELLED, LOAD_DUE, LOAD_NOT_FINITE };
@@ -30,6 +33,7 @@ struct load_pending {
     uint64_t step;
     uint32_t from; /* position; the next one is where it goes */
     enum load_mischief mischief;
+    uint64_t due_ns; /* in the open loop: when it should have been submitted */
     uint64_t sent_ns;
 };
 
@@ -38,6 +42,7 @@ struct load_actor {
     struct load_tally *tally;
     uint32_t number;
     enum load_kind kind;
+    struct load_shape shape;
     bool is_alone;    /* its answers become the truth, and it makes no mischief */
     bool sheet_first; /* it adds the sheet before the floor */
     struct pccd_client *client;
@@ -45,7 +50,9 @@ struct load_actor {
     uint64_t next;    /* number of the next request */
     uint64_t changed; /* churn: when it last did */
     uint64_t last_step;
-    uint64_t due_ns; /* not before that */
+    struct load_pace pace;
+    uint64_t stall_until_ns; /* it does nothing before that */
+    bool is_blocked;         /* it can submit nothing before an answer has come */
     struct load_pending pending[LOAD_DEPTH_MAX];
     uint32_t pending_count;
     uint64_t moved_ns; /* when something last came of a turn */
@@ -56,9 +63,15 @@ struct load_actor {
 int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
                     struct load_tally *tally, bool sheet_first, bool loud);
 
-/* Submit what there is room for, if `more`, and take what has arrived. Returns whether
- * anything was. */
-bool load_actor_turn(struct load_actor *actor, bool more);
+/* Submit what is due, if `more`, and take what has arrived, if its descriptor is readable
+ * or something was submitted. Returns whether anything was. */
+bool load_actor_turn(struct load_actor *actor, bool more, bool readable);
+
+/* When it wants a turn even if its descriptor is silent; UINT64_MAX: not at all. */
+uint64_t load_actor_wake_ns(const struct load_actor *actor, bool more);
+
+/* Begin anew if an answer has not come for very long. */
+void load_actor_check(struct load_actor *actor, uint64_t now_ns);
 
 /* What waits for an answer is lost. */
 void load_actor_close(struct load_actor *actor);

@@ -41,7 +41,7 @@ static void live(const struct load *load, uint32_t index, pid_t parent)
         load_sleep_ms(1);
     }
     for (;;) {
-        if (!load_actor_turn(&actor, true)) {
+        if (!load_actor_turn(&actor, true, true)) {
             struct pollfd fd = {.fd = pccd_fd(actor.client), .events = POLLIN};
             (void)poll(&fd, 1, 20);
         }

@@ -14,31 +14,39 @@
 
 #include "actor.h"
 
-/* How long a process sleeps when none of its clients has anything to do: an answer wakes
- * it. */
-#define NAP_MS 20
-
-/* Or until some of them have thought enough. */
-#define THINK_NAP_MS 2
+/* How long a process sleeps when nothing is due: an answer wakes it. */
+#define NAP_NS 20000000u
 
 struct crowd {
     const struct load *load;
-    struct load_actor *actors;
+    struct load_tally *tally;
+    struct load_actor *actors; /* those that have joined have a client */
     struct pollfd *fds;
+    uint32_t index;
     uint32_t count;
 };
 
-static bool open_all(struct crowd *crowd, uint32_t index)
+static uint32_t number_of(const struct crowd *crowd, uint32_t i)
+{
+    return crowd->index + i * crowd->load->settings.processes;
+}
+
+static bool join(struct crowd *crowd, uint32_t i)
+{
+    return load_actor_open(&crowd->actors[i], crowd->load, number_of(crowd, i),
+                           crowd->tally, false, true) == 0;
+}
+
+/* Those that do not join one after the other. */
+static bool open_all(struct crowd *crowd)
 {
     const struct load_settings *settings = &crowd->load->settings;
-    struct load_tally *tally = &crowd->load->shared->crowd[index];
-    for (uint32_t i = index; i < settings->clients; i += settings->processes) {
-        struct load_actor *actor = &crowd->actors[crowd->count++];
-        if (load_actor_open(actor, crowd->load, i, tally, false, true) != 0) {
-            return false;
-        }
+    bool good = true;
+    for (uint32_t i = crowd->index; i < settings->clients; i += settings->processes) {
+        good = good && (settings->ramp_s > 0 || join(crowd, crowd->count));
+        crowd->count++;
     }
-    return true;
+    return good;
 }
 
 static bool has_failed(const struct crowd *crowd)
@@ -46,39 +54,75 @@ static bool has_failed(const struct crowd *crowd)
     return atomic_load(&crowd->load->shared->failed);
 }
 
-/* One turn of each. Returns whether any of them goes on. */
-static bool take_turns(struct crowd *crowd, bool *moved)
+/* Everybody's plan begins; who has joined already asks when it says. */
+static void begin(struct crowd *crowd)
+{
+    for (uint32_t i = 0; i < crowd->count; i++) {
+        load_pace_begin(&crowd->actors[i].pace, crowd->load, number_of(crowd, i));
+    }
+}
+
+/* A client whose plan begins joins first. */
+static void join_if_due(struct crowd *crowd, uint32_t i)
+{
+    struct load_pace pace = crowd->actors[i].pace;
+    if (load_now_ns() >= pace.due_ns) {
+        if (!join(crowd, i)) {
+            atomic_store(&crowd->load->shared->failed, true);
+        }
+        crowd->actors[i].pace = pace;
+    }
+}
+
+/* One turn of each that has something to do. Returns whether any of them goes on. */
+static bool take_turns(struct crowd *crowd, uint64_t *wake_ns)
 {
     bool enough = atomic_load(&crowd->load->shared->enough);
     bool goes_on = false;
-    *moved = false;
+    uint64_t now_ns = load_now_ns();
+    *wake_ns = now_ns + NAP_NS;
     for (uint32_t i = 0; i < crowd->count && !has_failed(crowd); i++) {
         struct load_actor *actor = &crowd->actors[i];
         bool more = !enough || actor->next < crowd->load->settings.requests;
-        *moved = load_actor_turn(actor, more) || *moved;
+        bool readable = crowd->fds[i].revents != 0;
+        if (!actor->client) {
+            join_if_due(crowd, i);
+        } else if (readable || load_actor_wake_ns(actor, more) <= now_ns) {
+            (void)load_actor_turn(actor, more, readable);
+        }
+        load_actor_check(actor, now_ns);
+        uint64_t next_ns =
+            actor->client ? load_actor_wake_ns(actor, more) : actor->pace.due_ns;
+        *wake_ns = next_ns < *wake_ns ? next_ns : *wake_ns;
         goes_on = goes_on || more || actor->pending_count > 0;
     }
     return goes_on && !has_failed(crowd);
 }
 
-static void nap(struct crowd *crowd)
+/* Until something can be read or is due. */
+static void nap(struct crowd *crowd, uint64_t wake_ns)
 {
+    uint64_t now_ns = load_now_ns();
+    uint64_t left_ns = wake_ns > now_ns ? wake_ns - now_ns : 0;
+    struct timespec left = {0, (long)(left_ns < NAP_NS ? left_ns : NAP_NS)};
     for (uint32_t i = 0; i < crowd->count; i++) {
+        const struct load_actor *actor = &crowd->actors[i];
+        bool reads = actor->client && now_ns >= actor->stall_until_ns;
         crowd->fds[i] =
-            (struct pollfd){.fd = pccd_fd(crowd->actors[i].client), .events = POLLIN};
+            (struct pollfd){.fd = reads ? pccd_fd(actor->client) : -1, .events = POLLIN};
     }
-    (void)poll(crowd->fds, crowd->count,
-               crowd->load->settings.think_ms > 0 ? THINK_NAP_MS : NAP_MS);
+    (void)ppoll(crowd->fds, crowd->count, &left, NULL);
 }
 
 static int run(struct load *load, uint32_t index)
 {
     struct load_shared *shared = load->shared;
-    struct crowd crowd = {.load = load};
-    bool moved;
+    struct crowd crowd = {.load = load, .tally = &shared->crowd[index], .index = index};
+    uint64_t wake_ns;
+    (void)prctl(PR_SET_TIMERSLACK, 1000, 0, 0, 0); /* requests go out when they are due */
     crowd.actors = calloc(load->settings.clients, sizeof *crowd.actors);
     crowd.fds = calloc(load->settings.clients, sizeof *crowd.fds);
-    if (!crowd.actors || !crowd.fds || !open_all(&crowd, index)) {
+    if (!crowd.actors || !crowd.fds || !open_all(&crowd)) {
         atomic_store(&shared->failed, true);
         return 1;
     }
@@ -86,13 +130,14 @@ static int run(struct load *load, uint32_t index)
     while (!atomic_load(&shared->go) && !has_failed(&crowd)) {
         load_sleep_ms(1);
     }
-    while (take_turns(&crowd, &moved)) {
-        if (!moved) {
-            nap(&crowd);
-        }
+    begin(&crowd);
+    while (take_turns(&crowd, &wake_ns)) {
+        nap(&crowd, wake_ns);
     }
     for (uint32_t i = 0; i < crowd.count; i++) {
-        load_actor_close(&crowd.actors[i]);
+        if (crowd.actors[i].client) {
+            load_actor_close(&crowd.actors[i]);
+        }
     }
     free(crowd.actors);
     free(crowd.fds);
@@ -120,9 +165,9 @@ static int go_round(const struct load *load, uint32_t number, bool sheet_first,
     actor.is_alone = true;
     while (rc == 0 && (actor.next < LOAD_FRAMES || actor.pending_count > 0)) {
         bool more = actor.next < LOAD_FRAMES;
-        if (!load_actor_turn(&actor, more) && actor.pending_count > 0) {
+        if (!load_actor_turn(&actor, more, true) && actor.pending_count > 0) {
             struct pollfd fd = {.fd = pccd_fd(actor.client), .events = POLLIN};
-            (void)poll(&fd, 1, NAP_MS);
+            (void)poll(&fd, 1, NAP_NS / 1000000);
         }
         rc = tally->broken > 0 ? PCCD_E_DISCONNECTED : 0;
     }

@@ -1,6 +1,6 @@
 /* load.h - what all processes of a run know.
  *
- * Room:     client/load. May include: tally.h, shape.h.
+ * Room:     client/load. May include: tally.h, shape.h, size.h.
  * Does:     the settings of a run, and the memory that its processes share.
  * Threads:  processes: constant once the crowd is started, but for what says otherwise.
  */
@@ -10,12 +10,14 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "shape.h"
+#include "size.h"
 #include "tally.h"
 
 #define LOAD_DEPTH_MAX   8u
-#define LOAD_PROCESS_MAX 64u
+#define LOAD_PROCESS_MAX 1024u
 #define LOAD_VICTIM_MAX  64u
 
 /* Which of the two objects has the smaller number, which decides the order of records. Of
@@ -29,14 +31,28 @@ struct load_settings {
     uint32_t processes;
     uint32_t depth;     /* requests of a client in flight */
     uint32_t think_ms;  /* between two of them, half as long to half again */
-    uint32_t minutes;   /* at least; 0: as long as the requests take */
-    uint32_t seconds;   /* the same, in addition */
-    uint32_t victims;   /* clients at a time that are there to be killed */
-    uint64_t kills;     /* of clients */
-    uint64_t crashes;   /* kills of the daemon's worker */
-    uint32_t pause_ms;  /* between two of these, half as long to half again */
-    bool flat;          /* the daemon's memory must not grow */
-    const char *daemon; /* program to start; NULL: `url` is the daemon's */
+    double hz;          /* of each client, whatever the answers do; 0: the closed loop */
+    bool poisson;       /* at random distances */
+    double ramp_s;      /* over which the clients join */
+    double warm_up_s;   /* after that; until then latencies do not count */
+    double deadline_ms; /* of an answer; 0: none */
+    double p99_ms;      /* fail when that of the latency is longer; 0: not */
+    double stall_share; /* of the requests, after which a client stops reading .. */
+    uint32_t stall_ms;  /* .. for so long */
+    struct load_sizes sizes;
+    enum load_scene scene;
+    uint32_t kinds;         /* which, a bit each; clients take them by turns */
+    int mode;               /* enum pccd_mode of all steps; -1: by kind */
+    uint32_t minutes;       /* at least; 0: as long as the requests take */
+    uint32_t seconds;       /* the same, in addition */
+    uint32_t victims;       /* clients at a time that are there to be killed */
+    uint64_t kills;         /* of clients */
+    uint64_t crashes;       /* kills of the daemon's worker */
+    uint32_t pause_ms;      /* between two of these, half as long to half again */
+    bool flat;              /* the daemon's memory must not grow */
+    bool json;              /* the report is one JSON object */
+    const char *csv, *plot; /* files to write; NULL: none */
+    const char *daemon;     /* program to start; NULL: `url` is the daemon's */
     const char *url;
     char *const *daemon_options; /* NULL-terminated */
 };
@@ -44,7 +60,8 @@ struct load_settings {
 /* How long the load takes at least. */
 static inline double load_settings_ns(const struct load_settings *settings)
 {
-    return 1e9 * (60.0 * settings->minutes + settings->seconds);
+    double timed_s = 60.0 * settings->minutes + settings->seconds;
+    return 1e9 * (timed_s + settings->ramp_s + settings->warm_up_s);
 }
 
 /* The answer to one step, as a client that is alone got it. */
@@ -54,10 +71,11 @@ struct load_truth {
 };
 
 struct load_shared {
-    atomic_uint ready;  /* processes whose clients are connected */
-    atomic_bool go;     /* .. may begin */
-    atomic_bool enough; /* nothing is left to wait for but the requests */
-    atomic_bool failed; /* a process could not do its part */
+    atomic_uint ready;   /* processes whose clients are connected */
+    atomic_bool go;      /* .. may begin */
+    atomic_ullong go_ns; /* since when; set before `go` */
+    atomic_bool enough;  /* nothing is left to wait for but the requests */
+    atomic_bool failed;  /* a process could not do its part */
     struct load_tally crowd[LOAD_PROCESS_MAX];
     struct load_tally victims[LOAD_VICTIM_MAX];
     struct load_truth truth[]; /* [clients + victims][LOAD_ORDERS][LOAD_FRAMES] */
@@ -80,6 +98,24 @@ static inline struct load_truth *load_truth_of(const struct load *load, uint32_t
     return &load->shared
                 ->truth[((uint64_t)client * LOAD_ORDERS + sheet_first) * LOAD_FRAMES +
                         frame];
+}
+
+/* Of that client; the same in every process. */
+static inline struct load_shape load_shape_of(const struct load *load, uint32_t client)
+{
+    const struct load_settings *settings = &load->settings;
+    uint64_t luck = load_mix(settings->seed ^ 0x512e5, client);
+    return (struct load_shape){
+        .seed = settings->seed,
+        .client = client,
+        .scene = settings->scene,
+        .side = load_sheet_side(load_sizes_draw(&settings->sizes, luck))};
+}
+
+/* No daemon: the engine is in each client's own process. */
+static inline bool load_is_direct(const struct load *load)
+{
+    return strncmp(load->url, "direct:", 7) == 0;
 }
 
 /* CLOCK_MONOTONIC, nanoseconds. */

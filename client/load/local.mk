@@ -9,10 +9,18 @@ libload_la_SOURCES = \
     client/load/assault.c client/load/assault.h \
     client/load/common.c \
     client/load/crowd.c client/load/crowd.h \
+    client/load/findings.c \
+    client/load/hist.c client/load/hist.h \
+    client/load/json.c \
     client/load/judge.c client/load/judge.h \
     client/load/load.h \
+    client/load/options.c client/load/options.h \
+    client/load/pace.c client/load/pace.h \
+    client/load/plot.c client/load/plot.h \
     client/load/report.c client/load/report.h \
+    client/load/series.c client/load/series.h \
     client/load/shape.c client/load/shape.h \
+    client/load/size.c client/load/size.h \
     client/load/tally.c client/load/tally.h \
     client/load/target.c client/load/target.h \
     client/load/watch.c client/load/watch.h

@@ -1,10 +1,9 @@
 /* main.c - pccd-load: many clients at once, and whether each gets its own answers.
  *
  * Room:     client/load; the program.
- * Does:     options; the order of a run: truth, load with kills, baseline, report.
+ * Does:     the order of a run: truth, load with kills, baseline, report.
  * Threads:  one, and the processes that it starts.
  */
-#include <argp.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,8 +13,10 @@
 
 #include "assault.h"
 #include "crowd.h"
-#include "pccd.h"
+#include "options.h"
+#include "plot.h"
 #include "report.h"
+#include "series.h"
 #include "target.h"
 #include "watch.h"
 
@@ -23,131 +24,6 @@
  * its connection for some seconds. */
 #define BASELINE_MS 20000u
 #define IDLE_MS     500u /* for the end of its last connection */
-
-/* ---- options ----------------------------------------------------------------------- */
-
-enum {
-    OPT_CLIENTS = 'c',
-    OPT_REQUESTS = 'n',
-    OPT_PROCESSES = 'p',
-    OPT_DEPTH = 'd',
-    OPT_THINK = 't',
-    OPT_SEED = 's',
-    OPT_URL = 'u',
-    OPT_DAEMON = 0x100,
-    OPT_MINUTES,
-    OPT_SECONDS,
-    OPT_VICTIMS,
-    OPT_KILL_CLIENTS,
-    OPT_KILL_WORKER,
-    OPT_PAUSE,
-    OPT_FLAT
-};
-
-static const struct argp_option option_table[] = {
-    {"clients", OPT_CLIENTS, "N", 0, "clients at once (default 100)", 0},
-    {"requests", OPT_REQUESTS, "N", 0, "of each client, at least (default 100)", 0},
-    {"processes", OPT_PROCESSES, "N", 0, "that share the clients (default 4)", 0},
-    {"depth", OPT_DEPTH, "N", 0, "requests of a client in flight (default 2)", 0},
-    {"think-ms", OPT_THINK, "N", 0, "between two of them, about (default 0)", 0},
-    {"seed", OPT_SEED, "N", 0, "of the scenes (default 1)", 0},
-    {"minutes", OPT_MINUTES, "N", 0, "go on at least so long", 0},
-    {"seconds", OPT_SECONDS, "N", 0, "and so long", 0},
-    {"kill-clients", OPT_KILL_CLIENTS, "N", 0, "SIGKILL so many other clients", 0},
-    {"victims", OPT_VICTIMS, "N", 0, "of these at a time (default 8)", 0},
-    {"kill-worker", OPT_KILL_WORKER, "N", 0, "SIGKILL the daemon's worker so often", 0},
-    {"pause-ms", OPT_PAUSE, "N", 0, "between two of these, about (default 100)", 0},
-    {"flat", OPT_FLAT, NULL, 0, "fail if the daemon's memory grows", 0},
-    {"daemon", OPT_DAEMON, "PROGRAM", 0,
-     "start it, supervised (default: $PCCD_DAEMON, or pccdd in $PATH)", 0},
-    {"url", OPT_URL, "unix:PATH", 0, "use that daemon instead", 0},
-    {NULL, 0, NULL, 0, NULL, 0},
-};
-
-static uint64_t number(const struct argp_state *state, const char *text, uint64_t low,
-                       uint64_t high)
-{
-    char *end;
-    errno = 0;
-    unsigned long long value = strtoull(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || *end || errno || value < low || value > high) {
-        argp_error(state, "\"%s\" is not a number from %llu to %llu", text,
-                   (unsigned long long)low, (unsigned long long)high);
-    }
-    return value;
-}
-
-static uint32_t small(const struct argp_state *state, const char *text, uint32_t low,
-                      uint32_t high)
-{
-    return (uint32_t)number(state, text, low, high);
-}
-
-static error_t parse_kills(int key, char *text, struct argp_state *state)
-{
-    struct load_settings *settings = state->input;
-    switch (key) {
-    case OPT_VICTIMS:
-        settings->victims = small(state, text, 1, LOAD_VICTIM_MAX);
-        return 0;
-    case OPT_KILL_CLIENTS:
-        settings->kills = number(state, text, 0, UINT32_MAX);
-        return 0;
-    case OPT_KILL_WORKER:
-        settings->crashes = number(state, text, 0, UINT32_MAX);
-        return 0;
-    case OPT_PAUSE:
-        settings->pause_ms = small(state, text, 1, 3600000);
-        return 0;
-    case ARGP_KEY_ARGS: /* after --: for the daemon */
-        settings->daemon_options = state->argv + state->next;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct load_settings *settings = state->input;
-    switch (key) {
-    case OPT_CLIENTS:
-        settings->clients = small(state, text, 1, 65536);
-        return 0;
-    case OPT_REQUESTS:
-        settings->requests = number(state, text, 1, UINT32_MAX);
-        return 0;
-    case OPT_PROCESSES:
-        settings->processes = small(state, text, 1, LOAD_PROCESS_MAX);
-        return 0;
-    case OPT_DEPTH:
-        settings->depth = small(state, text, 1, LOAD_DEPTH_MAX);
-        return 0;
-    case OPT_THINK:
-        settings->think_ms = small(state, text, 0, 60000);
-        return 0;
-    case OPT_SEED:
-        settings->seed = number(state, text, 0, UINT64_MAX);
-        return 0;
-    case OPT_MINUTES:
-        settings->minutes = small(state, text, 0, 1u << 20);
-        return 0;
-    case OPT_SECONDS:
-        settings->seconds = small(state, text, 0, 1u << 20);
-        return 0;
-    case OPT_FLAT:
-        settings->flat = true;
-        return 0;
-    case OPT_DAEMON:
-        settings->daemon = text;
-        return 0;
-    case OPT_URL:
-        settings->url = text;
-        return 0;
-    default:
-        return parse_kills(key, text, state);
-    }
-}
 
 /* ---- a run ------------------------------------------------------------------------- */
 
@@ -184,16 +60,26 @@ static uint32_t gather(struct load *load, pid_t *crowd)
     return count;
 }
 
+/* What goes on beside the crowd. */
+struct overseer {
+    struct load_assault assault;
+    struct load_watch watch;
+    struct load_series series;
+};
+
 /* Kill and watch until the crowd has ended. Returns how many of it ended badly. */
 static uint32_t oversee(struct load *load, pid_t *crowd, uint32_t count,
-                        struct load_assault *assault, struct load_watch *watch)
+                        struct overseer *overseer)
 {
     uint64_t end_ns = load_now_ns() + (uint64_t)load_settings_ns(&load->settings);
     uint32_t running = count;
     uint32_t bad = 0;
     while (running > 0) {
-        bool more = load_assault_turn(assault);
-        load_watch_turn(watch, load);
+        bool more = load_assault_turn(&overseer->assault);
+        if (!load_is_direct(load)) {
+            load_watch_turn(&overseer->watch, load);
+        }
+        load_series_turn(&overseer->series, load, false);
         if (!more && load_now_ns() >= end_ns) {
             atomic_store(&load->shared->enough, true);
         }
@@ -210,6 +96,7 @@ static uint32_t oversee(struct load *load, pid_t *crowd, uint32_t count,
         }
         load_sleep_ms(1);
     }
+    load_series_turn(&overseer->series, load, true);
     return bad;
 }
 
@@ -233,60 +120,75 @@ static int64_t idle_memory(const struct load *load)
     return pid > 0 ? load_target_memory(pid) : -1;
 }
 
+/* What the daemon holds, and what its clients get when they are alone. */
+static void prepare(struct load *load, struct load_outcome *outcome)
+{
+    if ((!load_is_direct(load) && !load_target_holdings(load, &outcome->before)) ||
+        load_crowd_find_truth(load, &outcome->truth_records) != 0) {
+        atomic_store(&load->shared->failed, true);
+    }
+    outcome->idle_before_kib = load_is_direct(load) ? -1 : idle_memory(load);
+}
+
+static bool report(const struct load *load, const struct load_outcome *outcome,
+                   struct overseer *overseer)
+{
+    struct load_findings *findings = malloc(sizeof *findings);
+    if (!findings) {
+        load_say("no memory for a report");
+        return false;
+    }
+    load_find(findings, load, outcome, &overseer->assault, &overseer->watch);
+    bool is_good = findings->is_good;
+    if (load->settings.plot) {
+        is_good = load_plot(load, &overseer->series, &findings->crowd.latency) && is_good;
+    }
+    is_good = load_series_end(&overseer->series) && is_good;
+    if (load->settings.json) {
+        load_report_json(findings);
+    } else {
+        load_report_text(findings);
+    }
+    free(findings);
+    return is_good;
+}
+
 static bool run(struct load *load, struct load_target *target)
 {
     struct load_outcome outcome = {.ended = true};
-    struct load_assault assault;
-    struct load_watch watch;
+    struct overseer overseer;
     pid_t crowd[LOAD_PROCESS_MAX];
-    load_watch_begin(&watch);
-    if (!load_target_holdings(load, &outcome.before) ||
-        load_crowd_find_truth(load, &outcome.truth_records) != 0) {
-        atomic_store(&load->shared->failed, true);
-    }
-    outcome.idle_before_kib = idle_memory(load);
+    load_watch_begin(&overseer.watch);
+    prepare(load, &outcome);
     uint32_t count = atomic_load(&load->shared->failed) ? 0 : gather(load, crowd);
     uint64_t begin_ns = load_now_ns();
+    if (!load_series_begin(&overseer.series, load)) {
+        atomic_store(&load->shared->failed, true);
+    }
+    atomic_store(&load->shared->go_ns, begin_ns);
     atomic_store(&load->shared->go, true);
-    load_assault_begin(&assault, load);
-    outcome.bad_processes = oversee(load, crowd, count, &assault, &watch);
+    load_assault_begin(&overseer.assault, load);
+    outcome.bad_processes = oversee(load, crowd, count, &overseer);
     outcome.seconds = (double)(load_now_ns() - begin_ns) * 1e-9;
-    load_assault_end(&assault);
-    settle(load, &outcome);
-    outcome.idle_after_kib = idle_memory(load);
+    load_assault_end(&overseer.assault);
+    if (!load_is_direct(load)) {
+        settle(load, &outcome);
+        outcome.idle_after_kib = idle_memory(load);
+    }
     if (target->supervisor > 0) {
         outcome.ended = load_target_stop(target);
     }
-    bool is_good = load_report(load, &outcome, &assault, &watch);
-    load_watch_deinit(&watch);
+    bool is_good = report(load, &outcome, &overseer);
+    load_watch_deinit(&overseer.watch);
     return is_good;
 }
 
 int main(int argc, char **argv)
 {
-    static const struct argp argp = {
-        .options = option_table,
-        .parser = parse,
-        .args_doc = "[-- DAEMON-OPTION...]",
-        .doc = "Put a pccd daemon under the load of many clients, kill some of them and "
-               "the daemon itself, and compare every answer with what a lone client "
-               "gets.",
-    };
-    const char *daemon = getenv("PCCD_DAEMON");
-    struct load load = {.settings = {.seed = 1,
-                                     .clients = 100,
-                                     .requests = 100,
-                                     .processes = 4,
-                                     .depth = 2,
-                                     .victims = 8,
-                                     .pause_ms = 100,
-                                     .daemon = daemon ? daemon : "pccdd"}};
+    struct load load = {0};
     struct load_target target = {0};
-    argp_parse(&argp, argc, argv, 0, NULL, &load.settings);
-    if (load.settings.processes > load.settings.clients) {
-        load.settings.processes = load.settings.clients;
-    }
-    if (!share_memory(&load)) {
+    load_options_parse(argc, argv, &load.settings);
+    if ((load.settings.plot && !load_plot_can()) || !share_memory(&load)) {
         return 1;
     }
     if (load.settings.url) {

@@ -1,7 +1,7 @@
 /* report.h - what a run has shown.
  *
  * Room:     client/load. May include: assault.h, target.h, watch.h.
- * Does:     print the figures, a line each, and say whether all is as it must be.
+ * Does:     judge the figures, and print them: a line each, or as one JSON object.
  * Threads:  one.
  */
 #ifndef LOAD_REPORT_H
@@ -22,10 +22,34 @@ struct load_outcome {
     int64_t idle_after_kib; /* and of the last worker at the end */
 };
 
-/* Returns whether nothing was lost, doubled, crossed or wrong, all adds up, and the
- * daemon holds what it held before. */
-bool load_report(const struct load *load, const struct load_outcome *outcome,
-                 const struct load_assault *assault, const struct load_watch *watch);
+/* The verdicts, and the sums that they are of. */
+struct load_findings {
+    const struct load *load;
+    const struct load_outcome *outcome;
+    const struct load_assault *assault;
+    struct load_tally crowd, victims;
+    struct load_slope slopes[LOAD_GAUGES];
+    bool grows[LOAD_GAUGES];
+    uint64_t checksum; /* everybody's answers: two runs with the same seed and the same
+                          clients have the same */
+    int64_t idle_limit_kib;
+    double measured_s; /* that latencies were counted for */
+    bool adds_up;      /* what was submitted is what has ended in one way or another */
+    bool is_right;     /* and nothing of it was lost, doubled, crossed, wrong */
+    bool is_back;      /* the daemon holds what it held before */
+    bool is_flat;      /* its memory does not grow, or that was not asked */
+    bool is_little;    /* without clients, too */
+    bool is_quick;     /* p99 is what was asked */
+    bool is_good;      /* all that, and the truth tells something */
+};
+
+/* Judge. The findings are some 140 KB. */
+void load_find(struct load_findings *findings, const struct load *load,
+               const struct load_outcome *outcome, const struct load_assault *assault,
+               const struct load_watch *watch);
+
+void load_report_text(const struct load_findings *findings);
+void load_report_json(const struct load_findings *findings);
 
 bool load_holdings_equal(const struct load_holdings *a, const struct load_holdings *b);
 

@@ -1,10 +1,25 @@
-/* shape.c - a small scene for each client, unlike any other's.
+/* shape.c - a scene for each client, unlike any other's.
  *
  * Room:     client/load.
  * Does:     see shape.h.
  * Threads:  [any].
  */
 #include "shape.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#define TURN 6.283185307179586
+
+/* Of the waves: height of the sheet above the floor, and of a crest above that. A quarter
+ * of a wave that is half as high as that is below the floor. */
+#define WAVE_ABOVE  0.35
+#define WAVE_HEIGHT 0.5
+#define WAVE_APART  0.75
+
+/* No mesh of a real cloth is a grid along the floor's edges: parallel edges that meet are
+ * the rare case that takes exact arithmetic. */
+#define WAVE_UNEVEN 0.2
 
 uint64_t load_mix(uint64_t seed, uint64_t index)
 {
@@ -14,11 +29,20 @@ uint64_t load_mix(uint64_t seed, uint64_t index)
     return z ^ z >> 31;
 }
 
-/* Between -1 and 1. */
-static double noise(uint64_t seed, uint32_t client, uint32_t frame, uint32_t index)
+double load_unit(uint64_t bits)
 {
-    uint64_t bits = load_mix(load_mix(seed, client), (uint64_t)frame << 32 | index);
-    return (double)(bits >> 11) * 0x1p-52 - 1;
+    return (double)(bits >> 11) * 0x1p-53;
+}
+
+/* Between -1 and 1. */
+static double noise(uint64_t client_seed, uint32_t frame, uint32_t index)
+{
+    return 2 * load_unit(load_mix(client_seed, (uint64_t)frame << 32 | index)) - 1;
+}
+
+static uint64_t client_seed(const struct load_shape *shape)
+{
+    return load_mix(shape->seed, shape->client);
 }
 
 static void grid(uint32_t side, uint32_t (*triangles)[3])
@@ -34,44 +58,104 @@ static void grid(uint32_t side, uint32_t (*triangles)[3])
     }
 }
 
-void load_floor(float (*x)[3], uint32_t (*triangles)[3])
+uint32_t load_sheet_side(uint32_t triangles)
 {
+    double squares = ((double)triangles - LOAD_FLOOR_TRIANGLES) / 2;
+    return squares > 1 ? (uint32_t)lround(sqrt(squares)) : 1;
+}
+
+void load_floor(const struct load_shape *shape, float (*x)[3], uint32_t (*triangles)[3])
+{
+    float spacing = ((float)shape->side + 2) / LOAD_FLOOR_SIDE;
     for (uint32_t i = 0; i < LOAD_FLOOR_VERTICES; i++) {
-        x[i][0] = 3.0f * (float)(i % (LOAD_FLOOR_SIDE + 1)) - 1.0f;
-        x[i][1] = 3.0f * (float)(i / (LOAD_FLOOR_SIDE + 1)) - 1.0f;
+        x[i][0] = spacing * (float)(i % (LOAD_FLOOR_SIDE + 1)) - 1.0f;
+        x[i][1] = spacing * (float)(i / (LOAD_FLOOR_SIDE + 1)) - 1.0f;
         x[i][2] = 0.0f;
     }
     grid(LOAD_FLOOR_SIDE, triangles);
 }
 
-void load_sheet(uint32_t (*triangles)[3])
+void load_sheet(const struct load_shape *shape, uint32_t (*triangles)[3])
 {
-    grid(LOAD_SHEET_SIDE, triangles);
+    grid(shape->side, triangles);
 }
 
 /* Above the floor and below it by turns, crumpled so that some of it touches always. */
-void load_sheet_f64(uint64_t seed, uint32_t client, uint32_t frame, double (*x)[3])
+static void crumple(uint64_t seed, uint32_t side, uint32_t frame, uint32_t i, double x[3])
 {
-    for (uint32_t i = 0; i < LOAD_SHEET_VERTICES; i++) {
-        x[i][0] = i % (LOAD_SHEET_SIDE + 1) + 0.3 * noise(seed, client, frame, 3 * i);
-        x[i][1] = i / (LOAD_SHEET_SIDE + 1) + 0.3 * noise(seed, client, frame, 3 * i + 1);
-        x[i][2] = (frame % 2 ? -0.4 : 0.4) + 0.6 * noise(seed, client, frame, 3 * i + 2);
+    x[0] = i % (side + 1) + 0.3 * noise(seed, frame, 3 * i);
+    x[1] = i / (side + 1) + 0.3 * noise(seed, frame, 3 * i + 1);
+    x[2] = (frame % 2 ? -0.4 : 0.4) + 0.6 * noise(seed, frame, 3 * i + 2);
+}
+
+/* Two waves, of twelve and seven squares, that run across each other: what each adds to a
+ * column and to a row. */
+struct waves {
+    double columns[LOAD_SIDE_MAX + 1];
+    double rows[LOAD_SIDE_MAX + 1];
+};
+
+static void make_waves(const struct load_shape *shape, uint64_t seed, uint32_t frame,
+                       struct waves *waves)
+{
+    double turns = (double)frame / LOAD_FRAMES;
+    double above = shape->scene == LOAD_SCENE_apart ? WAVE_APART : WAVE_ABOVE;
+    for (uint32_t i = 0; i <= shape->side; i++) {
+        double column = i / 12.0 + turns + load_unit(seed);
+        double row = i / 7.0 - turns + load_unit(load_mix(seed, 1));
+        waves->columns[i] = above + 0.7 * WAVE_HEIGHT * sin(TURN * column);
+        waves->rows[i] = 0.3 * WAVE_HEIGHT * sin(TURN * row);
     }
 }
 
-void load_sheet_f32(uint64_t seed, uint32_t client, uint32_t frame, float (*x)[3])
+static void at(const struct load_shape *shape, uint64_t seed, uint32_t frame,
+               const struct waves *waves, uint32_t i, double x[3])
 {
-    double exact[LOAD_SHEET_VERTICES][3];
-    load_sheet_f64(seed, client, frame, exact);
-    for (uint32_t i = 0; i < 3 * LOAD_SHEET_VERTICES; i++) {
-        x[i / 3][i % 3] = (float)exact[i / 3][i % 3];
+    uint32_t column = i % (shape->side + 1);
+    uint32_t row = i / (shape->side + 1);
+    if (shape->scene == LOAD_SCENE_crumple) {
+        crumple(seed, shape->side, frame, i, x);
+        return;
+    }
+    x[0] = column + WAVE_UNEVEN * noise(seed, LOAD_FRAMES, 2 * i);
+    x[1] = row + WAVE_UNEVEN * noise(seed, LOAD_FRAMES, 2 * i + 1);
+    x[2] = waves->columns[column] + waves->rows[row];
+}
+
+void load_sheet_f64(const struct load_shape *shape, uint32_t frame, double (*x)[3])
+{
+    uint64_t seed = client_seed(shape);
+    uint32_t count = load_sheet_vertices(shape);
+    struct waves waves;
+    make_waves(shape, seed, frame, &waves);
+    for (uint32_t i = 0; i < count; i++) {
+        at(shape, seed, frame, &waves, i, x[i]);
     }
 }
 
-void load_sheet_pose(uint64_t seed, uint32_t client, uint32_t frame, double m[12])
+void load_sheet_f32(const struct load_shape *shape, uint32_t frame, float (*x)[3])
 {
+    uint64_t seed = client_seed(shape);
+    uint32_t count = load_sheet_vertices(shape);
+    struct waves waves;
+    make_waves(shape, seed, frame, &waves);
+    for (uint32_t i = 0; i < count; i++) {
+        double exact[3];
+        at(shape, seed, frame, &waves, i, exact);
+        x[i][0] = (float)exact[0];
+        x[i][1] = (float)exact[1];
+        x[i][2] = (float)exact[2];
+    }
+}
+
+/* A large sheet is turned by less, so that its corners move as far. */
+void load_sheet_pose(const struct load_shape *shape, uint32_t frame, double m[12])
+{
+    uint64_t seed = client_seed(shape);
+    bool apart = shape->scene == LOAD_SCENE_apart;
+    double turn = apart ? 0 : 0.8 / shape->side;
     for (uint32_t i = 0; i < 12; i++) {
-        m[i] = (i % 5 == 0 ? 1.0 : 0.0) + 0.2 * noise(seed, client, frame, i);
+        m[i] = (i % 5 == 0 ? 1.0 : 0.0) + turn * noise(seed, frame, i);
     }
-    m[11] = (frame % 2 ? -0.4 : 0.4) + 0.3 * noise(seed, client, frame, 12);
+    m[11] = (frame % 2 && !apart ? -0.4 : 0.4) + 0.3 * noise(seed, frame, 12);
 }

@@ -1,4 +1,4 @@
-/* shape.h - a small scene for each client, unlike any other's.
+/* shape.h - a scene for each client, unlike any other's.
  *
  * Room:     client/load. May include: the C library.
  * Does:     make, from a seed and a client's number, a floor and a sheet that goes
@@ -13,24 +13,58 @@
 #include <stdint.h>
 
 #define LOAD_FRAMES          8u
-#define LOAD_SHEET_SIDE      4u
-#define LOAD_SHEET_VERTICES  ((LOAD_SHEET_SIDE + 1) * (LOAD_SHEET_SIDE + 1))
-#define LOAD_SHEET_TRIANGLES (2 * LOAD_SHEET_SIDE * LOAD_SHEET_SIDE)
+#define LOAD_SIDE_MAX        708u /* of a sheet: a million triangles */
 #define LOAD_FLOOR_SIDE      2u
 #define LOAD_FLOOR_VERTICES  ((LOAD_FLOOR_SIDE + 1) * (LOAD_FLOOR_SIDE + 1))
 #define LOAD_FLOOR_TRIANGLES (2 * LOAD_FLOOR_SIDE * LOAD_FLOOR_SIDE)
 
+/* X(name, text) */
+#define LOAD_SCENES(X)                                                                   \
+    X(crumple, "a crumpled sheet jumps through the floor: every vertex hits")            \
+    X(wave, "waves run through a sheet; their troughs dip into the floor")               \
+    X(apart, "the same waves above the floor: nothing hits")
+
+enum load_scene {
+#define LOAD_SCENE_ENUM(name, text) LOAD_SCENE_##name,
+    LOAD_SCENES(LOAD_SCENE_ENUM)
+#undef LOAD_SCENE_ENUM
+        LOAD_SCENE_COUNT
+};
+
+struct load_shape {
+    uint64_t seed;
+    uint32_t client;
+    enum load_scene scene;
+    uint32_t side; /* the sheet's squares along each of its sides */
+};
+
 /* A number for each index, well mixed; the same everywhere. */
 uint64_t load_mix(uint64_t seed, uint64_t index);
+/* Random bits as a number in [0, 1). */
+double load_unit(uint64_t bits);
 
-void load_floor(float (*x)[3], uint32_t (*triangles)[3]);
-void load_sheet(uint32_t (*triangles)[3]);
+/* The side of a sheet of about so many triangles, floor included. */
+uint32_t load_sheet_side(uint32_t triangles);
+
+static inline uint32_t load_sheet_vertices(const struct load_shape *shape)
+{
+    return (shape->side + 1) * (shape->side + 1);
+}
+
+static inline uint32_t load_sheet_triangle_count(const struct load_shape *shape)
+{
+    return 2 * shape->side * shape->side;
+}
+
+/* The sheet lies within it. */
+void load_floor(const struct load_shape *shape, float (*x)[3], uint32_t (*triangles)[3]);
+void load_sheet(const struct load_shape *shape, uint32_t (*triangles)[3]);
 
 /* The sheet's vertices at a position, 0 .. LOAD_FRAMES - 1. */
-void load_sheet_f32(uint64_t seed, uint32_t client, uint32_t frame, float (*x)[3]);
-void load_sheet_f64(uint64_t seed, uint32_t client, uint32_t frame, double (*x)[3]);
+void load_sheet_f32(const struct load_shape *shape, uint32_t frame, float (*x)[3]);
+void load_sheet_f64(const struct load_shape *shape, uint32_t frame, double (*x)[3]);
 
 /* Or a transform that takes its registered vertices there, rows of [R | t]. */
-void load_sheet_pose(uint64_t seed, uint32_t client, uint32_t frame, double m[12]);
+void load_sheet_pose(const struct load_shape *shape, uint32_t frame, double m[12]);
 
 #endif

@@ -1,14 +1,17 @@
 /* tally.h - what became of requests.
  *
- * Room:     client/load. May include: the C library.
- * Does:     count by outcome, and latencies in a histogram of eight bins an octave.
- * Does not: lock: a tally has one writer; who reads it waits for the writer's end.
+ * Room:     client/load. May include: hist.h.
+ * Does:     count by outcome, and latencies.
+ * Does not: lock: a tally has one writer; who reads its counts waits for that one's
+ *           end. Its histograms may be read at any time.
  * Threads:  one writer.
  */
 #ifndef LOAD_TALLY_H
 #define LOAD_TALLY_H
 
 #include <stdint.h>
+
+#include "hist.h"
 
 /* X(name, text). The first is the sum of the next five. */
 #define LOAD_COUNTS(X)                                                                   \
@@ -23,27 +26,20 @@
     X(wrong, "answers that belong to none")                                              \
     X(broken, "connections that failed")                                                 \
     X(opened, "connections made")                                                        \
-    X(remade, "scenes, meshes or objects made anew on purpose")
-
-#define LOAD_BINS 512u
-
-struct load_times {
-    uint64_t longest_ns;
-    uint64_t bins[LOAD_BINS];
-};
-
-void load_times_add(struct load_times *times, uint64_t ns);
-
-/* The upper end of the bin below which the share lies, nanoseconds; 0 without any. */
-uint64_t load_times_quantile(const struct load_times *times, double share);
+    X(remade, "scenes, meshes or objects made anew on purpose")                          \
+    X(stalled, "times that a client stopped on purpose")                                 \
+    X(measured, "answers whose latency counts: the warm-up's do not")                    \
+    X(late, "of these, submitted a millisecond or more after they were due")             \
+    X(missed, "of these, answered after the deadline")
 
 struct load_tally {
 #define LOAD_COUNT_FIELD(name, text) uint64_t name;
     LOAD_COUNTS(LOAD_COUNT_FIELD)
 #undef LOAD_COUNT_FIELD
-    uint64_t records;          /* of the answers that were checked */
-    struct load_times latency; /* from commit to answer, of those that were checked */
-    struct load_times inside;  /* of these, from arrival at the daemon to the answer */
+    uint64_t records;         /* of the answers that were checked */
+    struct load_hist latency; /* of those that count, from when they were due (in the open
+                                 loop) or committed (in the closed one) to the answer */
+    struct load_hist inside;  /* of these, from arrival at the daemon to the answer */
 };
 
 void load_tally_add(struct load_tally *sum, const struct load_tally *tally);

@@ -18,6 +18,9 @@
 
 #include "load.h"
 
+/* Fewer floors than these tell nothing. */
+#define LOAD_WATCH_FLOORS_MIN 4u
+
 enum load_gauge { LOAD_MEMORY, LOAD_DESCRIPTORS, LOAD_MAPPINGS, LOAD_GAUGES };
 
 struct load_sample {

@@ -42,4 +42,54 @@ load other --clients 120 --requests 16 --processes 1 --depth 1 &&
     cmp -s "$work/sum1" "$work/sum2"
 tap_result $? load__two_runs_agree "$work/other"
 
+# value FILE KEY...: a number of the report, under the first key the last one.
+value() {
+    sed "s/.*\"$2\":{\([^}]*\)}.*/\1/" "$1" | tr ',' '\n' | sed -n "s/^\"$3\"://p"
+}
+
+# If it failed, the report that programs read would not add up, or its percentiles not be in
+# order, and the open loop would not ask as often as it says.
+load paced --clients 12 --processes 3 --hz 50 --triangles 30..300 --scene wave \
+    --ramp 0.5 --warm-up 0.5 --seconds 2 --json --csv "$work/seconds" &&
+    [ "$(value "$work/paced" clients submitted)" -eq $((
+        $(value "$work/paced" clients answered) + $(value "$work/paced" clients refused) +
+        $(value "$work/paced" clients cancelled))) ] &&
+    [ "$(value "$work/paced" clients measured)" -eq \
+        "$(value "$work/paced" latency_us count)" ] &&
+    [ "$(value "$work/paced" clients measured)" -ge 1100 ] &&
+    [ "$(value "$work/paced" clients measured)" -le 1250 ] &&
+    for key in p50 p90 p99 p99.9 p99.99 max; do
+        value "$work/paced" latency_us "$key"
+    done | sort -n -c &&
+    awk -F, 'NF != 8 { exit 1 } END { exit NR < 3 }' "$work/seconds"
+tap_result $? load__report_adds_up "$work/paced"
+
+# If it failed, a client that stops for a while would hide what it did not ask meanwhile.
+load stalled --clients 8 --processes 2 --hz 100 --depth 1 --stall 0.002,200 --seconds 2 \
+    --scene wave --kinds follow --json &&
+    [ "$(value "$work/stalled" clients stalled)" -ge 1 ] &&
+    [ "$(value "$work/stalled" clients late)" -ge \
+        $((15 * $(value "$work/stalled" clients stalled))) ] &&
+    awk -v us="$(value "$work/stalled" latency_us p99.99)" 'BEGIN { exit us < 190000 }'
+tap_result $? load__stalls_show_in_what_was_due "$work/stalled"
+
+# If it failed, a run would end well that was slower than was asked, or a wrong command line
+# would start one.
+load slow --clients 4 --requests 20 --p99-ms 0.0001
+[ $? -eq 1 ] && grep -q '^p99 as asked  *NO' "$work/slow"
+tap_result $? load__fails_where_p99_is_missed "$work/slow"
+load wrong --triangles 5..2
+[ $? -eq 64 ]
+tap_result $? load__refuses_a_wrong_command_line "$work/wrong"
+
+# If it failed, the picture would be missing, or gnuplot's absence be no error.
+if command -v gnuplot >/dev/null; then
+    load plot --clients 4 --requests 50 --plot "$work/plot.png" &&
+        head -c 4 "$work/plot.png" | grep -q PNG
+else
+    load plot --clients 4 --requests 50 --plot "$work/plot.png"
+    [ $? -eq 1 ] && grep -q 'needs gnuplot' "$work/plot"
+fi
+tap_result $? load__draws_a_picture "$work/plot"
+
 tap_end

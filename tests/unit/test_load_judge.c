@@ -1,6 +1,6 @@
 /* test_load_judge.c - whether the load harness would notice.
  *
- * Room:     client/load (judge.h, tally.h, watch.h, shape.h).
+ * Room:     client/load (judge.h, watch.h).
  * Does:     give the judge answers that are right, wrong, another's, or too many; give
  *           the fit series that grow and such that do not.
  * Does not: talk to a daemon.
@@ -178,18 +178,47 @@ static void judge__tells_errors_that_were_asked_for(void **state)
     assert_int_equal(f->tally.cancelled, 1);
 }
 
-/* If quantiles were wrong, so would be what is told about latency. */
-static void tally__has_quantiles_to_an_eighth(void **state)
+/* If this failed, a client that is held up would ask less often, and the wait of what it
+ * did not ask would be nobody's: coordinated omission. */
+static void judge__counts_from_when_a_request_was_due(void **state)
 {
     struct fixture *f = *state;
-    for (uint64_t i = 1; i <= 1000; i++) {
-        load_times_add(&f->tally.latency, 1000 * i);
-    }
-    assert_in_range(load_times_quantile(&f->tally.latency, 0.5), 500000, 563000);
-    assert_in_range(load_times_quantile(&f->tally.latency, 0.99), 990000, 1000000);
-    assert_int_equal(f->tally.latency.longest_ns, 1000000);
-    struct load_times none = {0};
-    assert_int_equal(load_times_quantile(&none, 0.5), 0);
+    uint64_t now_ns = load_now_ns();
+    f->load.settings.hz = 60;
+    f->load.settings.deadline_ms = 20;
+    wait_for(f, 3, 2);
+    f->actor.pending[0].due_ns = now_ns - 50000000;
+    f->actor.pending[0].sent_ns = now_ns - 1000000;
+    make_answer(f, 3, 2);
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.measured, 1);
+    assert_int_equal(f->tally.late, 1);
+    assert_int_equal(f->tally.missed, 1);
+    assert_true(f->tally.latency.longest_ns >= 50000000);
+    f->load.settings.hz = 0; /* the closed loop: from when it was submitted */
+    f->load.settings.deadline_ms = 0;
+    wait_for(f, 3, 2);
+    f->actor.pending[0].sent_ns = load_now_ns();
+    make_answer(f, 3, 2);
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.measured, 2);
+    assert_int_equal(f->tally.late, 1);
+}
+
+/* If this failed, what is slow at the beginning would be taken for what is slow. */
+static void judge__leaves_the_warm_up_out(void **state)
+{
+    struct fixture *f = *state;
+    uint64_t now_ns = load_now_ns();
+    f->load.settings.warm_up_s = 10;
+    atomic_store(&f->load.shared->go_ns, now_ns - 5000000000ull);
+    wait_for(f, 3, 2);
+    f->actor.pending[0].sent_ns = now_ns;
+    make_answer(f, 3, 2);
+    load_judge(&f->actor, &f->answer);
+    assert_int_equal(f->tally.answered, 1);
+    assert_int_equal(f->tally.measured, 0);
+    assert_int_equal(f->tally.latency.count, 0);
 }
 
 /* 300 samples of three workers: each begins elsewhere, and takes what it needs in its
@@ -266,22 +295,6 @@ static void watch__floors_are_of_one_worker_each(void **state)
     }
 }
 
-/* If two clients sent the same, an answer that went to the wrong one would be right. */
-static void shape__is_different_for_every_client_and_position(void **state)
-{
-    double x[2][LOAD_SHEET_VERTICES][3];
-    (void)state;
-    load_sheet_f64(1, 7, 0, x[0]);
-    load_sheet_f64(1, 7, 0, x[1]);
-    assert_memory_equal(x[0], x[1], sizeof x[0]);
-    load_sheet_f64(1, 8, 0, x[1]);
-    assert_memory_not_equal(x[0], x[1], sizeof x[0]);
-    load_sheet_f64(1, 7, 1, x[1]);
-    assert_memory_not_equal(x[0], x[1], sizeof x[0]);
-    load_sheet_f64(2, 7, 0, x[1]);
-    assert_memory_not_equal(x[0], x[1], sizeof x[0]);
-}
-
 int main(void)
 {
 #define JUDGE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -291,11 +304,11 @@ int main(void)
         JUDGE_TEST(judge__finds_answers_of_others_and_second_ones),
         JUDGE_TEST(judge__knows_both_orders_of_the_objects),
         JUDGE_TEST(judge__tells_errors_that_were_asked_for),
-        JUDGE_TEST(tally__has_quantiles_to_an_eighth),
+        JUDGE_TEST(judge__counts_from_when_a_request_was_due),
+        JUDGE_TEST(judge__leaves_the_warm_up_out),
         JUDGE_TEST(watch__fits_a_slope_through_every_worker),
         JUDGE_TEST(watch__floors_show_a_leak_and_nothing_else),
         JUDGE_TEST(watch__floors_are_of_one_worker_each),
-        JUDGE_TEST(shape__is_different_for_every_client_and_position),
     };
     return cmocka_run_group_tests_name("load_judge", tests, NULL, NULL);
 }

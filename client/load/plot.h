@@ -1,0 +1,19 @@
+/* plot.h - a picture of a run.
+ *
+ * Room:     client/load. May include: series.h.
+ * Does:     latency by percentile, and by second, as a PNG that gnuplot draws.
+ * Threads:  one.
+ */
+#ifndef LOAD_PLOT_H
+#define LOAD_PLOT_H
+
+#include "series.h"
+
+/* Whether gnuplot is installed; if not, that is said. */
+bool load_plot_can(void);
+
+/* False: it did not work; gnuplot says why. */
+bool load_plot(const struct load *load, const struct load_series *series,
+               const struct load_hist *latency);
+
+#endif

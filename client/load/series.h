@@ -1,0 +1,43 @@
+/* series.h - a run, second by second.
+ *
+ * Room:     client/load. May include: load.h.
+ * Does:     once a second, what all processes have measured since: for a live line on a
+ *           terminal, for a CSV file, and for the plot.
+ * Threads:  one; the processes go on meanwhile.
+ */
+#ifndef LOAD_SERIES_H
+#define LOAD_SERIES_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include "load.h"
+
+struct load_second {
+    double at_s; /* its end, from the start of the load */
+    double length_s;
+    uint64_t answers; /* whose latency counts */
+    uint64_t missed;  /* of these, after the deadline, as far as bins tell */
+    double p50_ms, p90_ms, p99_ms, p999_ms, longest_ms;
+};
+
+struct load_series {
+    uint64_t begin_ns, last_ns;
+    struct load_hist *sum, *last, *since;
+    struct load_second *seconds;
+    size_t count, capacity;
+    FILE *csv;
+    bool is_live;
+};
+
+/* False: the file cannot be written, or there is no memory; why is said. */
+bool load_series_begin(struct load_series *series, const struct load *load);
+/* A second if it is over, or, at the end, what is left of it. */
+void load_series_turn(struct load_series *series, const struct load *load, bool at_end);
+/* False: the file could not be written. */
+bool load_series_end(struct load_series *series);
+
+/* The latencies of all clients but victims, added to *sum. */
+void load_series_sum(const struct load *load, struct load_hist *sum);
+
+#endif
