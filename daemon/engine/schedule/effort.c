@@ -20,8 +20,8 @@
 bool eng_effort_pays(struct eng_effort *effort, enum eng_mode mode, uint32_t triangles)
 {
     uint64_t work_ns = effort->work_ns[mode];
-    if (work_ns == 0) {
-        work_ns = (uint64_t)triangles * TRIANGLE_NS;
+    if (work_ns == 0) { /* a guess, which what comes of it must not cling to */
+        return (uint64_t)triangles * TRIANGLE_NS >= PAYS_FROM_NS;
     }
     effort->paid = work_ns >= (effort->paid ? PAYS_NO_MORE_BELOW_NS : PAYS_FROM_NS);
     return effort->paid;
