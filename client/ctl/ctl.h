@@ -14,18 +14,36 @@
 
 /* X(name, "what it does"), in the order of the help text. */
 #define CTL_COMMANDS(X)                                                                  \
-    X(ping, "measure round trips through the daemon")                                    \
+    X(status, "tell on one screen how a daemon is")                                      \
+    X(top, "tell again and again what the clients of a daemon do")                       \
+    X(list, "list sessions, scenes, objects or meshes")                                  \
+    X(watch, "print a line for each step that a daemon answers")                         \
     X(stats, "list the daemon's counters")                                               \
+    X(metrics, "print counters and latencies as OpenMetrics text")                       \
     X(trace, "record what a daemon's threads do, for Perfetto")                          \
+    X(config, "list, tell or change settings of a running daemon")                       \
+    X(doctor, "look for what is wrong with a set-up")                                    \
+    X(ping, "measure round trips through the daemon")                                    \
     X(check, "find the contacts between two or more frames of a mesh")                   \
+    X(load, "play the frames of a mesh in a daemon")                                     \
     X(demo, "stream a falling cloth through a daemon and draw its contacts")             \
+    X(completion, "print what a shell needs to complete all this")                       \
     X(version, "tell the versions of tool and library, and the daemon's process")
 
 /* Exit statuses of every command. */
-enum ctl_exit { CTL_DONE = 0, CTL_FAILED = 1 };
+enum ctl_exit {
+    CTL_DONE = 0,
+    CTL_NEGATIVE = 1,  /* it was done, and what it looked for was found wrong */
+    CTL_USAGE = 2,     /* an option or argument is wrong */
+    CTL_NO_DAEMON = 3, /* no daemon could be reached or started, or it refused us */
+    CTL_FAILED = 4     /* anything else: a file, a refusal, the end of the daemon */
+};
 
-/* A command gets its own arguments; argv[0] is "pccdctl NAME". Returns an exit status. */
-#define CTL_PROTOTYPE(name, text) int ctl_cmd_##name(int argc, char **argv);
+/* A command gets its own arguments; argv[0] is "pccdctl NAME". Returns an exit status.
+ * Help and completion come from its table of options. */
+#define CTL_PROTOTYPE(name, text)                                                        \
+    int ctl_cmd_##name(int argc, char **argv);                                           \
+    extern const struct argp ctl_argp_##name;
 CTL_COMMANDS(CTL_PROTOTYPE)
 #undef CTL_PROTOTYPE
 
@@ -38,5 +56,18 @@ uint64_t ctl_option_count(const struct argp_state *state, const char *name,
                           const char *text, uint64_t low, uint64_t high);
 double ctl_option_real(const struct argp_state *state, const char *name, const char *text,
                        double low, double high);
+
+/* One of `names`, as its place there; ends the program with a usage message otherwise. */
+int ctl_option_name(const struct argp_state *state, const char *name, const char *text,
+                    const char *const *names, int count);
+int ctl_argument_name(const struct argp_state *state, const char *text,
+                      const char *const *names, int count);
+/* A handle, decimal or 0x hexadecimal. */
+uint32_t ctl_option_handle(const struct argp_state *state, const char *name,
+                           const char *text);
+
+/* Options that every command has: -h, --no-color. A child without input, which
+ * ctl_link_argp has already. */
+extern const struct argp ctl_common_argp;
 
 #endif

@@ -68,33 +68,43 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-const struct argp ctl_link_argp = {.options = options, .parser = parse};
+static const struct argp_child children[] = {{&ctl_common_argp, 0, NULL, 0}, {0}};
+const struct argp ctl_link_argp = {
+    .options = options, .parser = parse, .children = children};
+
+void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked)
+{
+    const char *told = getenv("PCCD_URL");
+    bool has_told = told != NULL && told[0] != '\0';
+    pccd_options_init(asked);
+    asked->url = link->url;
+    asked->daemon = link->daemon;
+    asked->timeout_ms = link->timeout_ms;
+    asked->result_bytes = link->result_bytes;
+    asked->no_autostart = link->policy == CTL_LINK_EXISTING;
+    asked->private_daemon =
+        link->is_private ||
+        (link->url == NULL &&
+         (link->policy == CTL_LINK_PRIVATE ||
+          (link->policy == CTL_LINK_PRIVATE_UNLESS_ENV && !has_told)));
+    if (asked->private_daemon) {
+        asked->no_autostart = false;
+    }
+}
 
 int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
 {
     struct pccd_options asked;
-    const char *told = getenv("PCCD_URL");
-    bool has_told = told != NULL && told[0] != '\0';
-    pccd_options_init(&asked);
-    asked.url = link->url;
-    asked.daemon = link->daemon;
-    asked.timeout_ms = link->timeout_ms;
-    asked.result_bytes = link->result_bytes;
-    asked.no_autostart = link->policy == CTL_LINK_EXISTING;
-    asked.private_daemon = link->is_private ||
-                           (link->url == NULL &&
-                            (link->policy == CTL_LINK_PRIVATE ||
-                             (link->policy == CTL_LINK_PRIVATE_UNLESS_ENV && !has_told)));
-    if (asked.private_daemon) {
-        asked.no_autostart = false;
-    }
+    ctl_link_options(link, &asked);
     int status = pccd_connect(&asked, client);
     if (status == PCCD_OK) {
         return CTL_DONE;
     }
     const char *text = pccd_error_text(NULL);
-    return ctl_complain("no connection: %s",
-                        text[0] != '\0' ? text : pccd_status_text(status));
+    (void)ctl_complain("no connection: %s%s",
+                       text[0] != '\0' ? text : pccd_status_text(status),
+                       asked.no_autostart ? "; pccdctl doctor tells what is wrong" : "");
+    return CTL_NO_DAEMON;
 }
 
 void ctl_link_deinit(struct ctl_link *link)

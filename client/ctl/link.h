@@ -19,6 +19,7 @@
 /* What to do without --url and --socket. */
 enum ctl_link_policy {
     CTL_LINK_EXISTING,          /* the user's daemon, if it runs */
+    CTL_LINK_USER,              /* the user's daemon, started if it does not run */
     CTL_LINK_PRIVATE,           /* a daemon of our own */
     CTL_LINK_PRIVATE_UNLESS_ENV /* $PCCD_URL if set, else a daemon of our own */
 };
@@ -34,6 +35,9 @@ struct ctl_link {
 
 /* For `children`, under the heading "Daemon:"; its input is a struct ctl_link. */
 extern const struct argp ctl_link_argp;
+
+/* What to connect with, as it was asked for; `link` keeps the strings. */
+void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked);
 
 /* Connect, or complain. Returns an exit status. */
 int ctl_link_open(const struct ctl_link *link, struct pccd_client **client);

@@ -5,31 +5,48 @@ noinst_LTLIBRARIES += libctl.la
 
 # Everything but main, so that tests can link what they test.
 libctl_la_SOURCES = \
-    client/ctl/check/check_run.c client/ctl/check/check_run.h \
-    client/ctl/check/contacts_csv.c client/ctl/check/contacts_csv.h \
-    client/ctl/check/report.c client/ctl/check/report_json.c client/ctl/check/report.h \
-    client/ctl/commands/cmd_check.c \
-    client/ctl/commands/cmd_demo.c \
-    client/ctl/commands/cmd_ping.c \
-    client/ctl/commands/cmd_stats.c \
-    client/ctl/commands/cmd_trace.c \
-    client/ctl/commands/cmd_version.c \
     client/ctl/common.c client/ctl/ctl.h \
+    client/ctl/completion.c client/ctl/completion.h \
     client/ctl/error.c client/ctl/error.h \
     client/ctl/link.c client/ctl/link.h \
+    client/ctl/progress.c client/ctl/progress.h \
+    client/ctl/statistics.c client/ctl/statistics.h \
+    client/ctl/terminal.c client/ctl/terminal.h \
+    client/ctl/check/check_run.c client/ctl/check/check_run.h \
+    client/ctl/check/contacts_csv.c client/ctl/check/contacts_csv.h \
+    client/ctl/check/player.c client/ctl/check/player.h \
+    client/ctl/check/report.c client/ctl/check/report_json.c client/ctl/check/report.h \
+    client/ctl/commands/cmd_check.c \
+    client/ctl/commands/cmd_completion.c \
+    client/ctl/commands/cmd_config.c \
+    client/ctl/commands/cmd_demo.c \
+    client/ctl/commands/cmd_doctor.c \
+    client/ctl/commands/cmd_list.c \
+    client/ctl/commands/cmd_load.c \
+    client/ctl/commands/cmd_metrics.c \
+    client/ctl/commands/cmd_ping.c \
+    client/ctl/commands/cmd_stats.c \
+    client/ctl/commands/cmd_status.c \
+    client/ctl/commands/cmd_top.c \
+    client/ctl/commands/cmd_trace.c \
+    client/ctl/commands/cmd_version.c \
+    client/ctl/commands/cmd_watch.c \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/ply.c \
     client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \
+    client/ctl/observe/counters.c client/ctl/observe/counters.h \
+    client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c client/ctl/observe/doctor.h \
+    client/ctl/observe/format.c client/ctl/observe/format.h \
+    client/ctl/observe/health.c client/ctl/observe/health.h \
+    client/ctl/observe/sessions.c client/ctl/observe/sessions.h \
     client/ctl/observe/stats_threads.c client/ctl/observe/stats_threads.h \
     client/ctl/observe/trace_file.c client/ctl/observe/trace_file.h \
     client/ctl/picture/cloth_scene.c client/ctl/picture/cloth_scene.h \
     client/ctl/picture/demo_picture.c client/ctl/picture/demo_picture.h \
     client/ctl/picture/picture.c client/ctl/picture/picture.h \
-    client/ctl/picture/raster.c client/ctl/picture/raster.h \
-    client/ctl/progress.c client/ctl/progress.h \
-    client/ctl/statistics.c client/ctl/statistics.h
+    client/ctl/picture/raster.c client/ctl/picture/raster.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
@@ -44,6 +61,21 @@ pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 # a script that starts it, and finds the daemon beside it as an installed one does.
 pccdctl_LDFLAGS = $(AM_LDFLAGS) -static
 pccdctl_LDADD = libctl.la libpccd.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
+
+# Completion, where the shells look for it: the program itself knows its options.
+bashcompletiondir = $(datadir)/bash-completion/completions
+zshcompletiondir = $(datadir)/zsh/site-functions
+fishcompletiondir = $(datadir)/fish/vendor_completions.d
+bashcompletion_DATA = client/ctl/completion/pccdctl
+zshcompletion_DATA = client/ctl/completion/_pccdctl
+fishcompletion_DATA = client/ctl/completion/pccdctl.fish
+CLEANFILES += $(bashcompletion_DATA) $(zshcompletion_DATA) $(fishcompletion_DATA)
+client/ctl/completion/pccdctl: pccdctl$(EXEEXT)
+	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion bash >$@
+client/ctl/completion/_pccdctl: pccdctl$(EXEEXT)
+	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion zsh >$@
+client/ctl/completion/pccdctl.fish: pccdctl$(EXEEXT)
+	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion fish >$@
 
 # The manual page, where scdoc is installed.
 EXTRA_DIST += client/ctl/pccdctl.1.scd

@@ -40,10 +40,11 @@ static void print_help(FILE *to)
           "Continuous collision detection of triangle meshes, by the daemon pccdd.\n\n",
           to);
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        fprintf(to, "  %-9s %s\n", commands[i].name, commands[i].text);
+        fprintf(to, "  %-10s %s\n", commands[i].name, commands[i].text);
     }
     fputs("\n\"pccdctl COMMAND --help\" explains a command.\n"
-          "Exit status: 0 when done, 1 after an error.\n",
+          "Exit status: 0 when done; 1 when what was looked for is wrong; 2 after wrong\n"
+          "usage; 3 without a daemon; 4 after any other error.\n",
           to);
 }
 
@@ -55,6 +56,12 @@ static const struct command *find_command(const char *name)
         }
     }
     return NULL;
+}
+
+static int complain_of(const char *name)
+{
+    (void)ctl_complain("no command \"%s\"; see pccdctl --help", name);
+    return CTL_USAGE;
 }
 
 static bool is_any(const char *word, const char *a, const char *b, const char *c)
@@ -80,31 +87,31 @@ int main(int argc, char **argv)
     char help_option[] = "--help";
     char *help_arguments[] = {NULL, help_option, NULL};
     const struct command *command;
-    argp_err_exit_status = CTL_FAILED;
+    argp_err_exit_status = CTL_USAGE;
     /* Set, not defined: a definition of our own would be hidden from the C library. */
     argp_program_version = program_version;
     if (argc < 2) {
         print_help(stderr);
-        return CTL_FAILED;
+        return CTL_USAGE;
     }
     if (is_any(argv[1], "-V", "--version", "--version")) {
         puts(program_version);
         return CTL_DONE;
     }
-    if (is_any(argv[1], "help", "--help", "-?")) {
+    if (is_any(argv[1], "help", "--help", "-h") || strcmp(argv[1], "-?") == 0) {
         command = argc > 2 ? find_command(argv[2]) : NULL;
         if (command != NULL) {
             return run_command(command, 2, help_arguments);
         }
         if (argc > 2) {
-            return ctl_complain("no command \"%s\"; see pccdctl --help", argv[2]);
+            return complain_of(argv[2]);
         }
         print_help(stdout);
         return CTL_DONE;
     }
     command = find_command(argv[1]);
     if (command == NULL) {
-        return ctl_complain("no command \"%s\"; see pccdctl --help", argv[1]);
+        return complain_of(argv[1]);
     }
     return run_command(command, argc - 1, argv + 1);
 }

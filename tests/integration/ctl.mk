@@ -3,6 +3,10 @@
 TESTS += tests/integration/ctl_check.sh
 dist_check_SCRIPTS += tests/integration/ctl_check.sh
 
+# Commands that look at a daemon.
+TESTS += tests/integration/ctl_observe.sh
+dist_check_SCRIPTS += tests/integration/ctl_observe.sh
+
 # pccd-load, for seconds.
 TESTS += tests/integration/load_check.sh
 dist_check_SCRIPTS += tests/integration/load_check.sh

@@ -38,12 +38,13 @@ report() {
 
 # ctl ARGUMENT...: the exit status is the program's; its output lands in out and err.
 ctl() { "$PCCDCTL" "$@" >out 2>err; }
-# fails TEXT ARGUMENT...: exit status 1, nothing on stdout, TEXT on stderr.
+# fails STATUS TEXT ARGUMENT...: that exit status, nothing on stdout, TEXT on stderr. 2 is wrong
+# usage, 3 no daemon, 4 any other error.
 fails() {
-    local text=$1
-    shift
+    local status=$1 text=$2
+    shift 2
     ctl "$@"
-    [ $? -eq 1 ] && [ ! -s out ] && grep -qF -- "$text" err
+    [ $? -eq "$status" ] && [ ! -s out ] && grep -qF -- "$text" err
 }
 # says TEXT...: each stands in out.
 says() {
@@ -170,8 +171,8 @@ ctl check --json --threads 2 --scheduler paper --high-level disjoint --refit pap
         '"refit": ' '"low": [0-9]' '"high": [0-9]' '"rebuild": [0-9]' &&
     ctl check t0.ply t1.ply && says '^trees +quality default, rebuild ratio default$' &&
     ctl check --rebuild-ratio 0 t0.ply t1.ply && says '^trees .* never rebuilt$' &&
-    fails '"slow" is not known' check --scheduler slow t0.ply t1.ply &&
-    fails 'is not a number from 0 to 1' check --rebuild-ratio 2 t0.ply t1.ply
+    fails 2 '"slow" is not known' check --scheduler slow t0.ply t1.ply &&
+    fails 2 'is not a number from 0 to 1' check --rebuild-ratio 2 t0.ply t1.ply
 report "scheduler, quality and reconstruction are chosen and told, and change no hash"
 
 ctl check --mode any t0.ply t1.ply && says '^contact +yes$' &&
@@ -226,39 +227,39 @@ report "check --trace writes what its daemon did"
 # ---- what is refused ----------------------------------------------------------------
 
 sed 's/^0 1 0$/0 nan 0/' t0.ply >nan.ply
-fails 'nan.ply:12: vertex 2: coordinate y is nan' check nan.ply t1.ply
+fails 4 'nan.ply:12: vertex 2: coordinate y is nan' check nan.ply t1.ply
 report "a NaN is refused with file, line and vertex"
 
 sed 's/^3 0 1 2$/3 0 1 6/' t0.ply >index.ply
-fails 'index.ply:16: face 0: 6 is not a vertex number' check t0.ply index.ply
+fails 4 'index.ply:16: face 0: 6 is not a vertex number' check t0.ply index.ply
 report "a bad index in the second frame is refused"
 
 sed 's/^3 0 1 2$/3 0 2 1/' t0.ply >turned.ply
-fails 'triangle 0 is (0 1 2) in t0.ply and (0 2 1) in turned.ply' check t0.ply turned.ply
+fails 4 'triangle 0 is (0 1 2) in t0.ply and (0 2 1) in turned.ply' check t0.ply turned.ply
 report "frames of different meshes are refused"
 
 head -n 16 t0.ply >cut.ply
-fails 'cut.ply:16: face 1: the file ends here' check cut.ply t1.ply
+fails 4 'cut.ply:16: face 1: the file ends here' check cut.ply t1.ply
 report "a cut file is refused"
 
-fails 'absent.ply: cannot open: No such file' check t0.ply absent.ply
+fails 4 'absent.ply: cannot open: No such file' check t0.ply absent.ply
 report "an absent file is told"
 
-fails 'two files at least' check t0.ply &&
-    fails '"wide-open" is not known' check --method wide-open t0.ply t1.ply &&
-    fails 'is not a whole number' check --threads -1 t0.ply t1.ply &&
-    fails 'mode any gives no contacts' check --mode any --contacts c.csv t0.ply t1.ply
-report "wrong usage is an error with exit status 1"
+fails 2 'two files at least' check t0.ply &&
+    fails 2 '"wide-open" is not known' check --method wide-open t0.ply t1.ply &&
+    fails 2 'is not a whole number' check --threads -1 t0.ply t1.ply &&
+    fails 2 'mode any gives no contacts' check --mode any --contacts c.csv t0.ply t1.ply
+report "wrong usage is an error with exit status 2"
 
 "$PCCDCTL" check --contacts /dev/full t0.ply t1.ply >out 2>err
-[ $? -eq 1 ] && grep -qF '/dev/full: cannot write' err
+[ $? -eq 4 ] && grep -qF '/dev/full: cannot write' err
 report "a full disk is told"
 
-fails '/nowhere/t.json: cannot write' check --json --trace /nowhere/t.json t0.ply t1.ply &&
-    fails 'where the recording goes' trace && fails 'exclude each other' trace -o x --steps 1 --seconds 1
+fails 4 '/nowhere/t.json: cannot write' check --json --trace /nowhere/t.json t0.ply t1.ply &&
+    fails 2 'where the recording goes' trace && fails 2 'exclude each other' trace -o x --steps 1 --seconds 1
 report "a recording that has nowhere to go is told"
 
-fails 'no connection' check --daemon /nowhere/pccdd t0.ply t1.ply
+fails 3 'no connection' check --daemon /nowhere/pccdd t0.ply t1.ply
 report "a daemon that cannot be started is told"
 
 # ---- a daemon that stays ------------------------------------------------------------
@@ -301,7 +302,7 @@ report "version names the daemon's process and instruction set"
 
 kill "$daemon_pid" && wait "$daemon_pid"
 daemon_pid=
-fails 'no connection' ping --socket "$dir/s"
+fails 3 'no connection' ping --socket "$dir/s"
 report "ping fails when nobody listens"
 
 ctl version --socket "$dir/s" && says '^daemon +does not answer'
@@ -333,15 +334,15 @@ ctl demo --steps 40 --output other.png && is_png other.png &&
     [ "$(grep '^hash' out)" = "$first" ] && cmp -s pccd-demo.png other.png
 report "demo gives the same hash and picture again"
 
-fails '/nowhere/demo.png: cannot write' demo --output /nowhere/demo.png
+fails 4 '/nowhere/demo.png: cannot write' demo --output /nowhere/demo.png
 report "demo tells at once that the picture cannot be written"
 
-fails 'no connection' demo --daemon /nowhere/pccdd --output none.png && [ ! -e none.png ]
+fails 3 'no connection' demo --daemon /nowhere/pccdd --output none.png && [ ! -e none.png ]
 report "demo leaves no empty picture behind"
 
-ctl --help && says '^  ping ' '^  stats ' '^  trace ' '^  check ' '^  demo ' '^  version ' &&
+ctl --help && says '^  ping ' '^  stats ' '^  trace ' '^  check ' '^  demo ' '^  version ' '^  status ' '^  top ' &&
     ctl check --help && says '--contacts=FILE' '--repeat=N' && ctl --version &&
-    says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 'no command "chekc"' chekc
+    says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 2 'no command "chekc"' chekc
 report "help lists every command"
 
 echo "1..$number"

@@ -57,7 +57,7 @@ struct check_options {
 };
 
 static const struct argp_option option_list[] = {
-    {"mode", OPTION_MODE, "MODE", 0,
+    {"mode", OPTION_MODE, "all|first|any|pairs", 0,
      "all (every contact, the default), first (the earliest), any (yes or no), pairs "
      "(candidates after box tests)",
      0},
@@ -69,13 +69,15 @@ static const struct argp_option option_list[] = {
      0},
     {"threads", OPTION_THREADS, "N", 0,
      "Use at most N threads (default: the daemon decides)", 0},
-    {"method", OPTION_METHOD, "NAME", 0, "Engine to use: default, paper or wide", 0},
-    {"scheduler", OPTION_SCHEDULER, "NAME", 0,
+    {"method", OPTION_METHOD, "default|paper|wide", 0,
+     "Engine to use: default, paper or wide", 0},
+    {"scheduler", OPTION_SCHEDULER, "steal|paper", 0,
      "How threads share the work: steal or paper (default: the daemon decides)", 0},
-    {"high-level", OPTION_HIGH_LEVEL, "NAME", 0,
+    {"high-level", OPTION_HIGH_LEVEL, "round-robin|disjoint", 0,
      "The paper's scheduler on high-level nodes: round-robin or disjoint", 0},
-    {"refit", OPTION_REFIT, "NAME", 0, "How threads share the refit: even or paper", 0},
-    {"quality", OPTION_QUALITY, "NAME", 0,
+    {"refit", OPTION_REFIT, "even|paper", 0, "How threads share the refit: even or paper",
+     0},
+    {"quality", OPTION_QUALITY, "median|sah", 0,
      "How hierarchies are built: median (the default) or sah", 0},
     {"rebuild-ratio", OPTION_REBUILD_RATIO, "R", 0,
      "Build a subtree anew when its box has less than R times the volume of its two "
@@ -272,7 +274,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-static const struct argp argp = {
+const struct argp ctl_argp_check = {
     .options = option_list,
     .parser = parse,
     .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
@@ -460,6 +462,9 @@ static int run_check(const struct check_options *options)
     ctl_mesh_deinit(&check.frames[1]);
     free((void *)check.csv.triangles);
     free(check.steps);
+    if (status == PCCD_E_NODAEMON) {
+        return CTL_NO_DAEMON;
+    }
     return status == PCCD_OK && closed == PCCD_OK ? CTL_DONE : CTL_FAILED;
 }
 
@@ -470,7 +475,7 @@ int ctl_cmd_check(int argc, char **argv)
     options.paths = malloc((size_t)argc * sizeof(*options.paths));
     if (options.paths == NULL) {
         status = ctl_complain("out of memory");
-    } else if (argp_parse(&argp, argc, argv, 0, NULL, &options) == 0) {
+    } else if (argp_parse(&ctl_argp_check, argc, argv, 0, NULL, &options) == 0) {
         status = run_check(&options);
     }
     free(options.paths);

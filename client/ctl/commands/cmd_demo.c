@@ -69,7 +69,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-static const struct argp argp = {
+const struct argp ctl_argp_demo = {
     .options = option_list,
     .parser = parse,
     .doc =
@@ -338,6 +338,9 @@ static int run_demo(const struct demo_options *options)
         ctl_complain("%s", error.text);
     }
     tear_down(demo);
+    if (status == PCCD_E_NODAEMON) {
+        return CTL_NO_DAEMON;
+    }
     return status == PCCD_OK ? CTL_DONE : CTL_FAILED;
 }
 
@@ -346,8 +349,8 @@ int ctl_cmd_demo(int argc, char **argv)
     struct demo_options options = {.link = {.policy = CTL_LINK_PRIVATE},
                                    .steps = STEPS_DEFAULT,
                                    .output = OUTPUT_DEFAULT};
-    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0) {
-        return CTL_FAILED;
+    if (argp_parse(&ctl_argp_demo, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_USAGE;
     }
     int status = run_demo(&options);
     ctl_link_deinit(&options.link);

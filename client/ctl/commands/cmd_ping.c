@@ -56,7 +56,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-static const struct argp argp = {
+const struct argp ctl_argp_ping = {
     .options = option_list,
     .parser = parse,
     .doc = "Measure round trips through the daemon's loop, in microseconds.",
@@ -104,8 +104,8 @@ int ctl_cmd_ping(int argc, char **argv)
                                    .count = PINGS_DEFAULT,
                                    .interval_s = INTERVAL_DEFAULT_S};
     struct pccd_client *client = NULL;
-    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0) {
-        return CTL_FAILED;
+    if (argp_parse(&ctl_argp_ping, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_USAGE;
     }
     double *times_us = malloc(options.count * sizeof(*times_us));
     int status = times_us != NULL ? ctl_link_open(&options.link, &client)

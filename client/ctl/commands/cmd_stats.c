@@ -52,10 +52,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-static const struct argp argp = {.options = option_list,
-                                 .parser = parse,
-                                 .doc = "List the daemon's counters.",
-                                 .children = children};
+const struct argp ctl_argp_stats = {.options = option_list,
+                                    .parser = parse,
+                                    .doc = "List the daemon's counters.",
+                                    .children = children};
 
 /* The library says no name's length beforehand, so the list is walked twice: once for the
  * widths, once to print. The second walk asks again; its values are the later ones. */
@@ -173,8 +173,8 @@ int ctl_cmd_stats(int argc, char **argv)
 {
     struct stats_options options = {.link = {.policy = CTL_LINK_EXISTING}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&argp, argc, argv, 0, NULL, &options) != 0) {
-        return CTL_FAILED;
+    if (argp_parse(&ctl_argp_stats, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_USAGE;
     }
     int status = ctl_link_open(&options.link, &client);
     if (status == CTL_DONE && print(client, &options) != PCCD_OK) {

@@ -89,7 +89,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-static const struct argp argp = {
+const struct argp ctl_argp_trace = {
     .options = option_list,
     .parser = parse,
     .doc = "Record what the daemon's threads do, with every request of every client.\v"
@@ -189,8 +189,8 @@ int ctl_cmd_trace(int argc, char **argv)
     struct ctl_error error = {.text = ""};
     struct pccd_client *client = NULL;
     struct sigaction action = {.sa_handler = on_interrupt};
-    if (argp_parse(&argp, argc, argv, 0, NULL, &command) != 0) {
-        return CTL_FAILED;
+    if (argp_parse(&ctl_argp_trace, argc, argv, 0, NULL, &command) != 0) {
+        return CTL_USAGE;
     }
     int status = ctl_link_open(&command.link, &client);
     if (status == CTL_DONE) {

@@ -23,17 +23,17 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-static const struct argp argp = {.parser = parse,
-                                 .doc = "Tell the versions of this tool and of the "
-                                        "library, and whether a daemon answers.",
-                                 .children = children};
+const struct argp ctl_argp_version = {.parser = parse,
+                                      .doc = "Tell the versions of this tool and of the "
+                                             "library, and whether a daemon answers.",
+                                      .children = children};
 
 int ctl_cmd_version(int argc, char **argv)
 {
     struct ctl_link link = {.policy = CTL_LINK_EXISTING};
     struct pccd_client *client = NULL;
-    if (argp_parse(&argp, argc, argv, 0, NULL, &link) != 0) {
-        return CTL_FAILED;
+    if (argp_parse(&ctl_argp_version, argc, argv, 0, NULL, &link) != 0) {
+        return CTL_USAGE;
     }
     printf("tool     %s\n", argp_program_version);
     printf("library  libpccd %s\n", pccd_version());

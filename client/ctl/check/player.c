@@ -1,0 +1,177 @@
+/* client/ctl/check/player.c - frames of a mesh, played in a daemon.
+ *
+ * Room:     client/ctl.
+ * Does:     one step a frame, each from the frame before it.
+ * Threads:  one.
+ * Source:   player.h.
+ */
+#include "player.h"
+
+#include <stdlib.h>
+
+#include "progress.h"
+#include "terminal.h"
+
+/* ---- reading ----------------------------------------------------------------------- */
+
+static int read_frames(struct player *player, struct ctl_error *error)
+{
+    const struct player_settings *settings = player->settings;
+    bool is_double = false;
+    struct progress progress;
+    progress_begin(&progress, "files", settings->frame_count);
+    for (uint32_t i = 0; i < settings->frame_count; i++) {
+        struct ctl_mesh *frame = &player->frames[i];
+        int status = ctl_mesh_read(settings->frames[i], frame, error);
+        if (status == PCCD_OK && i > 0) {
+            status = ctl_mesh_match(&player->frames[0], settings->frames[0], frame,
+                                    settings->frames[i], error);
+        }
+        if (status != PCCD_OK) {
+            progress_clear(&progress);
+            return status;
+        }
+        is_double = is_double || frame->format == PCCD_FORMAT_F64;
+        progress_update(&progress, i + 1);
+    }
+    progress_clear(&progress);
+    for (uint32_t i = 0; is_double && i < settings->frame_count; i++) {
+        int status = ctl_mesh_promote(&player->frames[i], error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    return PCCD_OK;
+}
+
+int player_read(struct player *player, const struct player_settings *settings,
+                struct ctl_error *error)
+{
+    player->settings = settings;
+    player->frames = calloc(settings->frame_count, sizeof *player->frames);
+    player->still = calloc(settings->still_count + 1u, sizeof *player->still);
+    player->times_ms = malloc(PLAYER_TIMES_MAX * sizeof *player->times_ms);
+    if (player->frames == NULL || player->still == NULL || player->times_ms == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
+    int status = read_frames(player, error);
+    for (uint32_t i = 0; status == PCCD_OK && i < settings->still_count; i++) {
+        status = ctl_mesh_read(settings->still[i], &player->still[i], error);
+    }
+    return status;
+}
+
+/* ---- playing ----------------------------------------------------------------------- */
+
+static int fail(const struct player *player, int status, const char *what,
+                struct ctl_error *error)
+{
+    const char *text = pccd_error_text(player->client);
+    return ctl_error_set(error, status, "%s: %s", what,
+                         text[0] != '\0' ? text : pccd_status_text(status));
+}
+
+static int place(struct player *player, const struct ctl_mesh *mesh, uint32_t *object,
+                 struct ctl_error *error)
+{
+    uint32_t handle = 0;
+    int status = pccd_mesh_create(
+        player->client, mesh->x, mesh->format, mesh->vertex_count,
+        (const uint32_t(*)[3])mesh->triangles, mesh->triangle_count, &handle, NULL);
+    if (status == PCCD_OK) {
+        status = pccd_scene_add(player->client, player->scene, handle, object);
+    }
+    player->triangles += mesh->triangle_count;
+    return status == PCCD_OK ? PCCD_OK
+                             : fail(player, status, "a mesh was not accepted", error);
+}
+
+static int place_all(struct player *player, struct ctl_error *error)
+{
+    uint32_t ignored = 0;
+    int status = pccd_scene_create(player->client, NULL, &player->scene);
+    if (status != PCCD_OK) {
+        return fail(player, status, "no scene", error);
+    }
+    status = place(player, &player->frames[0], &player->object, error);
+    for (uint32_t i = 0; status == PCCD_OK && i < player->settings->still_count; i++) {
+        status = place(player, &player->still[i], &ignored, error);
+    }
+    return status;
+}
+
+/* The frame at the end of step `step`, from 0: forwards, backwards, forwards ... */
+static uint32_t frame_after(uint64_t step, uint32_t frame_count)
+{
+    if (frame_count < 2) {
+        return 0;
+    }
+    uint64_t turn = step / (frame_count - 1), at = step % (frame_count - 1) + 1;
+    return (uint32_t)(turn % 2 == 0 ? at : frame_count - 1 - at);
+}
+
+static int play_step(struct player *player, struct ctl_error *error)
+{
+    const struct player_settings *settings = player->settings;
+    const struct ctl_mesh *frame =
+        &player->frames[frame_after(player->steps, settings->frame_count)];
+    const struct pccd_step_settings asked = {.threads = settings->threads};
+    struct pccd_answer answer;
+    double begin_s = terminal_now_s();
+    int status = pccd_step_x1(player->client, player->scene, player->object, frame->x,
+                              frame->format, frame->vertex_count, &asked, &answer);
+    if (status != PCCD_OK) {
+        return fail(player, status, "a step failed", error);
+    }
+    if (player->kept < PLAYER_TIMES_MAX) {
+        player->times_ms[player->kept++] = (terminal_now_s() - begin_s) * 1e3;
+    }
+    player->steps++;
+    player->contacts += answer.total;
+    player->incomplete += answer.incomplete != PCCD_COMPLETE;
+    pccd_answer_release(player->client, &answer);
+    return PCCD_OK;
+}
+
+int player_play(struct player *player, struct ctl_error *error)
+{
+    const struct player_settings *settings = player->settings;
+    uint64_t turn = settings->frame_count > 1 ? settings->frame_count - 1 : 1;
+    uint64_t wanted = settings->seconds > 0 ? 0 : turn * settings->times;
+    struct progress progress;
+    int status = place_all(player, error);
+    double begin_s = terminal_now_s();
+    progress_begin(&progress, "steps", wanted);
+    while (status == PCCD_OK && !terminal_was_interrupted() &&
+           (wanted > 0 ? player->steps < wanted
+                       : terminal_now_s() - begin_s < settings->seconds)) {
+        if (settings->hz > 0) {
+            double due_s = begin_s + (double)player->steps / settings->hz;
+            double left_s = due_s - terminal_now_s();
+            if (left_s > 0) {
+                terminal_sleep(left_s);
+            }
+            /* Late is who begins when the next one should. */
+            player->late += left_s < -1.0 / settings->hz;
+        }
+        status = play_step(player, error);
+        progress_update(&progress, player->steps);
+    }
+    progress_clear(&progress);
+    player->seconds = terminal_now_s() - begin_s;
+    return status;
+}
+
+void player_deinit(struct player *player)
+{
+    const struct player_settings *settings = player->settings;
+    for (uint32_t i = 0; player->frames != NULL && i < settings->frame_count; i++) {
+        ctl_mesh_deinit(&player->frames[i]);
+    }
+    for (uint32_t i = 0; player->still != NULL && i < settings->still_count; i++) {
+        ctl_mesh_deinit(&player->still[i]);
+    }
+    free(player->frames);
+    free(player->still);
+    free(player->times_ms);
+}

@@ -1,0 +1,53 @@
+/* client/ctl/check/player.h - frames of a mesh, played in a daemon.
+ *
+ * Room:     client/ctl. May include: meshfile.h, pccd.h.
+ * Does:     read the frames, register the first one, move it from frame to frame at a
+ *           rate, forwards and backwards by turns, so that nothing ever jumps.
+ * Does not: print, but for a progress bar.
+ * Threads:  one.
+ * Source:   used by cmd_load.c.
+ */
+#ifndef CTL_PLAYER_H
+#define CTL_PLAYER_H
+
+#include <stdint.h>
+
+#include "error.h"
+#include "meshfile.h"
+#include "pccd.h"
+
+#define PLAYER_TIMES_MAX 1000000u /* round trips that are kept */
+
+struct player_settings {
+    char *const *frames; /* files; the caller's */
+    uint32_t frame_count;
+    char *const *still; /* files of meshes that stand still */
+    uint32_t still_count;
+    double hz;      /* 0: as fast as they are answered */
+    double seconds; /* 0: `times` decides */
+    uint32_t times;
+    uint32_t threads; /* 0: the daemon decides */
+};
+
+/* All zero before player_read. */
+struct player {
+    const struct player_settings *settings;
+    struct pccd_client *client; /* the caller's, between reading and playing */
+    struct ctl_mesh *frames;    /* ours, all of one format */
+    struct ctl_mesh *still;     /* ours */
+    uint32_t scene, object;
+    double *times_ms; /* ours: round trips; [kept] */
+    uint32_t kept;
+    uint64_t steps, contacts, incomplete, triangles;
+    uint64_t late; /* steps that began after their time */
+    double seconds;
+};
+
+/* Errors: those of ctl_mesh_read; frames that do not match. */
+int player_read(struct player *player, const struct player_settings *settings,
+                struct ctl_error *error);
+/* Until the end of the settings, or an interrupt. */
+int player_play(struct player *player, struct ctl_error *error);
+void player_deinit(struct player *player);
+
+#endif

@@ -1,0 +1,119 @@
+/* client/ctl/commands/cmd_doctor.c - pccdctl doctor.
+ *
+ * Room:     client/ctl.
+ * Does:     looks for what is wrong with a set-up, and says of each thing what to do.
+ * Does not: change anything, or start a daemon, unless --private asks for one.
+ * Threads:  one.
+ * Source:   doctor.h.
+ */
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "ctl.h"
+#include "doctor.h"
+#include "link.h"
+#include "terminal.h"
+
+enum { OPTION_JSON = 256 + 64 };
+
+struct doctor_options {
+    struct ctl_link link;
+    bool is_json;
+};
+
+static const struct argp_option option_list[] = {
+    {"json", OPTION_JSON, NULL, 0, "A JSON array", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct doctor_options *options = state->input;
+    (void)text;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+const struct argp ctl_argp_doctor = {
+    .options = option_list,
+    .parser = parse,
+    .doc =
+        "Look for what is wrong with a set-up: socket, rights, limits, versions, "
+        "processors, threads, the daemon itself.\v"
+        "Each line is ok, warn or FAIL, with what to do next. Exit status: 0 without a "
+        "FAIL, 1 with one.",
+    .children = children};
+
+static const char *const verdict_names[] = {
+    [DOCTOR_OK] = "ok", [DOCTOR_WARN] = "warn", [DOCTOR_FAIL] = "FAIL"};
+
+static void print(const struct doctor *doctor)
+{
+    static const enum terminal_colour colours[] = {[DOCTOR_OK] = TERMINAL_GREEN,
+                                                   [DOCTOR_WARN] = TERMINAL_YELLOW,
+                                                   [DOCTOR_FAIL] = TERMINAL_RED};
+    for (uint32_t i = 0; i < doctor->count; i++) {
+        const struct doctor_finding *finding = &doctor->findings[i];
+        printf("%s%-4s%s  %-10s %s\n", terminal_begin(colours[finding->verdict]),
+               verdict_names[finding->verdict], terminal_end(), finding->what,
+               finding->text);
+        if (finding->advice[0] != '\0') {
+            printf("                 -> %s\n", finding->advice);
+        }
+    }
+}
+
+static void print_json(const struct doctor *doctor)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < doctor->count; i++) {
+        const struct doctor_finding *finding = &doctor->findings[i];
+        json_array_append_new(array, json_pack("{s:s, s:s, s:s, s:s}", "verdict",
+                                               verdict_names[finding->verdict], "what",
+                                               finding->what, "text", finding->text,
+                                               "advice", finding->advice));
+    }
+    json_dumpf(array, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(array);
+}
+
+int ctl_cmd_doctor(int argc, char **argv)
+{
+    struct doctor_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct pccd_client *client = NULL;
+    if (argp_parse(&ctl_argp_doctor, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_USAGE;
+    }
+    struct doctor *doctor = calloc(1, sizeof *doctor);
+    if (doctor == NULL) {
+        ctl_link_deinit(&options.link);
+        return ctl_complain("out of memory");
+    }
+    struct pccd_options asked;
+    ctl_link_options(&options.link, &asked);
+    doctor_look_at_machine(doctor);
+    doctor_look_at_socket(doctor, &asked);
+    int status = pccd_connect(&asked, &client);
+    doctor_look_at_daemon(doctor, client, status);
+    if (options.is_json) {
+        print_json(doctor);
+    } else {
+        print(doctor);
+    }
+    int exit_status = doctor->has_failed ? CTL_NEGATIVE : CTL_DONE;
+    free(doctor);
+    pccd_close(client);
+    ctl_link_deinit(&options.link);
+    return exit_status;
+}

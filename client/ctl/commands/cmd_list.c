@@ -1,0 +1,256 @@
+/* client/ctl/commands/cmd_list.c - pccdctl list.
+ *
+ * Room:     client/ctl.
+ * Does:     lists sessions, scenes, objects or meshes of a daemon.
+ * Does not: start one, unless --private asks for it.
+ * Threads:  one.
+ * Source:   sessions.h; pccd_list_objects and pccd_list_meshes of pccd.h.
+ */
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "format.h"
+#include "link.h"
+#include "sessions.h"
+#include "terminal.h"
+
+enum { OPTION_SESSION = 256 + 64, OPTION_JSON };
+
+enum what { SESSIONS, SCENES, OBJECTS, MESHES, WHAT_COUNT };
+static const char *const what_names[] = {"sessions", "scenes", "objects", "meshes"};
+
+struct list_options {
+    struct ctl_link link;
+    enum what what;
+    uint64_t session; /* 0: all */
+    bool is_json;
+};
+
+static const struct argp_option option_list[] = {
+    {"session", OPTION_SESSION, "N", 0, "Only of this session", 0},
+    {"json", OPTION_JSON, NULL, 0, "A JSON array", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct list_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case OPTION_SESSION:
+        options->session = ctl_option_count(state, "session", text, 1, INT64_MAX);
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (state->arg_num > 0) {
+            argp_error(state, "one thing is listed at a time");
+        }
+        options->what = (enum what)ctl_argument_name(state, text, what_names, WHAT_COUNT);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+const struct argp ctl_argp_list = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "[sessions|scenes|objects|meshes]",
+    .doc = "List what a daemon has: sessions (the default), scenes, objects or meshes of "
+           "this user, or of everybody for the daemon's own user and root.",
+    .children = children};
+
+/* One list being printed; session and scene say whose it is. */
+struct printer {
+    bool is_json;
+    json_t *array;
+    uint64_t session;
+    uint32_t scene;
+};
+
+static void print_session(struct printer *printer, const struct session_row *row)
+{
+    const struct pccd_session_info *info = &row->info;
+    if (!printer->is_json) {
+        printf("%7" PRIu64 " %7" PRIu32 " %-10.10s %-20.20s %6" PRIu32 " %7" PRIu32
+               " %6" PRIu32 " %9s %9s %10" PRIu64 " %10s%s\n",
+               info->session, info->pid, format_user(info->uid), row->name, info->scenes,
+               info->objects, info->meshes, format_count((double)info->triangles),
+               format_bytes((double)info->shm_bytes), info->steps,
+               format_span(info->ns_open), info->waiting ? " waits" : "");
+        return;
+    }
+    json_array_append_new(
+        printer->array,
+        json_pack(
+            "{s:I, s:I, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, "
+            "s:b}",
+            "session", (json_int_t)info->session, "pid", (json_int_t)info->pid, "uid",
+            (json_int_t)info->uid, "client", row->name, "scenes",
+            (json_int_t)info->scenes, "objects", (json_int_t)info->objects, "meshes",
+            (json_int_t)info->meshes, "triangles", (json_int_t)info->triangles,
+            "shm_bytes", (json_int_t)info->shm_bytes, "steps", (json_int_t)info->steps,
+            "contacts", (json_int_t)info->contacts, "errors", (json_int_t)info->errors,
+            "requests", (json_int_t)info->requests, "ns_open", (json_int_t)info->ns_open,
+            "waiting", info->waiting));
+}
+
+static void print_scene(struct printer *printer, const struct pccd_scene_info *info)
+{
+    char hash[40];
+    snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, info->hash[0],
+             info->hash[1]);
+    if (!printer->is_json) {
+        printf("%7" PRIu64 " %#10" PRIx32 " %7" PRIu32 " %10" PRIu64 " %10" PRIu64
+               " %10s %s\n",
+               printer->session, info->scene, info->objects, info->steps, info->total,
+               format_ms((double)info->ns_step / 1e6), info->steps > 0 ? hash : "-");
+        return;
+    }
+    json_array_append_new(
+        printer->array,
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:f}", "session",
+                  (json_int_t)printer->session, "scene", (json_int_t)info->scene,
+                  "objects", (json_int_t)info->objects, "steps", (json_int_t)info->steps,
+                  "last_number", (json_int_t)info->number, "last_total",
+                  (json_int_t)info->total, "last_hash", hash, "last_ms",
+                  (double)info->ns_step / 1e6));
+}
+
+static void print_object(void *context, const struct pccd_object_info *info)
+{
+    struct printer *printer = context;
+    if (!printer->is_json) {
+        printf(
+            "%7" PRIu64 " %#10" PRIx32 " %#10" PRIx32 " %#10" PRIx32 " %10" PRIu64 "\n",
+            printer->session, printer->scene, info->object, info->mesh, info->triangles);
+        return;
+    }
+    json_array_append_new(
+        printer->array,
+        json_pack("{s:I, s:I, s:I, s:I, s:I}", "session", (json_int_t)printer->session,
+                  "scene", (json_int_t)printer->scene, "object", (json_int_t)info->object,
+                  "mesh", (json_int_t)info->mesh, "triangles",
+                  (json_int_t)info->triangles));
+}
+
+static void print_mesh(void *context, const struct pccd_registered_mesh *info)
+{
+    struct printer *printer = context;
+    if (!printer->is_json) {
+        printf("%7" PRIu64 " %#10" PRIx32 " %10" PRIu32 " %10" PRIu32 " %7" PRIu64
+               " %10" PRIu32 " %s\n",
+               printer->session, info->mesh, info->vertex_count, info->triangle_count,
+               info->objects, info->generation,
+               !info->committed  ? "being filled"
+               : info->replacing ? "being replaced"
+                                 : "committed");
+        return;
+    }
+    json_array_append_new(
+        printer->array,
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:b, s:b}", "session",
+                  (json_int_t)printer->session, "mesh", (json_int_t)info->mesh,
+                  "vertices", (json_int_t)info->vertex_count, "triangles",
+                  (json_int_t)info->triangle_count, "objects", (json_int_t)info->objects,
+                  "generation", (json_int_t)info->generation, "committed",
+                  info->committed, "replacing", info->replacing));
+}
+
+/* Of one session. What has gone since the list was read is not there. */
+static int print_of(struct pccd_client *client, enum what what, struct printer *printer,
+                    const struct session_row *row)
+{
+    struct scenes scenes = {.rows = NULL};
+    int status = PCCD_OK;
+    printer->session = row->info.session;
+    if (what == SESSIONS) {
+        print_session(printer, row);
+    } else if (what == MESHES) {
+        status = pccd_list_meshes(client, printer->session, print_mesh, printer);
+    } else {
+        status = scenes_read(client, printer->session, &scenes);
+        for (uint32_t i = 0; i < scenes.count && status == PCCD_OK; i++) {
+            printer->scene = scenes.rows[i].scene;
+            if (what == SCENES) {
+                print_scene(printer, &scenes.rows[i]);
+            } else {
+                status = pccd_list_objects(client, printer->session, printer->scene,
+                                           print_object, printer);
+            }
+        }
+    }
+    scenes_deinit(&scenes);
+    return status == PCCD_E_HANDLE ? PCCD_OK : status;
+}
+
+static void print_head(enum what what)
+{
+    static const char *const heads[] = {
+        [SESSIONS] =
+            "SESSION     PID USER       CLIENT               SCENES OBJECTS MESHES "
+            "TRIANGLES    SHARED      STEPS   OPEN FOR",
+        [SCENES] =
+            "SESSION      SCENE OBJECTS      STEPS   CONTACTS  LAST STEP HASH OF THE "
+            "LAST ANSWER",
+        [OBJECTS] = "SESSION      SCENE     OBJECT       MESH  TRIANGLES",
+        [MESHES] = "SESSION       MESH   VERTICES  TRIANGLES OBJECTS GENERATION STATE"};
+    printf("%s%s%s\n", terminal_begin(TERMINAL_BOLD), heads[what], terminal_end());
+}
+
+static int list(struct pccd_client *client, const struct list_options *options)
+{
+    struct sessions sessions = {.rows = NULL};
+    struct printer printer = {.is_json = options->is_json, .array = json_array()};
+    int status = sessions_read(client, &sessions);
+    if (status == PCCD_OK && options->session != 0 &&
+        sessions_find(&sessions, options->session) == NULL) {
+        sessions_deinit(&sessions);
+        json_decref(printer.array);
+        return ctl_complain("there is no session %" PRIu64
+                            ", or it is another user's; pccdctl list shows them",
+                            options->session);
+    }
+    if (status == PCCD_OK && !options->is_json) {
+        print_head(options->what);
+    }
+    for (uint32_t i = 0; i < sessions.count && status == PCCD_OK; i++) {
+        const struct session_row *row = &sessions.rows[i];
+        if (options->session == 0 || row->info.session == options->session) {
+            status = print_of(client, options->what, &printer, row);
+        }
+    }
+    if (status == PCCD_OK && options->is_json) {
+        json_dumpf(printer.array, stdout, JSON_INDENT(2));
+        putchar('\n');
+    }
+    sessions_deinit(&sessions);
+    json_decref(printer.array);
+    return status == PCCD_OK ? CTL_DONE
+                             : ctl_complain("list: %s", pccd_error_text(client));
+}
+
+int ctl_cmd_list(int argc, char **argv)
+{
+    struct list_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct pccd_client *client = NULL;
+    if (argp_parse(&ctl_argp_list, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_USAGE;
+    }
+    int status = ctl_link_open(&options.link, &client);
+    if (status == CTL_DONE) {
+        status = list(client, &options);
+    }
+    pccd_close(client);
+    ctl_link_deinit(&options.link);
+    return status;
+}

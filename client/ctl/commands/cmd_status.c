@@ -1,0 +1,272 @@
+/* client/ctl/commands/cmd_status.c - pccdctl status.
+ *
+ * Room:     client/ctl.
+ * Does:     tells on one screen how a daemon is.
+ * Does not: start one, unless --private asks for it.
+ * Threads:  one.
+ * Source:   counters.h; pccd_stats_thread for the last step.
+ */
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "counters.h"
+#include "ctl.h"
+#include "format.h"
+#include "health.h"
+#include "link.h"
+#include "terminal.h"
+
+struct status_options {
+    struct ctl_link link;
+    bool is_json;
+};
+
+enum { OPTION_JSON = 256 + 64 };
+
+static const struct argp_option option_list[] = {
+    {"json", OPTION_JSON, NULL, 0, "One JSON object", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct status_options *options = state->input;
+    (void)text;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+const struct argp ctl_argp_status = {
+    .options = option_list,
+    .parser = parse,
+    .doc = "Tell on one screen how a daemon is: its clients, its memory, its last step.",
+    .children = children};
+
+/* Everything that is told. */
+struct status {
+    struct pccd_daemon_info daemon;
+    const char *url;
+    struct counters counters;
+    bool has_step; /* somebody's last step could be seen, and there was one */
+    struct counters step;
+    bool has_histograms;
+    struct pccd_histogram_info steps, requests;
+    uint64_t resident_bytes; /* 0: not known */
+    struct health health;
+};
+
+static void take_step(void *context, const char *name, uint64_t value, const char *text)
+{
+    struct counters *step = context;
+    if (step->count < COUNTERS_MAX) {
+        step->text[step->count] = text;
+        step->name[step->count] = name;
+        step->value[step->count++] = value;
+    }
+}
+
+/* Of the daemon's process, where it runs on this machine and may be looked at. */
+static uint64_t resident_bytes(uint32_t pid)
+{
+    char path[64];
+    unsigned long long pages = 0;
+    snprintf(path, sizeof path, "/proc/%" PRIu32 "/statm", pid);
+    FILE *file = fopen(path, "r");
+    if (file == NULL) {
+        return 0;
+    }
+    if (fscanf(file, "%*u %llu", &pages) != 1) {
+        pages = 0;
+    }
+    fclose(file);
+    return (uint64_t)pages * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
+static int look(struct pccd_client *client, struct status *status)
+{
+    int rc = pccd_daemon(client, &status->daemon);
+    status->url = pccd_url(client);
+    if (rc == PCCD_OK) {
+        rc = counters_read(client, &status->counters);
+    }
+    if (rc != PCCD_OK) {
+        return rc;
+    }
+    /* What this user may not see, or an older daemon does not tell, is left out. */
+    status->has_step =
+        pccd_stats_thread(client, true, 0, take_step, &status->step) == PCCD_OK &&
+        counters_get(&status->step, "threads") > 0;
+    status->has_histograms =
+        pccd_histogram(client, PCCD_HISTOGRAM_STEPS, &status->steps) == PCCD_OK &&
+        pccd_histogram(client, PCCD_HISTOGRAM_REQUESTS, &status->requests) == PCCD_OK;
+    status->resident_bytes = resident_bytes(status->daemon.pid);
+    health_judge(&status->counters, &status->health);
+    return PCCD_OK;
+}
+
+/* ---- for people -------------------------------------------------------------------- */
+
+static void print_step(const struct status *status)
+{
+    const struct counters *step = &status->step;
+    static const char *const phases[] = {"ingest", "refit", "low", "high", "merge"};
+    uint64_t threads = counters_get(step, "threads");
+    printf("last step  %s by %" PRIu64 " thread%s:",
+           format_ms((double)counters_get(step, "ns_step") / 1e6), threads,
+           threads == 1 ? "" : "s");
+    for (size_t i = 0; i < sizeof phases / sizeof phases[0]; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "ns_%s", phases[i]);
+        printf("%s %s %s", i > 0 ? "," : "", phases[i],
+               format_ms((double)counters_get(step, name) / 1e6));
+    }
+    putchar('\n');
+}
+
+static void print_quantiles(const char *what, const struct pccd_histogram_info *histogram,
+                            const char *end)
+{
+    if (histogram->count > 0) {
+        printf("%s p50 < %s, p99 < %s%s", what,
+               format_ms(histogram_quantile_s(histogram, 0.5) * 1e3),
+               format_ms(histogram_quantile_s(histogram, 0.99) * 1e3), end);
+    }
+}
+
+static void print_health(const struct health *health)
+{
+    if (health->count == 0) {
+        printf("health     %sok%s\n", terminal_begin(TERMINAL_GREEN), terminal_end());
+    }
+    for (uint32_t i = 0; i < health->count; i++) {
+        printf("%s %s%s%s\n", i == 0 ? "health    " : "          ",
+               terminal_begin(TERMINAL_YELLOW), health->text[i], terminal_end());
+    }
+}
+
+static void print(const struct status *status)
+{
+    const struct counters *c = &status->counters;
+#define COUNT(name) format_count((double)counters_get(c, name))
+    printf("daemon     %s, process %" PRIu32 ", protocol %" PRIu32 ", %s\n",
+           status->daemon.name, status->daemon.pid, status->daemon.version,
+           status->daemon.cpu);
+    printf("socket     %s\n", status->url);
+    printf("up for     %s\n", format_span(counters_get(c, "uptime_ns")));
+    printf("sessions   %s open (%s wait for their clients), %s since the start; %s "
+           "refused, %s dropped\n",
+           COUNT("sessions_now"), COUNT("sessions_waiting_now"), COUNT("sessions_total"),
+           COUNT("sessions_refused"), COUNT("sessions_dropped"));
+    printf("scenes     %s with %s objects; %s meshes; %s triangles in all\n",
+           COUNT("scenes_now"), COUNT("objects_now"), COUNT("meshes_now"),
+           COUNT("triangles_now"));
+    printf("memory     engine %s, shared %s",
+           format_bytes((double)counters_get(c, "engine_bytes_now")),
+           format_bytes((double)counters_get(c, "shm_bytes_now")));
+    if (status->resident_bytes > 0) {
+        printf(", process %s resident", format_bytes((double)status->resident_bytes));
+    }
+    printf("\nsteps      %s answered, %s of them incomplete; %s contacts; %s requests "
+           "wait\n",
+           COUNT("steps"), COUNT("steps_incomplete"), COUNT("contacts"),
+           COUNT("jobs_queued_now"));
+#undef COUNT
+    if (status->has_step) {
+        print_step(status);
+    }
+    if (status->has_histograms && status->requests.count > 0) {
+        printf("latency    ");
+        print_quantiles("steps", &status->steps, "; ");
+        print_quantiles("requests", &status->requests, "\n");
+    }
+    printf("team       %" PRIu32 " threads at most%s\n", status->daemon.threads_max,
+           counters_get(c, "threads_bound") != 0 ? ", each bound to a processor" : "");
+    print_health(&status->health);
+}
+
+/* ---- for programs ------------------------------------------------------------------ */
+
+static json_t *all_of(const struct counters *counters)
+{
+    json_t *object = json_object();
+    for (uint32_t i = 0; i < counters->count; i++) {
+        json_object_set_new(object, counters->name[i],
+                            json_integer((json_int_t)counters->value[i]));
+    }
+    return object;
+}
+
+static json_t *quantiles(const struct pccd_histogram_info *histogram)
+{
+    return json_pack("{s:I, s:f, s:f, s:f}", "count", (json_int_t)histogram->count,
+                     "p50_below_s", histogram_quantile_s(histogram, 0.5), "p99_below_s",
+                     histogram_quantile_s(histogram, 0.99), "mean_s",
+                     histogram->count > 0
+                         ? (double)histogram->ns_sum / 1e9 / (double)histogram->count
+                         : 0.0);
+}
+
+static void print_json(const struct status *status)
+{
+    json_t *object = json_pack(
+        "{s:s, s:I, s:I, s:s, s:s, s:s, s:I, s:I, s:b}", "daemon", status->daemon.name,
+        "pid", (json_int_t)status->daemon.pid, "protocol",
+        (json_int_t)status->daemon.version, "cpu", status->daemon.cpu, "url", status->url,
+        "library", pccd_version(), "threads_max", (json_int_t)status->daemon.threads_max,
+        "resident_bytes", (json_int_t)status->resident_bytes, "healthy",
+        status->health.count == 0);
+    json_t *warnings = json_array();
+    for (uint32_t i = 0; i < status->health.count; i++) {
+        json_array_append_new(warnings, json_string(status->health.text[i]));
+    }
+    json_object_set_new(object, "warnings", warnings);
+    json_object_set_new(object, "counters", all_of(&status->counters));
+    json_object_set_new(object, "last_step",
+                        status->has_step ? all_of(&status->step) : json_null());
+    if (status->has_histograms) {
+        json_object_set_new(object, "steps", quantiles(&status->steps));
+        json_object_set_new(object, "requests", quantiles(&status->requests));
+    }
+    json_dumpf(object, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(object);
+}
+
+int ctl_cmd_status(int argc, char **argv)
+{
+    struct status_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct pccd_client *client = NULL;
+    if (argp_parse(&ctl_argp_status, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_USAGE;
+    }
+    struct status *status = calloc(1, sizeof *status);
+    if (status == NULL) {
+        ctl_link_deinit(&options.link);
+        return ctl_complain("out of memory");
+    }
+    int exit_status = ctl_link_open(&options.link, &client);
+    if (exit_status == CTL_DONE && look(client, status) != PCCD_OK) {
+        exit_status = ctl_complain("status: %s", pccd_error_text(client));
+    } else if (exit_status == CTL_DONE && options.is_json) {
+        print_json(status);
+    } else if (exit_status == CTL_DONE) {
+        print(status);
+    }
+    free(status);
+    pccd_close(client);
+    ctl_link_deinit(&options.link);
+    return exit_status;
+}

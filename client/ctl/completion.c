@@ -1,0 +1,269 @@
+/* client/ctl/completion.c - commands and options as shells complete them.
+ *
+ * Room:     client/ctl.
+ * Does:     one walk over the tables, and a printer for each shell.
+ * Threads:  one.
+ * Source:   completion.h; bash(1) "Programmable Completion", zshcompsys(1), fish(1)
+ *           "complete".
+ */
+#include "completion.h"
+
+#include <argp.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "ctl.h"
+
+struct row {
+    const char *name;
+    const char *text;
+    const struct argp *argp;
+};
+
+static const struct row rows[] = {
+#define ROW(name, text) {#name, text, &ctl_argp_##name},
+    CTL_COMMANDS(ROW)
+#undef ROW
+};
+#define ROW_COUNT (sizeof rows / sizeof rows[0])
+
+/* ---- the walk ---------------------------------------------------------------------- */
+
+typedef void (*option_fn)(FILE *to, const struct row *row,
+                          const struct argp_option *option);
+
+/* Every option of a command, those of its children and of theirs. They nest as they are
+ * written, a few deep. */
+static void each_option(FILE *to, const struct row *row, const struct argp *argp,
+                        option_fn print)
+{
+    for (const struct argp_option *option = argp->options;
+         option != NULL &&
+         (option->name != NULL || option->key != 0 || option->doc != NULL);
+         option++) {
+        if (option->name != NULL) {
+            print(to, row, option);
+        }
+    }
+    for (const struct argp_child *child = argp->children;
+         child != NULL && child->argp != NULL; child++) {
+        each_option(to, row, child->argp, print);
+    }
+}
+
+static bool is_short(const struct argp_option *option)
+{
+    return option->key > ' ' && option->key < 127;
+}
+
+/* "a|b|c", also in brackets: the words that may stand there. */
+static bool has_words(const char *argument)
+{
+    return argument != NULL && strchr(argument, '|') != NULL;
+}
+
+static bool is_file(const char *argument)
+{
+    return argument != NULL && !has_words(argument) &&
+           (strstr(argument, "FILE") != NULL || strstr(argument, "PATH") != NULL ||
+            strstr(argument, "PROGRAM") != NULL || strstr(argument, "MESH") != NULL ||
+            strstr(argument, "FRAME") != NULL);
+}
+
+/* The words of "[a|b|c] [NAME]", with blanks between them. */
+static void print_words(FILE *to, const char *argument)
+{
+    for (; *argument != '\0' && *argument != ' '; argument++) {
+        if (*argument != '[' && *argument != ']') {
+            putc(*argument == '|' ? ' ' : *argument, to);
+        }
+    }
+}
+
+/* The first sentence of a help text, without what the shells give a meaning to. */
+static void print_text(FILE *to, const char *text)
+{
+    for (; text != NULL && *text != '\0' && *text != ';'; text++) {
+        if (strchr("'\"\\[]:$`(", *text) == NULL) {
+            putc(*text, to);
+        } else if (*text == '(') {
+            break;
+        }
+    }
+}
+
+/* ---- bash -------------------------------------------------------------------------- */
+
+static void bash_name(FILE *to, const struct row *row, const struct argp_option *option)
+{
+    (void)row;
+    fprintf(to, " --%s", option->name);
+    if (is_short(option)) {
+        fprintf(to, " -%c", option->key);
+    }
+}
+
+static void bash_value(FILE *to, const struct row *row, const struct argp_option *option)
+{
+    if (option->arg == NULL) {
+        return;
+    }
+    fprintf(to, "    %s:--%s", row->name, option->name);
+    if (is_short(option)) {
+        fprintf(to, " | %s:-%c", row->name, option->key);
+    }
+    if (has_words(option->arg)) {
+        fputs(") words='", to);
+        print_words(to, option->arg);
+        fputs("' ;;\n", to);
+    } else {
+        fputs(is_file(option->arg) ? ") files=1 ;;\n" : ") nothing=1 ;;\n", to);
+    }
+}
+
+void completion_print_bash(FILE *to)
+{
+    fputs("# pccdctl: completion for bash, printed by pccdctl completion bash.\n"
+          "_pccdctl()\n{\n"
+          "    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]}\n"
+          "    local command=${COMP_WORDS[1]} words= files= nothing=\n"
+          "    COMPREPLY=()\n"
+          "    if [ \"$cur\" = = ]; then\n        cur=\n"
+          "    elif [ \"$prev\" = = ]; then\n"
+          "        prev=${COMP_WORDS[COMP_CWORD-2]}\n    fi\n"
+          "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
+          "        COMPREPLY=($(compgen -W 'help --help --version",
+          to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        fprintf(to, " %s", rows[i].name);
+    }
+    fputs("' -- \"$cur\"))\n        return\n    fi\n"
+          "    case $command:$prev in\n",
+          to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        each_option(to, &rows[i], rows[i].argp, bash_value);
+    }
+    fputs("    esac\n    if [ -n \"$nothing\" ]; then\n        return\n    fi\n"
+          "    if [ -z \"$words$files\" ]; then\n        case $command in\n"
+          "        help) words='",
+          to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        fprintf(to, " %s", rows[i].name);
+    }
+    fputs("' ;;\n", to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        fprintf(to, "        %s) words='", rows[i].name);
+        if (has_words(rows[i].argp->args_doc)) {
+            print_words(to, rows[i].argp->args_doc);
+        }
+        each_option(to, &rows[i], rows[i].argp, bash_name);
+        fprintf(to, " --help'%s ;;\n", is_file(rows[i].argp->args_doc) ? " files=1" : "");
+    }
+    fputs("        esac\n    fi\n"
+          "    case $cur in\n    -*) files= ;;\n"
+          "    *) [ -z \"$files\" ] || { COMPREPLY=($(compgen -f -- \"$cur\")); return; "
+          "} ;;\n"
+          "    esac\n"
+          "    COMPREPLY=($(compgen -W \"$words\" -- \"$cur\"))\n}\n"
+          "complete -o filenames -F _pccdctl pccdctl\n",
+          to);
+}
+
+/* ---- zsh --------------------------------------------------------------------------- */
+
+static void zsh_option(FILE *to, const struct row *row, const struct argp_option *option)
+{
+    (void)row;
+    fprintf(to, "            '--%s%s[", option->name, option->arg != NULL ? "=" : "");
+    print_text(to, option->doc);
+    putc(']', to);
+    if (has_words(option->arg)) {
+        fprintf(to, ":%s:(", option->name);
+        print_words(to, option->arg);
+        putc(')', to);
+    } else if (option->arg != NULL) {
+        fprintf(to, ":%s:%s", option->name, is_file(option->arg) ? "_files" : " ");
+    }
+    fputs("' \\\n", to);
+}
+
+void completion_print_zsh(FILE *to)
+{
+    fputs("#compdef pccdctl\n"
+          "# pccdctl: completion for zsh, printed by pccdctl completion zsh.\n"
+          "_pccdctl() {\n    local -a commands\n    commands=(\n",
+          to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        fprintf(to, "        '%s:", rows[i].name);
+        print_text(to, rows[i].text);
+        fputs("'\n", to);
+    }
+    fputs("        'help:explain a command'\n    )\n"
+          "    if (( CURRENT == 2 )); then\n        _describe command commands\n"
+          "        return\n    fi\n"
+          "    local command=${words[2]}\n    shift words\n    (( CURRENT-- ))\n"
+          "    case $command in\n    help) _describe command commands ;;\n",
+          to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        const char *arguments = rows[i].argp->args_doc;
+        fprintf(to, "    %s)\n        _arguments \\\n", rows[i].name);
+        each_option(to, &rows[i], rows[i].argp, zsh_option);
+        fputs("            '--help[tell how it is used]'", to);
+        if (has_words(arguments)) {
+            fputs(" \\\n            '1:what:(", to);
+            print_words(to, arguments);
+            fputs(")'", to);
+        } else if (is_file(arguments)) {
+            fputs(" \\\n            '*:file:_files'", to);
+        }
+        fputs("\n        ;;\n", to);
+    }
+    fputs("    esac\n}\n_pccdctl \"$@\"\n", to);
+}
+
+/* ---- fish -------------------------------------------------------------------------- */
+
+static void fish_option(FILE *to, const struct row *row, const struct argp_option *option)
+{
+    fprintf(to, "complete -c pccdctl -n '__fish_seen_subcommand_from %s' -l %s",
+            row->name, option->name);
+    if (is_short(option)) {
+        fprintf(to, " -s %c", option->key);
+    }
+    if (has_words(option->arg)) {
+        fputs(" -x -a '", to);
+        print_words(to, option->arg);
+        putc('\'', to);
+    } else if (option->arg != NULL) {
+        fputs(is_file(option->arg) ? " -r -F" : " -x", to);
+    }
+    fputs(" -d '", to);
+    print_text(to, option->doc);
+    fputs("'\n", to);
+}
+
+void completion_print_fish(FILE *to)
+{
+    fputs("# pccdctl: completion for fish, printed by pccdctl completion fish.\n"
+          "complete -c pccdctl -f\n",
+          to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        const char *arguments = rows[i].argp->args_doc;
+        fprintf(to, "complete -c pccdctl -n __fish_use_subcommand -a %s -d '",
+                rows[i].name);
+        print_text(to, rows[i].text);
+        fputs("'\n", to);
+        each_option(to, &rows[i], rows[i].argp, fish_option);
+        if (has_words(arguments) || is_file(arguments)) {
+            fprintf(to, "complete -c pccdctl -n '__fish_seen_subcommand_from %s' ",
+                    rows[i].name);
+        }
+        if (has_words(arguments)) {
+            fputs("-a '", to);
+            print_words(to, arguments);
+            fputs("'\n", to);
+        } else if (is_file(arguments)) {
+            fputs("-F\n", to);
+        }
+    }
+}

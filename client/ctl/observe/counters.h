@@ -1,0 +1,38 @@
+/* client/ctl/observe/counters.h - the daemon's counters, to be looked up by name.
+ *
+ * Room:     client/ctl. May include: pccd.h.
+ * Does:     read all of them at once; say which only grow; quantiles of a histogram.
+ * Does not: print.
+ * Threads:  one.
+ * Source:   pccd_stats and pccd_histogram of pccd.h.
+ */
+#ifndef CTL_COUNTERS_H
+#define CTL_COUNTERS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd.h"
+
+#define COUNTERS_MAX 128u
+
+struct counters {
+    uint32_t count;
+    const char *name[COUNTERS_MAX]; /* the library's, for ever */
+    const char *text[COUNTERS_MAX];
+    uint64_t value[COUNTERS_MAX];
+};
+
+/* Returns the library's status. */
+int counters_read(struct pccd_client *client, struct counters *counters);
+/* 0 when there is none of that name. */
+uint64_t counters_get(const struct counters *counters, const char *name);
+/* Whether it tells how something is now; otherwise it is a total that only grows. */
+bool counters_is_gauge(const char *name);
+
+/* The upper bound of a bucket, in seconds; infinity for the last. */
+double histogram_bound_s(uint32_t bucket);
+/* The upper bound of the bucket below which the share `q` of all lies; 0 without any. */
+double histogram_quantile_s(const struct pccd_histogram_info *histogram, double q);
+
+#endif

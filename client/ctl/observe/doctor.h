@@ -1,0 +1,48 @@
+/* client/ctl/observe/doctor.h - what is wrong with a set-up.
+ *
+ * Room:     client/ctl. May include: pccd.h.
+ * Does:     look at limits, files and a daemon; note a finding for each.
+ * Does not: print or change anything.
+ * Threads:  one.
+ * Source:   pccdd(8) says what the daemon needs.
+ */
+#ifndef CTL_DOCTOR_H
+#define CTL_DOCTOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd.h"
+
+enum doctor_verdict { DOCTOR_OK, DOCTOR_WARN, DOCTOR_FAIL };
+
+#define DOCTOR_MAX        32u
+#define DOCTOR_TEXT_BYTES 256u
+
+struct doctor_finding {
+    enum doctor_verdict verdict;
+    const char *what;               /* one word */
+    char text[DOCTOR_TEXT_BYTES];   /* how it is */
+    char advice[DOCTOR_TEXT_BYTES]; /* what to do next; "": nothing */
+};
+
+/* All zero: nothing was looked at. */
+struct doctor {
+    uint32_t count;
+    bool has_failed;
+    struct doctor_finding findings[DOCTOR_MAX];
+};
+
+/* One more; `advice` may be "". */
+void doctor_find(struct doctor *doctor, enum doctor_verdict verdict, const char *what,
+                 const char *advice, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+
+/* Limits of this process, memory to share, processors, the OpenMP environment. */
+void doctor_look_at_machine(struct doctor *doctor);
+/* The socket that `options` lead to, its folder and its lock; the systemd unit. */
+void doctor_look_at_socket(struct doctor *doctor, const struct pccd_options *options);
+/* The daemon; client NULL: pccd_connect has returned `status`. */
+void doctor_look_at_daemon(struct doctor *doctor, struct pccd_client *client, int status);
+
+#endif

@@ -1,0 +1,67 @@
+/* client/ctl/observe/health.c - what a daemon's counters say is wrong.
+ *
+ * Room:     client/ctl.
+ * Does:     compares a few of them with bounds, each with its reason.
+ * Threads:  one.
+ * Source:   health.h.
+ */
+#include "health.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+/* More that wait are seconds of work, whatever they are. */
+#define QUEUE_MAX 1000u
+
+static void __attribute__((format(printf, 2, 3)))
+say(struct health *health, const char *format, ...)
+{
+    va_list arguments;
+    if (health->count == HEALTH_MAX) {
+        return;
+    }
+    va_start(arguments, format);
+    vsnprintf(health->text[health->count++], HEALTH_TEXT_BYTES, format, arguments);
+    va_end(arguments);
+}
+
+void health_judge(const struct counters *counters, struct health *health)
+{
+    uint64_t queued = counters_get(counters, "jobs_queued_now");
+    uint64_t refused = counters_get(counters, "sessions_refused");
+    uint64_t torn = counters_get(counters, "slots_torn");
+    uint64_t stale = counters_get(counters, "slots_stale");
+    uint64_t errors = counters_get(counters, "errors");
+    uint64_t messages = counters_get(counters, "messages");
+    uint64_t steps = counters_get(counters, "steps");
+    uint64_t incomplete = counters_get(counters, "steps_incomplete");
+    health->count = 0;
+    if (queued > QUEUE_MAX) {
+        say(health, "%" PRIu64 " requests wait: pccdctl top tells whose", queued);
+    }
+    if (refused > 0) {
+        say(health,
+            "%" PRIu64 " connections were refused: pccdctl config set clients-max N "
+            "admits more",
+            refused);
+    }
+    if (torn + stale > 0) {
+        say(health,
+            "%" PRIu64 " slots changed while they were read: a client writes into slots "
+            "that it has submitted",
+            torn + stale);
+    }
+    if (messages > 100 && errors > messages / 100) {
+        say(health,
+            "%" PRIu64 " of %" PRIu64 " requests failed: pccdctl config set log-level "
+            "debug lets the daemon log why",
+            errors, messages);
+    }
+    if (steps > 100 && incomplete > steps / 10) {
+        say(health,
+            "%" PRIu64 " of %" PRIu64 " steps were incomplete: deadlines are too short, "
+            "or result regions too small",
+            incomplete, steps);
+    }
+}

@@ -1,0 +1,96 @@
+/* client/ctl/observe/sessions.c - what the clients of a daemon have and do.
+ *
+ * Room:     client/ctl.
+ * Does:     arrays that grow.
+ * Threads:  one.
+ * Source:   sessions.h.
+ */
+#include "sessions.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define FIRST_COUNT 64u
+
+/* Room for one more of `bytes` bytes each. */
+static bool grow(void **rows, uint32_t count, uint32_t *capacity, size_t bytes)
+{
+    if (count < *capacity) {
+        return true;
+    }
+    uint32_t wanted = *capacity == 0 ? FIRST_COUNT : *capacity * 2;
+    void *more = realloc(*rows, wanted * bytes);
+    if (more == NULL) {
+        return false;
+    }
+    *rows = more;
+    *capacity = wanted;
+    return true;
+}
+
+static void take_session(void *context, const struct pccd_session_info *info)
+{
+    struct sessions *sessions = context;
+    void *rows = sessions->rows;
+    sessions->is_short =
+        sessions->is_short ||
+        !grow(&rows, sessions->count, &sessions->capacity, sizeof *sessions->rows);
+    sessions->rows = rows;
+    if (sessions->is_short) {
+        return;
+    }
+    struct session_row *row = &sessions->rows[sessions->count++];
+    row->info = *info;
+    row->info.client = NULL; /* it moves; `name` is to be used */
+    snprintf(row->name, sizeof row->name, "%s", info->client);
+}
+
+int sessions_read(struct pccd_client *client, struct sessions *sessions)
+{
+    sessions->count = 0;
+    sessions->is_short = false;
+    int status = pccd_list_sessions(client, take_session, sessions);
+    return status == PCCD_OK && sessions->is_short ? PCCD_E_NOMEM : status;
+}
+
+void sessions_deinit(struct sessions *sessions)
+{
+    free(sessions->rows);
+    *sessions = (struct sessions){.rows = NULL};
+}
+
+const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number)
+{
+    for (uint32_t i = 0; i < sessions->count; i++) {
+        if (sessions->rows[i].info.session == number) {
+            return &sessions->rows[i];
+        }
+    }
+    return NULL;
+}
+
+static void take_scene(void *context, const struct pccd_scene_info *info)
+{
+    struct scenes *scenes = context;
+    void *rows = scenes->rows;
+    scenes->is_short = scenes->is_short || !grow(&rows, scenes->count, &scenes->capacity,
+                                                 sizeof *scenes->rows);
+    scenes->rows = rows;
+    if (!scenes->is_short) {
+        scenes->rows[scenes->count++] = *info;
+    }
+}
+
+int scenes_read(struct pccd_client *client, uint64_t session, struct scenes *scenes)
+{
+    scenes->count = 0;
+    scenes->is_short = false;
+    int status = pccd_list_scenes(client, session, take_scene, scenes);
+    return status == PCCD_OK && scenes->is_short ? PCCD_E_NOMEM : status;
+}
+
+void scenes_deinit(struct scenes *scenes)
+{
+    free(scenes->rows);
+    *scenes = (struct scenes){.rows = NULL};
+}

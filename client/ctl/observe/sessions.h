@@ -1,0 +1,45 @@
+/* client/ctl/observe/sessions.h - what the clients of a daemon have and do.
+ *
+ * Room:     client/ctl. May include: pccd.h.
+ * Does:     read the lists into arrays, so that one can be asked about the other.
+ * Threads:  one.
+ * Source:   pccd_list_sessions and its like, of pccd.h.
+ */
+#ifndef CTL_SESSIONS_H
+#define CTL_SESSIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd.h"
+
+#define SESSION_NAME_BYTES 64u
+
+struct session_row {
+    struct pccd_session_info info;
+    char name[SESSION_NAME_BYTES]; /* in the place of info.client */
+};
+
+/* All zero: nothing. The arrays are ours. */
+struct sessions {
+    struct session_row *rows; /* the newest first */
+    uint32_t count, capacity;
+    bool is_short; /* there was no memory for all of them */
+};
+
+/* Read anew; returns the library's status, or PCCD_E_NOMEM. */
+int sessions_read(struct pccd_client *client, struct sessions *sessions);
+void sessions_deinit(struct sessions *sessions);
+/* NULL: there is none of that number. */
+const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number);
+
+struct scenes {
+    struct pccd_scene_info *rows;
+    uint32_t count, capacity;
+    bool is_short;
+};
+
+int scenes_read(struct pccd_client *client, uint64_t session, struct scenes *scenes);
+void scenes_deinit(struct scenes *scenes);
+
+#endif

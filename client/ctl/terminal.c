@@ -1,0 +1,91 @@
+/* client/ctl/terminal.c - colours, live screens and interrupts.
+ *
+ * Room:     client/ctl.
+ * Does:     asks the environment once, and writes escape sequences.
+ * Threads:  one.
+ * Source:   terminal.h.
+ */
+#include "terminal.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static bool is_forbidden;
+static volatile sig_atomic_t is_interrupted;
+
+void terminal_forbid_colours(void)
+{
+    is_forbidden = true;
+}
+
+bool terminal_is_live(void)
+{
+    const char *kind = getenv("TERM");
+    return isatty(STDOUT_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
+}
+
+static bool has_colours(void)
+{
+    const char *told = getenv("NO_COLOR");
+    return !is_forbidden && (told == NULL || told[0] == '\0') && terminal_is_live();
+}
+
+const char *terminal_begin(enum terminal_colour colour)
+{
+    static const char *const codes[] = {[TERMINAL_GREEN] = "\033[32m",
+                                        [TERMINAL_YELLOW] = "\033[33m",
+                                        [TERMINAL_RED] = "\033[31m",
+                                        [TERMINAL_BOLD] = "\033[1m"};
+    return has_colours() ? codes[colour] : "";
+}
+
+const char *terminal_end(void)
+{
+    return has_colours() ? "\033[0m" : "";
+}
+
+void terminal_redraw(void)
+{
+    fputs("\033[H\033[J", stdout);
+}
+
+static void on_signal(int number)
+{
+    (void)number;
+    is_interrupted = 1;
+}
+
+void terminal_catch_interrupts(void)
+{
+    struct sigaction action = {.sa_handler = on_signal};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = SIG_IGN;
+    sigaction(SIGPIPE, &action, NULL);
+}
+
+bool terminal_was_interrupted(void)
+{
+    return is_interrupted != 0;
+}
+
+void terminal_sleep(double seconds)
+{
+    struct timespec left = {.tv_sec = (time_t)seconds};
+    left.tv_nsec = (long)((seconds - (double)left.tv_sec) * 1e9);
+    while (!is_interrupted && nanosleep(&left, &left) != 0) {
+        continue;
+    }
+}
+
+double terminal_now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
+}

@@ -1,0 +1,37 @@
+/* client/ctl/terminal.h - colours, live screens and interrupts.
+ *
+ * Room:     client/ctl. May include: the C library.
+ * Does:     use colours and redraw only where a person looks: on a terminal, unless
+ *           NO_COLOR or --no-color say otherwise; end what runs for ever on an interrupt.
+ * Does not: need a terminal's description: only what every one of them has.
+ * Threads:  one.
+ * Source:   ECMA-48; no-color.org.
+ */
+#ifndef CTL_TERMINAL_H
+#define CTL_TERMINAL_H
+
+#include <stdbool.h>
+
+enum terminal_colour { TERMINAL_GREEN, TERMINAL_YELLOW, TERMINAL_RED, TERMINAL_BOLD };
+
+/* --no-color was given. */
+void terminal_forbid_colours(void);
+/* What begins and ends a colour on the standard output; "" where there are none. */
+const char *terminal_begin(enum terminal_colour colour);
+const char *terminal_end(void);
+
+/* Whether the standard output is a terminal, on which a screen may be drawn anew. */
+bool terminal_is_live(void);
+/* Begin to draw it anew, from the top; what was below goes. */
+void terminal_redraw(void);
+
+/* From now on SIGINT and SIGTERM are noted instead of ending the program, and a pipe that
+ * nobody reads is an error of writing. */
+void terminal_catch_interrupts(void);
+bool terminal_was_interrupted(void);
+/* Sleep, or until an interrupt. */
+void terminal_sleep(double seconds);
+/* CLOCK_MONOTONIC. */
+double terminal_now_s(void);
+
+#endif

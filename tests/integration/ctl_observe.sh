@@ -1,0 +1,265 @@
+#!/bin/bash
+# tests/integration/ctl_observe.sh - the commands of pccdctl that look at a daemon (TAP).
+#
+# Room:     client/ctl, from outside.
+# Does:     a real daemon with a client that plays frames; what each command says agrees with
+#           that, as text and as JSON; metrics keep the rules of OpenMetrics; completion is
+#           complete.
+# Source:   client/ctl/pccdctl.1.scd says what is promised.
+
+set -u
+: "${top_srcdir:?is set by make check}" "${PCCDCTL:?}" "${PCCD_DAEMON:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+unset PCCD_URL
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-obs-XXXXXX") || exit 99
+pids=
+finish() {
+    # shellcheck disable=SC2086 # words
+    [ -z "$pids" ] || kill $pids 2>/dev/null
+    rm -rf "$work"
+}
+trap finish EXIT
+cd "$work" || exit 99
+log=$work/log
+
+# ctl ARGUMENT...: output in out and err; 20 s at most.
+ctl() { timeout 20 "$PCCDCTL" "$@" >out 2>err; }
+says() {
+    local text
+    for text; do
+        grep -qE -- "$text" out || { echo "no line like: $text"; cat out err; return 1; }
+    done >"$log" 2>&1
+}
+# json EXPRESSION: of the JSON in out, as `j`; Python where it is there.
+json() {
+    if ! command -v python3 >/dev/null; then
+        return 0
+    fi
+    python3 -c 'import json, sys
+j = json.load(open("out"))
+sys.exit(0 if eval(sys.argv[1]) else 1)' "$1" >"$log" 2>&1 ||
+        { echo "not so: $1"; cat out; } >>"$log"
+    [ ! -s "$log" ]
+}
+fails() {
+    local status=$1 text=$2
+    shift 2
+    ctl "$@"
+    [ $? -eq "$status" ] && grep -qF -- "$text" err
+}
+
+frame() { # HEIGHT
+    printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" "0.75 0.25 $((3 + $1))" \
+        "0.25 0.75 $((3 + $1))"
+    printf 'f 1 2 3\nf 4 5 6\n'
+}
+frame 1 >a.obj
+frame -1 >b.obj
+
+mkfifo ready
+"$PCCD_DAEMON" --socket "$work/s" --threads 2 --log-level error --ready-fd 3 3>ready 2>daemon.log &
+daemon=$!
+pids=$daemon
+read -r -t 20 -N 1 _ <ready
+export PCCD_URL="unix:$work/s"
+
+# If it failed, a player would not play what it was given.
+ctl load --times 4 a.obj b.obj && says '^steps +4 in ' '^triangles +2$' '^contacts +[4-9]' &&
+    ctl load --hz 200 --times 20 --json a.obj b.obj && json 'j["steps"] == 20' &&
+    json '0.09 < j["seconds"] and j["contacts"] >= 20 and j["incomplete"] == 0' &&
+    ctl load --with a.obj --seconds 0.1 a.obj && says '^triangles +4$'
+tap_result $? load__plays_frames_at_a_rate "$log"
+
+"$PCCDCTL" load --hz 100 --seconds 120 a.obj b.obj >/dev/null 2>&1 &
+player=$!
+pids="$pids $player"
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    ctl list objects --json && grep -q object out && break
+    sleep 0.2
+done
+
+# If it failed, status would tell of another daemon, or nothing of its last step.
+ctl status && says "^daemon +pccdd [0-9.]+, process $daemon, protocol 1, " '^up for ' \
+    '^sessions +2 open' '^scenes +1 with 1 objects' '^memory +engine .*, shared ' \
+    '^last step +.* by [12] threads?: ingest .* merge ' '^latency +steps p50 < ' '^team +2 threads' &&
+    ctl status --json && json 'j["pid"] == '"$daemon"' and j["counters"]["sessions_now"] == 2' &&
+    json 'j["last_step"]["ns_step"] > 0 and j["steps"]["count"] > 24' &&
+    json 'j["steps"]["p50_below_s"] <= j["steps"]["p99_below_s"] and "healthy" in j'
+tap_result $? status__tells_how_the_daemon_is "$log"
+
+# If it failed, top would rank or rate sessions wrongly, or draw over a file.
+ctl top --once --interval 0.5 && says '^2 sessions; ' '^SESSION +PID +USER' " $player +[a-z]" &&
+    ! grep -q "$(printf '\033')" out &&
+    ctl top --count 1 --interval 0.5 --json --sort steps &&
+    json 'j["sessions"][0]["pid"] == '"$player"' and 20 < j["sessions"][0]["steps_per_s"] < 200' &&
+    json '0 < j["sessions"][0]["ms"]["ingest"] < j["sessions"][0]["ms_step"]' &&
+    json 'j["sessions"][0]["in_per_s"] > 1000 and j["sessions"][1]["steps_per_s"] == 0' &&
+    ctl top --count 3 --interval 0.05 --json && [ "$(wc -l <out)" = 3 ] &&
+    fails 2 'none of ms, steps' top --sort speed
+tap_result $? top__rates_and_sorts_sessions "$log"
+
+# If it failed, a scene, object or mesh would be hidden, or another one's shown.
+ctl list && says "^ *[0-9]+ +$player " && ctl list --json sessions && json 'len(j) == 2' &&
+    session=$(python3 -c 'import json
+print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][0])' 2>/dev/null ||
+        echo 1) &&
+    ctl list scenes --json && json 'len(j) == 1 and j[0]["objects"] == 1' &&
+    json 'j[0]["steps"] > 0 and len(j[0]["last_hash"]) == 32' &&
+    ctl list objects --json --session "$session" && json 'len(j) == 1 and j[0]["triangles"] == 2' &&
+    ctl list meshes --json && json 'j[0]["vertices"] == 6 and j[0]["committed"]' &&
+    ctl list meshes && says ' 6 +2 +1 +1 committed$' &&
+    fails 4 'there is no session 999' list --session 999 &&
+    fails 2 'none of sessions, scenes' list things
+tap_result $? list__shows_what_there_is "$log"
+
+# If it failed, who watches would not see the steps.
+ctl watch --count 3 && [ "$(grep -cE '^ +[0-9]+ s[0-9]+ 0x[0-9a-f]+ [0-9a-f]{32} +[0-9]+ ' out)" = 3 ] &&
+    ctl watch --session "$session" --seconds 0.3 --json && head -n 1 out >one && mv one out &&
+    json 'j["session"] == '"$session"' and j["status"] == "OK" and j["ms"] > 0' &&
+    fails 4 'no session' watch --session 999 --count 1 &&
+    fails 2 '--scene needs --session' watch --scene 0x100000
+tap_result $? watch__prints_every_step "$log"
+
+# If it failed, a setting would be lost, or nonsense taken.
+ctl config && says '^threads +2 ' '^queue-max +32768 ' && ctl config get grace && says '^10$' &&
+    ctl config set grace 7 && [ ! -s out ] && ctl config get grace && says '^7$' &&
+    ctl config list --json && json '[s["value"] for s in j if s["name"] == "grace"] == ["7"]' &&
+    json '[s["name"] for s in j if s["changed"]] == ["grace"]' &&
+    fails 4 'is not from' config set threads 77 && fails 4 'no setting' config get speed &&
+    fails 2 'set NAME VALUE' config set grace
+tap_result $? config__changes_a_running_daemon "$log"
+
+# ---- OpenMetrics --------------------------------------------------------------------
+
+# The rules of the text format that a reader relies on: each family is told of once, with its type
+# before its samples and all of these together; counters end in _total, buckets are cumulative and
+# end at +Inf with the count; names, labels and numbers are well-formed; the last line is # EOF.
+openmetrics() {
+    awk '
+        function bad(text) { print NR ": " text ": " $0; failed = 1 }
+        ended { bad("after # EOF") }
+        /^# EOF$/ { ended = 1; next }
+        /^# TYPE / {
+            if ($3 in type) bad("family twice")
+            if ($4 !~ /^(counter|gauge|histogram|info)$/) bad("type")
+            family = $3; type[family] = $4; last = -1; buckets = 0; next }
+        /^# (HELP|UNIT) / {
+            if ($3 != family) bad("not of the family")
+            if ($2 == "UNIT" && substr(family, length(family) - length($4)) != "_" $4) bad("unit")
+            next }
+        /^#/ { bad("comment") }
+        $0 !~ /^[a-z_:][a-z0-9_:]*([{][a-z_]+="([^"\\]|\\.)*"(,[a-z_]+="([^"\\]|\\.)*")*[}])? [0-9.e+-]+$/ {
+            bad("sample") }
+        {
+            name = $1; sub(/[{].*/, "", name); suffix = substr(name, length(family) + 1)
+            if (substr(name, 1, length(family)) != family) bad("of another family")
+            kind = type[family]
+            if (kind == "counter" && suffix != "_total") bad("counter without _total")
+            if (kind == "gauge" && suffix != "") bad("gauge with a suffix")
+            if (kind == "info" && (suffix != "_info" || $NF != 1)) bad("info")
+            if (kind == "histogram" && suffix == "_bucket") {
+                if ($NF + 0 < last) bad("not cumulative")
+                last = $NF + 0; buckets++; inf = $0 ~ /le="[+]Inf"/ }
+            if (kind == "histogram" && suffix == "_count" && (!inf || $NF + 0 != last)) bad("count")
+            seen[family]++
+        }
+        END {
+            if (!ended) { print "no # EOF"; failed = 1 }
+            for (f in type) if (!seen[f]) { print "no sample of " f; failed = 1 }
+            exit failed }' out >"$log" 2>&1
+}
+# If it failed, a collector would refuse all of it, or take a total for a gauge.
+ctl metrics && openmetrics && [ "$(grep -c '^# TYPE' out)" -gt 45 ] &&
+    says '^# TYPE pccd_steps counter$' '^# TYPE pccd_sessions_now gauge$' \
+        '^# TYPE pccd_step_seconds counter$' '^pccd_sessions_total [0-9]+$' \
+        '^pccd_daemon_info\{name="pccdd ' '^pccd_step_duration_seconds_bucket\{le="1.024e-06"\} ' &&
+    grep '^pccd_' out | sed 's/[{ ].*//' >names && ctl stats --json &&
+    sed -n 's/^ *"\([a-z0-9_]*\)": [0-9]*,*$/\1/p' out >counters && [ "$(wc -l <counters)" -gt 45 ] &&
+    while read -r counter; do
+        case $counter in
+        ns_*) counter=${counter#ns_}_seconds ;;
+        *_ns) counter=${counter%_ns}_seconds ;;
+        esac
+        grep -qxE "pccd_${counter%_total}(_total)?" names || echo "not there: $counter"
+    done <counters >"$log" && [ ! -s "$log" ]
+tap_result $? metrics__keep_the_rules_of_openmetrics "$log"
+
+# If the check could not fail, the test before would say nothing.
+ctl metrics && sed -i 's/^pccd_steps_total/pccd_steps/' out && ! openmetrics &&
+    ctl metrics && sed -i '$d' out && ! openmetrics &&
+    ctl metrics && sed -i 's/^pccd_step_duration_seconds_count .*/pccd_step_duration_seconds_count 0/' out &&
+    ! openmetrics
+tap_result $? metrics__mistakes_would_be_seen "$log"
+
+# ---- doctor -------------------------------------------------------------------------
+
+# If it failed, a good set-up would be blamed, or a bad one praised.
+ctl doctor && says '^ok +socket ' '^ok +versions ' '^ok +ping ' &&
+    ! grep -q '^FAIL' out && ctl doctor --json && json 'all(f["verdict"] in ("ok", "warn") for f in j)' &&
+    ! PCCD_URL="unix:$work/none" ctl doctor && says '^warn +socket .*none: No such file' '^FAIL +daemon ' \
+        '^ +-> start pccdd' &&
+    : >file && { PCCD_URL="unix:$work/file" ctl doctor; [ $? -eq 1 ]; } && says '^FAIL +socket .* is no socket$' &&
+    OMP_PROC_BIND=true ctl doctor && says '^warn +openmp +set: OMP_PROC_BIND=true$' &&
+    chmod 0777 "$work" && { ctl doctor; [ $? -eq 1 ]; } && says '^FAIL +folder .*mode 0777'
+status=$?
+chmod 0700 "$work"
+tap_result $status doctor__finds_what_is_wrong "$log"
+
+# ---- what all commands have ---------------------------------------------------------
+
+# If it failed, a script could not tell why a command failed.
+for command in status top list watch stats metrics ping 'config list' 'trace -o x'; do
+    # shellcheck disable=SC2086 # words
+    PCCD_URL="unix:$work/none" ctl $command
+    [ $? -eq 3 ] && grep -q 'no connection: .*; pccdctl doctor tells' err ||
+        echo "$command without a daemon: $(cat err)"
+    # shellcheck disable=SC2086
+    ctl $command --no-such-option
+    [ $? -eq 2 ] || echo "$command with a wrong option"
+    # shellcheck disable=SC2086
+    ctl $command -h && grep -q -- '--url=URL' out && grep -q -- '--no-color' out ||
+        echo "$command -h"
+done >"$log"
+[ ! -s "$log" ]
+tap_result $? commands__have_the_same_exit_statuses_and_options "$log"
+
+# complete WORD...: what bash would offer for the last of the words, in out.
+complete_words() {
+    bash -c 'source ./pccdctl.bash
+        COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
+        _pccdctl && printf "%s\n" "${COMPREPLY[@]}"' - "$@" >out 2>err
+}
+# If it failed, a command or an option could not be completed, or a wrong one would be.
+"$PCCDCTL" completion bash >pccdctl.bash && bash -n pccdctl.bash 2>"$log" &&
+    complete_words pccdctl '' && says '^status$' '^top$' '^check$' '^completion$' &&
+    complete_words pccdctl st && [ "$(sort out | tr '\n' ' ')" = 'stats status ' ] &&
+    complete_words pccdctl check --mode '' && [ "$(sort out | tr '\n' ' ')" = 'all any first pairs ' ] &&
+    complete_words pccdctl check --mode = f && [ "$(cat out)" = first ] &&
+    complete_words pccdctl top --sor && [ "$(cat out)" = --sort ] &&
+    complete_words pccdctl list '' && says '^meshes$' && complete_words pccdctl check a.o &&
+    [ "$(cat out)" = a.obj ] && complete_words pccdctl config g && [ "$(cat out)" = get ] &&
+    "$PCCDCTL" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >commands &&
+    while read -r command; do
+        "$PCCDCTL" "$command" --help | grep -o -- '--[a-z-]*' | sort -u >options
+        complete_words pccdctl "$command" -- && while read -r option; do
+            grep -qx -- "$option" out || echo "$command $option"
+        done <options
+    done <commands | grep -vE -- '--(usage|version)$' >"$log"
+[ ! -s "$log" ] && [ "$(wc -l <commands)" -ge 15 ]
+tap_result $? completion__bash_knows_every_command_and_option "$log"
+
+for shell in zsh fish; do
+    "$PCCDCTL" completion $shell >script
+    if command -v $shell >/dev/null; then
+        # If it failed, the shell would complain whenever it starts.
+        $shell -n script >"$log" 2>&1
+        tap_result $? completion__is_read_by_$shell "$log"
+    else
+        tap_skip completion__is_read_by_$shell "$shell is not installed"
+    fi
+done
+
+kill $player && wait $player 2>/dev/null
+tap_end
