@@ -12,7 +12,9 @@ libserver_la_SOURCES = \
     daemon/server/lifeline.c daemon/server/lifeline.h \
     daemon/server/listener.c daemon/server/listener.h \
     daemon/server/lockfile.c daemon/server/lockfile.h \
+    daemon/server/notify.c daemon/server/notify.h \
     daemon/server/priority.c daemon/server/priority.h \
+    daemon/server/pulse.c daemon/server/pulse.h \
     daemon/server/reactor.c daemon/server/reactor.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
     daemon/server/supervise.c daemon/server/supervise.h \

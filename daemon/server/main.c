@@ -24,6 +24,7 @@
 #include "listener.h"
 #include "lockfile.h"
 #include "log.h"
+#include "notify.h"
 #include "reactor.h"
 #include "supervise.h"
 #include "threads.h"
@@ -140,6 +141,9 @@ int main(int argc, char **argv)
     srv_lifeline_take();
     if (srv_activate(&options) != 0) {
         return 1;
+    }
+    if (!options.private_daemon) {
+        srv_notify_open();
     }
     if (options.listen_fd >= 0 || !options.supervise) { /* we serve */
         srv_listener_make_room(&options);

@@ -29,6 +29,7 @@
 #include "kernel.h"
 #include "lifeline.h"
 #include "limits.h"
+#include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
 #include "priority.h"
@@ -65,6 +66,7 @@ static void close_handles(struct srv_reactor *reactor)
     close_if_open((uv_handle_t *)&reactor->idle);
     close_if_open((uv_handle_t *)&reactor->grace);
     close_if_open((uv_handle_t *)&reactor->stopper);
+    close_if_open((uv_handle_t *)&reactor->pulse.timer);
     close_timers(reactor);
 }
 
@@ -137,6 +139,7 @@ void srv_reactor_shutdown(struct srv_reactor *reactor, const char *why)
     srv_log(SRV_LOG_INFO, 0, "shutting down: %s; %u clients, %u requests in flight", why,
             reactor->loop.client_count, reactor->loop.request_count);
     reactor->loop.phase = SRV_PHASE_DRAINING;
+    srv_notify_announce("STOPPING=1");
     srv_listener_close(&reactor->listener);
     uv_timer_stop(&reactor->idle);
     srv_linger_end_all(&reactor->loop); /* nobody can come back any more */
@@ -184,14 +187,17 @@ void srv_host_client_joined(struct srv_loop *loop)
     struct srv_reactor *reactor = (struct srv_reactor *)loop;
     loop->client_count++;
     uv_timer_stop(&reactor->idle);
+    srv_pulse_change(&reactor->pulse);
 }
 
 void srv_host_client_left(struct srv_loop *loop)
 {
+    struct srv_reactor *reactor = (struct srv_reactor *)loop;
     PCCD_ASSERT(loop->client_count > 0);
     if (--loop->client_count == 0) {
-        watch_idle((struct srv_reactor *)loop, false);
+        watch_idle(reactor, false);
     }
+    srv_pulse_change(&reactor->pulse);
 }
 
 /* What clients had lies scattered over the heap: freed, but not given back by itself. It
@@ -277,6 +283,7 @@ static int init_handles(struct srv_reactor *reactor)
     uv_timer_init(&reactor->uv, &reactor->idle);
     uv_timer_init(&reactor->uv, &reactor->grace);
     uv_prepare_init(&reactor->uv, &reactor->stopper);
+    srv_pulse_init(&reactor->pulse, &reactor->uv, &reactor->loop);
     uv_signal_init(&reactor->uv, &reactor->sigterm);
     uv_signal_init(&reactor->uv, &reactor->sigint);
     reactor->idle.data = reactor;
@@ -340,6 +347,7 @@ static int serve(struct srv_reactor *reactor)
         reactor->loop.start_ns = srv_now_ns();
         srv_listener_room(&reactor->listener); /* from here on clients are taken over */
         watch_idle(reactor, true);
+        srv_pulse_ready(&reactor->pulse);
     }
     uv_run(&reactor->uv, UV_RUN_DEFAULT); /* until the last handle is closed */
     return status;

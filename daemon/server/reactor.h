@@ -16,6 +16,7 @@
 #include "bell.h"
 #include "listener.h"
 #include "loop.h"
+#include "pulse.h"
 
 struct srv_closer;
 
@@ -36,6 +37,7 @@ struct srv_reactor {
     uv_signal_t sigint;
     uv_timer_t idle;  /* until we go because nobody is here */
     uv_timer_t grace; /* until requests in flight are cancelled, then until we give up */
+    struct srv_pulse pulse; /* of which the service manager is told */
     uv_prepare_t stopper; /* looks, before each wait, whether the next phase can begin */
 };
 

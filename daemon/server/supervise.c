@@ -31,6 +31,7 @@
 #include "lifeline.h"
 #include "listener.h"
 #include "log.h"
+#include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
 
@@ -85,7 +86,7 @@ static void become_worker(const struct supervisor *supervisor, pid_t parent, int
     /* Without its supervisor nobody would start it again: it ends in order. */
     if (prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 && getppid() == parent &&
         srv_standby_give(wait_fd) == 0 && srv_lifeline_give(lifeline) == 0 &&
-        srv_activate_give(supervisor->listen_fd) == 0 &&
+        srv_activate_give(supervisor->listen_fd) == 0 && srv_notify_give() == 0 &&
         sigprocmask(SIG_SETMASK, &none, NULL) == 0) {
         execv("/proc/self/exe", supervisor->argv);
     }
@@ -291,6 +292,7 @@ static int on_signal(struct supervisor *supervisor)
     }
     if (info.ssi_signo != SIGCHLD) {
         supervisor->stopping = true;
+        srv_notify_announce("STOPPING=1");
         kill(supervisor->worker.pid, (int)info.ssi_signo);
         return -1;
     }
@@ -308,6 +310,9 @@ static int run(struct supervisor *supervisor)
     /* The socket listens: whoever connects now waits for the worker. */
     srv_listener_tell_ready(supervisor->ready_fd);
     supervisor->ready_fd = -1;
+    if (exit_status < 0) {
+        srv_notify_ready();
+    }
     while (exit_status < 0) {
         bool waits = supervisor->wants_spare && !supervisor->stopping;
         struct pollfd watched[] = {

@@ -2,20 +2,26 @@
 #
 # With the default folders, /usr/local/lib/systemd/system or /usr/lib/systemd/system, systemd
 # finds them: systemd-sysusers && systemctl daemon-reload && systemctl enable --now pccdd.socket
+# One's own: systemctl --user daemon-reload && systemctl --user enable --now pccdd.socket
 
 systemdunit_DATA = daemon/systemd/pccdd.service daemon/systemd/pccdd.socket
+systemduserunit_DATA = daemon/systemd/user/pccdd.service daemon/systemd/user/pccdd.socket
 sysusersdir = $(prefix)/lib/sysusers.d
-EXTRA_DIST += daemon/systemd/pccdd.service.in daemon/systemd/pccdd.socket.in \
-    daemon/systemd/pccd.sysusers
-CLEANFILES += $(systemdunit_DATA)
+EXTRA_DIST += daemon/systemd/pccd.sysusers \
+    daemon/systemd/pccdd.service.in daemon/systemd/pccdd.socket.in \
+    daemon/systemd/user/pccdd.service.in daemon/systemd/user/pccdd.socket.in
+CLEANFILES += $(systemdunit_DATA) $(systemduserunit_DATA)
 
+make_unit = $(AM_V_GEN)$(MKDIR_P) $(@D) && \
+    sed 's|@bindir[@]|$(bindir)|' $(srcdir)/$@.in >$@.tmp && mv $@.tmp $@
 daemon/systemd/pccdd.service: daemon/systemd/pccdd.service.in Makefile
-	$(AM_V_GEN)$(MKDIR_P) daemon/systemd && \
-	    sed 's|@bindir[@]|$(bindir)|' $(srcdir)/daemon/systemd/pccdd.service.in >$@.tmp && \
-	    mv $@.tmp $@
+	$(make_unit)
 daemon/systemd/pccdd.socket: daemon/systemd/pccdd.socket.in Makefile
-	$(AM_V_GEN)$(MKDIR_P) daemon/systemd && \
-	    cp $(srcdir)/daemon/systemd/pccdd.socket.in $@.tmp && mv $@.tmp $@
+	$(make_unit)
+daemon/systemd/user/pccdd.service: daemon/systemd/user/pccdd.service.in Makefile
+	$(make_unit)
+daemon/systemd/user/pccdd.socket: daemon/systemd/user/pccdd.socket.in Makefile
+	$(make_unit)
 
 # The folder has files of all packages, so this one is named after ours.
 install-data-local:

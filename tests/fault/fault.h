@@ -44,6 +44,7 @@
     X(read)                                                                              \
     X(recvmsg)                                                                           \
     X(sendmsg)                                                                           \
+    X(sendto)                                                                            \
     X(shutdown)                                                                          \
     X(sigaction)                                                                         \
     X(socket)                                                                            \

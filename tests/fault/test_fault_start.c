@@ -47,6 +47,7 @@ static const struct {
     {FAULT_open, {EMFILE, EACCES, ENOSPC}},
     {FAULT_pipe2, {EMFILE, ENFILE}},
     {FAULT_pthread_create, {EAGAIN}},
+    {FAULT_sendto, {ENOBUFS, EPERM}},
     {FAULT_socket, {EMFILE, ENOBUFS}},
     {FAULT_unlink, {EACCES}},
     {FAULT_write, {EINTR}},
@@ -207,6 +208,8 @@ static void start__of_a_worker_is_tried_again(void **state)
 static int set_up(void **state)
 {
     (void)state;
+    /* A manager that is not there: it is told, in vain. */
+    (void)setenv("NOTIFY_SOCKET", "@pccd-test-nobody", 1);
     if (!keeper_make_page() || !test_daemon_start(&place, NULL)) {
         return -1;
     }

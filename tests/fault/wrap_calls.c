@@ -48,6 +48,10 @@ WRAP(ssize_t, read, (int fd, void *at, size_t bytes), (fd, at, bytes))
 WRAP(ssize_t, recvmsg, (int fd, struct msghdr *message, int flags), (fd, message, flags))
 WRAP(ssize_t, sendmsg, (int fd, const struct msghdr *message, int flags),
      (fd, message, flags))
+WRAP(ssize_t, sendto,
+     (int fd, const void *from, size_t bytes, int flags, const struct sockaddr *address,
+      socklen_t address_bytes),
+     (fd, from, bytes, flags, address, address_bytes))
 WRAP(int, shutdown, (int fd, int how), (fd, how))
 WRAP(int, sigaction,
      (int number, const struct sigaction *action, struct sigaction *before),

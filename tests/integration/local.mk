@@ -7,6 +7,7 @@ integration_names = \
     tests/integration/test_int_death \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
+    tests/integration/test_int_notify \
     tests/integration/test_int_orphan \
     tests/integration/test_int_observe \
     tests/integration/test_int_overdue \
@@ -58,6 +59,10 @@ tests_integration_test_int_hostile_LDADD = $(integration_libs)
 tests_integration_test_int_observe_SOURCES = tests/integration/test_int_observe.c
 tests_integration_test_int_observe_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_observe_LDADD = $(integration_libs)
+
+tests_integration_test_int_notify_SOURCES = tests/integration/test_int_notify.c
+tests_integration_test_int_notify_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_notify_LDADD = $(integration_libs)
 
 tests_integration_test_int_overdue_SOURCES = tests/integration/test_int_overdue.c
 tests_integration_test_int_overdue_CPPFLAGS = $(integration_cppflags)

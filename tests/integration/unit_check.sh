@@ -15,42 +15,67 @@ export LC_ALL=C SYSTEMD_COLORS=0 SYSTEMD_PAGER=cat
 work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 units=$top_builddir/daemon/systemd
+# Of the system's service. That of a user can give up only what needs no privilege: as many
+# services of users do, it has no file system of its own.
 exposure_max=0.6
+user_exposure_max=6.0
 
 have() { command -v "$1" >/dev/null 2>&1; }
 
-# If it failed, a fault in the daemon would reach further than it must.
+# exposure SERVICE MAX
 exposure() {
-    systemd-analyze security --offline=true --no-pager "$units/pccdd.service" >"$work/log" 2>&1
+    systemd-analyze security --offline=true --no-pager "$1" >"$work/log" 2>&1
     local found
     found=$(sed -n 's/.*Overall exposure level[^:]*: \([0-9.]*\).*/\1/p' "$work/log")
-    echo "exposure: ${found:-none}, at most $exposure_max" >>"$work/log"
-    awk -v found="${found:-10}" -v max=$exposure_max 'BEGIN { exit !(found <= max) }'
+    echo "exposure: ${found:-none}, at most $2" >>"$work/log"
+    awk -v found="${found:-10}" -v max="$2" 'BEGIN { exit !(found <= max) }'
 }
-name=unit__exposure_is_small
-if ! have systemd-analyze; then
-    tap_skip $name "no systemd-analyze"
-elif ! systemd-analyze security --help 2>&1 | grep -q -e --offline; then
-    tap_skip $name "systemd-analyze has no --offline"
-else
-    exposure
-    tap_result $? $name "$work/log"
-fi
+# If it failed, a fault in the daemon would reach further than it must.
+check_exposure() {
+    local name=$1
+    if ! have systemd-analyze; then
+        tap_skip "$name" "no systemd-analyze"
+    elif ! systemd-analyze security --help 2>&1 | grep -q -e --offline; then
+        tap_skip "$name" "systemd-analyze has no --offline"
+    else
+        exposure "$2" "$3"
+        tap_result $? "$name" "$work/log"
+    fi
+}
+check_exposure unit__exposure_is_small "$units/pccdd.service" $exposure_max
+check_exposure unit__of_a_user_gives_up_what_it_can "$units/user/pccdd.service" $user_exposure_max
 
 # If it failed, systemd would not load what make install has put there. The program is the one
 # that was built: nothing is installed here.
-name=unit__is_understood
-if have systemd-analyze; then
-    mkdir "$work/units"
-    cp "$units/pccdd.socket" "$work/units/"
-    sed "s|^ExecStart=[^ ]*|ExecStart=$PCCDD|" "$units/pccdd.service" >"$work/units/pccdd.service"
-    SYSTEMD_UNIT_PATH="$work/units:" systemd-analyze verify --man=no "$work/units/pccdd.service" \
-        >"$work/log" 2>&1
+check_understood() {
+    local name=$1 folder=$2
+    shift 2
+    if ! have systemd-analyze; then
+        tap_skip "$name" "no systemd-analyze"
+        return
+    fi
+    rm -rf "$work/units" && mkdir "$work/units"
+    cp "$folder/pccdd.socket" "$work/units/"
+    sed "s|^ExecStart=[^ ]*|ExecStart=$PCCDD|" "$folder/pccdd.service" \
+        >"$work/units/pccdd.service"
+    SYSTEMD_UNIT_PATH="$work/units:" systemd-analyze "$@" verify --man=no \
+        "$work/units/pccdd.service" "$work/units/pccdd.socket" >"$work/log" 2>&1
     ! grep 'pccdd\.\(service\|socket\)' "$work/log" >"$work/found"
-    tap_result $? $name "$work/log"
-else
-    tap_skip $name "no systemd-analyze"
-fi
+    tap_result $? "$name" "$work/log"
+}
+check_understood unit__is_understood "$units"
+check_understood unit__of_a_user_is_understood "$units/user" --user
+
+# If it failed, clients would look for the user's service elsewhere, and start daemons of
+# their own beside it.
+name=unit__of_a_user_listens_where_clients_look
+{
+    grep -n '^ListenSequentialPacket=' "$units/user/pccdd.socket"
+    sed -n '/--socket/,/^$/p' "$top_srcdir/daemon/server/pccdd.8.scd"
+} >"$work/log"
+grep -q '^[0-9]*:ListenSequentialPacket=%t/pccd/pccd\.sock$' "$work/log" &&
+    grep -q 'XDG_RUNTIME_DIR/pccd/pccd\.sock' "$work/log"
+tap_result $? "$name" "$work/log"
 
 # The system calls of a group, and of the groups in it.
 members() {
@@ -63,7 +88,7 @@ members() {
     done < <(systemd-analyze syscall-filter "$1" | sed -n 's/^    \([-@a-z_0-9]*\)$/\1/p')
 }
 
-# Those that the unit leaves: systemd adds and takes away line by line.
+# Those that the unit in file $1 leaves: systemd adds and takes away line by line.
 unit_calls() {
     local line word
     : >"$work/calls"
@@ -79,25 +104,30 @@ unit_calls() {
         *) sort -u "$work/calls" "$work/some" >"$work/next" ;;
         esac
         mv "$work/next" "$work/calls"
-    done < <(sed -n 's/^SystemCallFilter=//p' "$units/pccdd.service")
+    done < <(sed -n 's/^SystemCallFilter=//p' "$1")
     cat "$work/calls"
 }
 
 # If it failed, a call that serving needs would fail under systemd, and only there; or the
 # daemon could not enter its sandbox.
-name=unit__leaves_the_calls_that_serving_needs
-if have systemd-analyze; then
-    unit_calls >"$work/left"
+check_calls() {
+    local name=$1
+    if ! have systemd-analyze; then
+        tap_skip "$name" "no systemd-analyze"
+        return
+    fi
+    unit_calls "$2" >"$work/left"
     {
         sed -n 's/.*SCMP_SYS(\([a-z0-9_]*\)).*/\1/p' "$top_srcdir/daemon/server/sandbox.c"
-        printf '%s\n' seccomp execve openat prlimit64 pipe2 eventfd2 epoll_create1 umask clone3
+        printf '%s\n' seccomp execve openat prlimit64 pipe2 eventfd2 epoll_create1 umask clone3 \
+            socket
     } | sort -u >"$work/needed"
     comm -23 "$work/needed" "$work/left" >"$work/log"
     [ -s "$work/needed" ] && [ -s "$work/left" ] && [ ! -s "$work/log" ]
-    tap_result $? $name "$work/log"
-else
-    tap_skip $name "no systemd-analyze"
-fi
+    tap_result $? "$name" "$work/log"
+}
+check_calls unit__leaves_the_calls_that_serving_needs "$units/pccdd.service"
+check_calls unit__of_a_user_leaves_the_calls_that_serving_needs "$units/user/pccdd.service"
 
 # If it failed, a service that systemd starts for its first client would not serve it.
 activated() {

@@ -1,0 +1,378 @@
+/* test_int_notify.c - what a service manager is told.
+ *
+ * Room:     tests/integration. May include: tests/support.
+ * Does:     be the manager: a socket of its own in NOTIFY_SOCKET, real daemons.
+ * Threads:  one.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "messages.h"
+#include "raw.h"
+
+#define END_MS      20000
+#define SILENCE_MS  600
+#define WATCHDOG_US "200000"
+
+static struct {
+    int fd; /* the manager's */
+    char folder[64];
+    char socket[80];
+    pid_t daemon;
+    char lines[512]; /* the last datagram */
+    pid_t sender;
+} f;
+
+/* ---- the manager ------------------------------------------------------------------- */
+
+/* Listen at a path, or at an abstract name, and tell those we start. */
+static void manage(bool is_abstract)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int yes = 1;
+    char name[96];
+    (void)snprintf(name, sizeof name, "%s%s/notify", is_abstract ? "@" : "", f.folder);
+    size_t length = strlen(name);
+    memcpy(address.sun_path, name, length);
+    if (is_abstract) {
+        address.sun_path[0] = '\0';
+    }
+    f.fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    assert_true(f.fd >= 0);
+    assert_int_equal(setsockopt(f.fd, SOL_SOCKET, SO_PASSCRED, &yes, sizeof yes), 0);
+    assert_int_equal(bind(f.fd, (const struct sockaddr *)&address,
+                          (socklen_t)(offsetof(struct sockaddr_un, sun_path) + length)),
+                     0);
+    assert_int_equal(setenv("NOTIFY_SOCKET", name, 1), 0);
+}
+
+/* Start a daemon with two options at most, and wait for nothing. */
+static void start(const char *option, const char *value)
+{
+    f.daemon = fork();
+    if (f.daemon == 0) {
+        int log = open("/dev/null", O_WRONLY);
+        test_end_with_parent();
+        (void)dup2(log, 2);
+        execl(getenv("PCCDD"), "pccdd", "--socket", f.socket, "--threads", "1", option,
+              value, NULL);
+        _exit(127);
+    }
+    assert_true(f.daemon > 0);
+}
+
+/* The next datagram; false: none came in time. */
+static bool hear(int timeout_ms)
+{
+    struct pollfd watched = {.fd = f.fd, .events = POLLIN};
+    union {
+        struct cmsghdr align;
+        char bytes[CMSG_SPACE(sizeof(struct ucred))];
+    } control;
+    struct iovec part = {.iov_base = f.lines, .iov_len = sizeof f.lines - 1};
+    struct msghdr message = {.msg_iov = &part,
+                             .msg_iovlen = 1,
+                             .msg_control = &control,
+                             .msg_controllen = sizeof control};
+    if (poll(&watched, 1, timeout_ms) <= 0) {
+        return false;
+    }
+    ssize_t got = recvmsg(f.fd, &message, MSG_DONTWAIT);
+    assert_true(got > 0);
+    f.lines[got] = '\0';
+    struct cmsghdr *credentials = CMSG_FIRSTHDR(&message);
+    assert_non_null(credentials);
+    struct ucred sender;
+    memcpy(&sender, CMSG_DATA(credentials), sizeof sender);
+    f.sender = sender.pid;
+    return true;
+}
+
+/* Wait for a datagram with `line`; false: it did not come. */
+static bool hear_of(const char *line, int timeout_ms)
+{
+    uint64_t until_ms = test_now_ms() + (uint64_t)timeout_ms;
+    for (uint64_t now_ms; (now_ms = test_now_ms()) < until_ms;) {
+        if (hear((int)(until_ms - now_ms)) && strstr(f.lines, line) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void forget_what_was_said(void)
+{
+    while (hear(0)) {
+    }
+}
+
+static void expect_end(void)
+{
+    int status = -1;
+    assert_int_equal(kill(f.daemon, SIGTERM), 0);
+    assert_int_equal(waitpid(f.daemon, &status, 0), f.daemon);
+    f.daemon = 0;
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+/* ---- one daemon -------------------------------------------------------------------- */
+
+/* If it failed, systemd would start what comes after the daemon too early, or take it for
+ * one that does not get ready and kill it. */
+static void says_ready(bool is_abstract)
+{
+    static struct test_raw raw;
+    char main_pid[32];
+    manage(is_abstract);
+    start(NULL, NULL);
+    assert_true(hear_of("READY=1", END_MS));
+    assert_true(test_raw_open(&raw, f.socket)); /* at once */
+    (void)snprintf(main_pid, sizeof main_pid, "\nMAINPID=%ld", (long)f.daemon);
+    assert_non_null(strstr(f.lines, main_pid));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    test_raw_close(&raw);
+    expect_end();
+}
+
+/* If it failed, no system service would ever be ready. */
+static void notify__says_ready_when_it_listens(void **state)
+{
+    (void)state;
+    says_ready(false);
+}
+
+/* If it failed, a manager whose socket has no path would hear nothing. */
+static void notify__knows_abstract_names(void **state)
+{
+    (void)state;
+    says_ready(true);
+}
+
+/* If it failed, systemd would not know an end that was asked for from another. */
+static void notify__says_that_it_stops(void **state)
+{
+    (void)state;
+    manage(false);
+    start(NULL, NULL);
+    assert_true(hear_of("READY=1", END_MS));
+    expect_end();
+    assert_true(hear_of("STOPPING=1", END_MS));
+}
+
+/* If it failed, systemctl status would not show whether anybody uses the service. */
+static void notify__tells_how_many_clients_there_are(void **state)
+{
+    static struct test_raw raw;
+    (void)state;
+    manage(false);
+    start(NULL, NULL);
+    assert_true(hear_of("STATUS=0 clients, 0 steps", END_MS));
+    assert_true(test_raw_open(&raw, f.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_true(hear_of("STATUS=1 clients", END_MS));
+    test_raw_close(&raw);
+    expect_end();
+}
+
+/* If the beats did not come, systemd would kill a daemon that is well; if they came while
+ * the loop stands, it would let one live that serves nobody. */
+static void notify__beats_while_the_loop_turns(void **state)
+{
+    (void)state;
+    (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
+    manage(false);
+    start(NULL, NULL);
+    assert_true(hear_of("READY=1", END_MS));
+    for (int i = 0; i < 6; i++) {
+        assert_true(hear_of("WATCHDOG=1", END_MS));
+    }
+    assert_int_equal(kill(f.daemon, SIGSTOP), 0);
+    test_sleep_ms(50);
+    forget_what_was_said();
+    assert_false(hear(SILENCE_MS));
+    assert_int_equal(kill(f.daemon, SIGCONT), 0);
+    assert_true(hear_of("WATCHDOG=1", END_MS));
+    expect_end();
+}
+
+/* If beats were that many more than are wanted, or that many fewer, an idle machine would
+ * be woken for nothing, or a beat that is late would be the end. */
+static void notify__beats_twice_in_the_watchdogs_time(void **state)
+{
+    int beats = 0;
+    (void)state;
+    (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
+    manage(false);
+    start(NULL, NULL);
+    assert_true(hear_of("WATCHDOG=1", END_MS));
+    uint64_t until_ms = test_now_ms() + 1000;
+    for (uint64_t now_ms; (now_ms = test_now_ms()) < until_ms;) {
+        beats += hear_of("WATCHDOG=1", (int)(until_ms - now_ms));
+    }
+    assert_in_range(beats, 4, 12); /* 10, and a machine that is busy with others */
+    expect_end();
+}
+
+/* If it failed, a process that systemd does not watch would speak for another. */
+static void notify__does_not_beat_for_another_process(void **state)
+{
+    (void)state;
+    (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
+    (void)setenv("WATCHDOG_PID", "1", 1);
+    manage(false);
+    start(NULL, NULL);
+    assert_true(hear_of("STATUS=", END_MS));
+    assert_false(hear(SILENCE_MS));
+    expect_end();
+}
+
+/* Of all threads together; -1: it is gone. */
+static long context_switches(pid_t pid)
+{
+    char command[128];
+    long sum = -1;
+    (void)snprintf(command, sizeof command,
+                   "awk '/ctxt_switches/ { n += $2 } END { print n }' "
+                   "/proc/%ld/task/*/status",
+                   (long)pid);
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    int got = fscanf(pipe, "%ld", &sum);
+    assert_int_equal(pclose(pipe), 0);
+    return got == 1 ? sum : -1;
+}
+
+/* If it failed, a daemon that nobody uses would wake the machine for its manager. */
+static void notify__lets_an_idle_daemon_sleep(void **state)
+{
+    (void)state;
+    manage(false);
+    start(NULL, NULL);
+    assert_true(hear_of("STATUS=", END_MS));
+    test_sleep_ms(300);
+    long before = context_switches(f.daemon);
+    test_sleep_ms(SILENCE_MS);
+    assert_int_equal(context_switches(f.daemon), before);
+    assert_true(before > 0);
+    expect_end();
+}
+
+/* ---- others' daemons --------------------------------------------------------------- */
+
+/* If it failed, systemd would watch a worker instead of the parent that replaces it, or
+ * hear nothing of the one that took over. */
+static void notify__supervisor_is_ready_and_its_workers_beat(void **state)
+{
+    char main_pid[32];
+    (void)state;
+    (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
+    manage(false);
+    start("--supervise", NULL);
+    (void)snprintf(main_pid, sizeof main_pid, "READY=1\nMAINPID=%ld", (long)f.daemon);
+    assert_true(hear_of(main_pid, END_MS));
+    assert_int_equal(f.sender, f.daemon);
+    assert_true(hear_of("WATCHDOG=1", END_MS));
+    pid_t first = f.sender;
+    assert_int_not_equal(first, f.daemon);
+    assert_int_equal(kill(first, SIGKILL), 0);
+    do {
+        assert_true(hear_of("WATCHDOG=1", END_MS));
+    } while (f.sender == first);
+    assert_int_not_equal(f.sender, f.daemon);
+    expect_end();
+}
+
+/* If it failed, a game that is a service itself would be ready, stop and live by the word
+ * of the daemon that it has started for itself. */
+static void notify__private_daemon_is_silent(void **state)
+{
+    static struct test_raw raw;
+    (void)state;
+    (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
+    manage(false);
+    start("--private", NULL);
+    for (int i = 0; i < END_MS / 10 && !test_raw_open(&raw, f.socket); i++) {
+        test_sleep_ms(10);
+    }
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_false(hear(SILENCE_MS));
+    test_raw_close(&raw);
+    int status = -1;
+    assert_int_equal(waitpid(f.daemon, &status, 0), f.daemon); /* with its last client */
+    f.daemon = 0;
+    assert_int_equal(status, 0);
+    assert_false(hear(0));
+}
+
+/* ------------------------------------------------------------------------------------ */
+
+static int set_up(void **state)
+{
+    (void)state;
+    memset(&f, 0, sizeof f);
+    f.fd = -1;
+    (void)unsetenv("WATCHDOG_USEC");
+    (void)unsetenv("WATCHDOG_PID");
+    (void)snprintf(f.folder, sizeof f.folder, "/tmp/pccd-test-XXXXXX");
+    if (mkdtemp(f.folder) == NULL) {
+        return -1;
+    }
+    (void)snprintf(f.socket, sizeof f.socket, "%s/s", f.folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    char path[96];
+    (void)state;
+    if (f.daemon > 0) {
+        (void)kill(f.daemon, SIGKILL);
+        (void)waitpid(f.daemon, NULL, 0);
+    }
+    if (f.fd >= 0) {
+        (void)close(f.fd);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        const char *const names[] = {"notify", "s", "s.lock"};
+        (void)snprintf(path, sizeof path, "%s/%s", f.folder, names[i]);
+        (void)unlink(path);
+    }
+    (void)rmdir(f.folder);
+    return 0;
+}
+
+#define WITH(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        WITH(notify__says_ready_when_it_listens),
+        WITH(notify__knows_abstract_names),
+        WITH(notify__says_that_it_stops),
+        WITH(notify__tells_how_many_clients_there_are),
+        WITH(notify__beats_while_the_loop_turns),
+        WITH(notify__beats_twice_in_the_watchdogs_time),
+        WITH(notify__does_not_beat_for_another_process),
+        WITH(notify__lets_an_idle_daemon_sleep),
+        WITH(notify__supervisor_is_ready_and_its_workers_beat),
+        WITH(notify__private_daemon_is_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
