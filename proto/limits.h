@@ -5,6 +5,11 @@
  * Does:     names the bounds that messages, rings and sessions keep.
  * Does not: decide what happens at the bound; PROTOCOL.md says so, the server does it.
  */
+#ifdef _GCC_NEXT_LIMITS_H
+/* gcc's own <limits.h> asks for the C library's, and finds this one even behind -iquote. */
+#include_next <limits.h>
+#endif
+
 #ifndef PROTO_LIMITS_H
 #define PROTO_LIMITS_H
 
