@@ -23,8 +23,9 @@ oracle
 daemon/engine
 daemon/service      proto daemon/engine
 daemon/server       proto daemon/engine daemon/service
-client/lib          proto
-client/ctl          client/lib+
+client/record       client/lib+
+client/lib          proto client/record
+client/ctl          client/lib+ client/record oracle
 client/load         client/lib+
 client/examples     client/lib+
 bench/scenes        tests/support
@@ -35,9 +36,9 @@ bench/redis         bench proto client/lib+
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/support       proto client/lib+ oracle
-tests/integration   proto client/lib+ tests/support oracle
-tests/unit          proto daemon/engine daemon/service daemon/server client/lib client/ctl client/load tests/support oracle
-tests/fuzz          proto daemon/engine daemon/service daemon/server client/ctl tests/support oracle tests/fault
+tests/integration   proto client/record client/lib+ tests/support oracle
+tests/unit          proto daemon/engine daemon/service daemon/server client/record client/lib client/ctl client/load tests/support oracle
+tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/ctl tests/support oracle tests/fault
 tests/fault         proto client/lib+ tests/support oracle
 tests/zoo           proto client/lib+ tests/support
 tests/determinism   daemon/engine tests/support oracle tests/unit
@@ -51,7 +52,8 @@ proto               msgpack.h
 oracle              gmp.h
 daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
 daemon/server       uv.h seccomp.h
-client/ctl          jansson.h png.h
+client/record       xxhash.h zstd.h
+client/ctl          jansson.h png.h xxhash.h
 bench               omp.h
 bench/model         omp.h
 bench/peers         omp.h embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h

@@ -1,0 +1,73 @@
+/* chunk.h - one chunk of a recording, to and from bytes.
+ *
+ * Room:     client/record. May include: format.h; chunk.c also xxhash, zstd.
+ * Does:     compress, sum, append to a file; judge a header, decompress, judge a payload.
+ * Does not: know what a session is (client/lib/recorder.c) or walk a file (reader.h).
+ * Threads:  one thread per writer.
+ */
+#ifndef RECORD_CHUNK_H
+#define RECORD_CHUNK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "format.h"
+
+#define RECORD_KINDS_MAX 32u /* kinds are below */
+
+/* A run of a payload's bytes. */
+struct record_part {
+    const void *at;
+    size_t bytes;
+};
+
+struct record_writer {
+    int fd;                          /* -1: none */
+    int level;                       /* of zstd, 1 .. 19; 0: nothing is compressed */
+    uint64_t bytes;                  /* written to this file */
+    uint64_t raw_bytes;              /* the same before compression */
+    void *squeeze;                   /* of zstd; NULL: not needed yet */
+    uint32_t dull[RECORD_KINDS_MAX]; /* of each kind: chunks that are not compressed */
+    uint8_t *raw;                    /* a payload in one piece */
+    size_t raw_room;
+    uint8_t *out; /* a chunk as stored */
+    size_t out_room;
+};
+
+/* Whether this build can compress and decompress. */
+bool record_has_zstd(void);
+
+/* Make the file, which must not exist, and write its head. PCCD_E_SYSTEM: errno says
+ * why. */
+int record_writer_open(struct record_writer *writer, const char *path);
+/* Append one chunk, in one write. After a failure the file ends with the chunk before:
+ * PCCD_E_SYSTEM (errno), PCCD_E_NOMEM, PCCD_E_LIMIT. */
+int record_writer_add(struct record_writer *writer, enum record_kind kind,
+                      uint64_t time_ns, const struct record_part *parts, size_t count);
+/* Of a chunk with such a payload at most. */
+uint64_t record_chunk_bytes_max(uint64_t payload_bytes);
+/* Close the file; buffers stay for the next. 0 or PCCD_E_SYSTEM. */
+int record_writer_close(struct record_writer *writer);
+/* Free everything. */
+void record_writer_deinit(struct record_writer *writer);
+
+/* ---- reading; text is set on failure ----------------------------------------------- */
+
+#define RECORD_TEXT_BYTES 160u
+
+/* The header's own sum and its lengths. PCCD_OK or PCCD_E_FORMAT. */
+int record_chunk_judge(const struct record_chunk *chunk, char text[RECORD_TEXT_BYTES]);
+/* The stored bytes' sum, then the payload in `to`, of chunk->bytes. PCCD_OK,
+ * PCCD_E_FORMAT, PCCD_E_NOMEM. */
+int record_chunk_unpack(const struct record_chunk *chunk, const void *stored, void *to,
+                        char text[RECORD_TEXT_BYTES]);
+/* Whether a payload is what its kind says: lengths, counts, indices, ranges. Everything
+ * that a reader of the payload relies on, but for what other chunks say. */
+int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
+                         char text[RECORD_TEXT_BYTES]);
+
+/* "FRAME"; NULL: not known. */
+const char *record_kind_name(uint16_t kind);
+
+#endif

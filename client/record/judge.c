@@ -1,0 +1,203 @@
+/* judge.c - whether a payload is what its kind says.
+ *
+ * Room:     client/record. May include: chunk.h.
+ * Does:     lengths, counts, indices and ranges, on a private copy.
+ * Does not: know what other chunks have said: handles are the reader's affair.
+ * Threads:  [any].
+ */
+#include <assert.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "chunk.h"
+
+/* The layout of the file, whatever the compiler. */
+static_assert(sizeof(struct record_chunk) == 48, "chunk");
+static_assert(sizeof(struct record_begin) == 56, "begin");
+static_assert(sizeof(struct record_mesh) == 16, "mesh");
+static_assert(sizeof(struct record_scene) == 24, "scene");
+static_assert(sizeof(struct record_object) == 16, "object");
+static_assert(sizeof(struct record_place) == 16, "place");
+static_assert(sizeof(struct record_frame) == 56, "frame");
+static_assert(sizeof(struct record_segment) == 32, "segment");
+static_assert(sizeof(struct record_answer) == 280, "answer");
+static_assert(sizeof(struct record_records) == 32, "records");
+
+#define COUNT_MAX   2147483647u
+#define RIGID_BYTES (12 * sizeof(double))
+
+static int bad(char text[RECORD_TEXT_BYTES], const char *why)
+{
+    (void)snprintf(text, RECORD_TEXT_BYTES, "%s", why);
+    return PCCD_E_FORMAT;
+}
+
+static uint64_t vertex_bytes(uint32_t format)
+{
+    return format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
+}
+
+static uint64_t padded(uint64_t bytes)
+{
+    return (bytes + 7) / 8 * 8;
+}
+
+static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    struct record_mesh mesh;
+    uint64_t x_bytes;
+    const uint8_t *triangles;
+
+    memcpy(&mesh, payload, sizeof(mesh));
+    if (mesh.mesh == 0 || mesh.format >= PCCD_FORMAT_COUNT || mesh.vertex_count == 0 ||
+        mesh.vertex_count > COUNT_MAX || mesh.triangle_count == 0 ||
+        mesh.triangle_count > COUNT_MAX) {
+        return bad(text, "a mesh without handle, vertices or triangles");
+    }
+    x_bytes = padded(mesh.vertex_count * vertex_bytes(mesh.format));
+    if (bytes != sizeof(mesh) + x_bytes + mesh.triangle_count * sizeof(uint32_t[3])) {
+        return bad(text, "a mesh of another length");
+    }
+    triangles = (const uint8_t *)payload + sizeof(mesh) + x_bytes;
+    for (uint64_t i = 0; i < 3 * (uint64_t)mesh.triangle_count; i++) {
+        uint32_t vertex;
+
+        memcpy(&vertex, triangles + i * sizeof(vertex), sizeof(vertex));
+        if (vertex >= mesh.vertex_count) {
+            (void)snprintf(text, RECORD_TEXT_BYTES,
+                           "triangle %" PRIu64 " names vertex %" PRIu32 " of %" PRIu32,
+                           i / 3, vertex, mesh.vertex_count);
+            return PCCD_E_FORMAT;
+        }
+    }
+    return PCCD_OK;
+}
+
+static int judge_place(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    struct record_place place;
+    uint64_t rest = bytes - sizeof(place);
+
+    memcpy(&place, payload, sizeof(place));
+    if (place.format >= PCCD_FORMAT_COUNT) {
+        return bad(text, "a place of unknown format");
+    }
+    if (place.placing == RECORD_PLACED_RIGID) {
+        return rest == RIGID_BYTES ? PCCD_OK : bad(text, "a transform of another length");
+    }
+    if (place.placing != RECORD_PLACED_FREELY) {
+        return bad(text, "a place of unknown kind");
+    }
+    return rest > 0 && rest % vertex_bytes(place.format) == 0
+               ? PCCD_OK
+               : bad(text, "a place that holds no whole vertices");
+}
+
+/* `bytes` at `offset` of a slot's payload of `all` bytes. */
+static bool is_inside(uint64_t offset, uint64_t bytes, uint64_t all)
+{
+    return offset % 8 == 0 && offset <= all && bytes <= all - offset;
+}
+
+static int judge_frame(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_frame);
+    struct record_frame frame;
+    uint64_t all = bytes - sizeof(frame);
+
+    memcpy(&frame, payload, sizeof(frame));
+    if (frame.step == 0 || frame.mode >= PCCD_MODE_COUNT ||
+        frame.segment_count > all / sizeof(struct record_segment)) {
+        return bad(text, "a frame without a number, or with less than its segments");
+    }
+    for (uint32_t i = 0; i < frame.segment_count; i++) {
+        struct record_segment segment;
+        uint64_t each;
+
+        memcpy(&segment, slot + i * sizeof(segment), sizeof(segment));
+        each = segment.kind == RECORD_RIGID
+                   ? RIGID_BYTES
+                   : segment.count * vertex_bytes(segment.format);
+        if (segment.kind > RECORD_RIGID || segment.format >= PCCD_FORMAT_COUNT ||
+            !is_inside(segment.offset1, each, all) ||
+            (segment.kind != RECORD_X1 && !is_inside(segment.offset0, each, all))) {
+            (void)snprintf(text, RECORD_TEXT_BYTES,
+                           "segment %" PRIu32 " of frame %" PRIu64 " is malformed", i,
+                           frame.step);
+            return PCCD_E_FORMAT;
+        }
+    }
+    return PCCD_OK;
+}
+
+static int judge_records(const void *payload, uint64_t bytes,
+                         char text[RECORD_TEXT_BYTES])
+{
+    struct record_records records;
+    uint64_t rest = bytes - sizeof(records);
+
+    memcpy(&records, payload, sizeof(records));
+    if ((records.record_bytes != sizeof(struct pccd_contact) &&
+         records.record_bytes != sizeof(struct pccd_pair)) ||
+        records.count != rest / records.record_bytes ||
+        records.count * records.record_bytes != rest) {
+        return bad(text, "records of another length");
+    }
+    return PCCD_OK;
+}
+
+/* Of the struct that a payload begins with; 0: any. */
+static uint64_t least_bytes(uint16_t kind)
+{
+    switch (kind) {
+    case RECORD_BEGIN:
+        return sizeof(struct record_begin);
+    case RECORD_MESH:
+        return sizeof(struct record_mesh);
+    case RECORD_SCENE:
+        return sizeof(struct record_scene);
+    case RECORD_OBJECT:
+        return sizeof(struct record_object);
+    case RECORD_PLACE:
+        return sizeof(struct record_place);
+    case RECORD_LOG:
+        return sizeof(struct record_log);
+    case RECORD_FRAME:
+        return sizeof(struct record_frame);
+    case RECORD_ANSWER:
+        return sizeof(struct record_answer);
+    case RECORD_RECORDS:
+        return sizeof(struct record_records);
+    case RECORD_CANCEL:
+        return sizeof(struct record_cancel);
+    case RECORD_SCENE_GONE:
+    case RECORD_MESH_GONE:
+    case RECORD_OBJECT_GONE:
+        return sizeof(struct record_gone);
+    case RECORD_END:
+        return sizeof(struct record_end);
+    default:
+        return 0;
+    }
+}
+
+int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
+                         char text[RECORD_TEXT_BYTES])
+{
+    if (bytes < least_bytes(kind)) {
+        return bad(text, "too short for its kind");
+    }
+    switch (kind) {
+    case RECORD_MESH:
+        return judge_mesh(payload, bytes, text);
+    case RECORD_PLACE:
+        return judge_place(payload, bytes, text);
+    case RECORD_FRAME:
+        return judge_frame(payload, bytes, text);
+    case RECORD_RECORDS:
+        return judge_records(payload, bytes, text);
+    default:
+        return PCCD_OK;
+    }
+}

@@ -1,0 +1,15 @@
+# client/record/local.mk - the file format of recordings, for those who write and read it.
+
+noinst_LTLIBRARIES += librecord.la
+
+librecord_la_SOURCES = \
+    client/record/chunk.c \
+    client/record/chunk.h \
+    client/record/format.h \
+    client/record/judge.c \
+    client/record/reader.c \
+    client/record/reader.h
+record_cppflags = -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/lib \
+    -iquote $(top_srcdir)/proto
+librecord_la_CPPFLAGS = $(AM_CPPFLAGS) $(record_cppflags) $(XXHASH_CFLAGS) $(ZSTD_CFLAGS)
+librecord_la_LIBADD = $(ZSTD_LIBS)

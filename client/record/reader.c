@@ -1,0 +1,265 @@
+/* reader.c - the chunks of a recording, one after the other.
+ *
+ * Room:     client/record. May include: reader.h.
+ * Does:     copy a chunk, judge the copy, show it.
+ * Does not: map the file: it may still be written, or cut.
+ * Threads:  one thread per reader.
+ */
+#include "reader.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int fail(struct record_reader *reader, int status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static int fail(struct record_reader *reader, int status, const char *format, ...)
+{
+    va_list arguments;
+
+    va_start(arguments, format);
+    (void)vsnprintf(reader->text, sizeof(reader->text), format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+/* `bytes` from `offset`, or fewer where the file has become shorter: then `*got`. */
+static int copy(struct record_reader *reader, uint64_t offset, void *to, size_t bytes,
+                size_t *got)
+{
+    *got = 0;
+    if (reader->fd < 0) {
+        memcpy(to, (const uint8_t *)reader->memory + offset, bytes);
+        *got = bytes;
+        return 0;
+    }
+    while (*got < bytes) {
+        ssize_t more =
+            pread(reader->fd, (uint8_t *)to + *got, bytes - *got, (off_t)(offset + *got));
+
+        if (more < 0 && errno == EINTR) {
+            continue;
+        }
+        if (more < 0) {
+            return fail(reader, PCCD_E_SYSTEM, "at byte %" PRIu64 ": %s", offset,
+                        strerror(errno));
+        }
+        if (more == 0) {
+            break;
+        }
+        *got += (size_t)more;
+    }
+    return 0;
+}
+
+static int judge_head(struct record_reader *reader)
+{
+    struct {
+        char magic[8];
+        uint32_t version;
+        uint32_t reserved;
+    } head;
+    size_t got = 0;
+    int rc = 0;
+
+    if (reader->bytes >= sizeof(head)) {
+        rc = copy(reader, 0, &head, sizeof(head), &got);
+    }
+    if (rc != 0) {
+        return rc;
+    }
+    if (got != sizeof(head) ||
+        memcmp(head.magic, RECORD_MAGIC, sizeof(head.magic)) != 0) {
+        return fail(reader, PCCD_E_FORMAT, "not a recording of pccd");
+    }
+    if (head.version != RECORD_VERSION) {
+        return fail(reader, PCCD_E_FORMAT,
+                    "a recording of version %" PRIu32 ", and this program reads %u",
+                    head.version, RECORD_VERSION);
+    }
+    reader->offset = sizeof(head);
+    return 0;
+}
+
+int record_reader_open(struct record_reader *reader, const char *path)
+{
+    struct stat info;
+
+    *reader = (struct record_reader){.fd = open(path, O_RDONLY | O_CLOEXEC)};
+    if (reader->fd < 0 || fstat(reader->fd, &info) != 0) {
+        return fail(reader, PCCD_E_SYSTEM, "%s", strerror(errno));
+    }
+    if (!S_ISREG(info.st_mode)) {
+        return fail(reader, PCCD_E_FORMAT, "not a file");
+    }
+    reader->bytes = (uint64_t)info.st_size;
+    return judge_head(reader);
+}
+
+int record_reader_open_memory(struct record_reader *reader, const void *memory,
+                              uint64_t bytes)
+{
+    *reader = (struct record_reader){.fd = -1, .memory = memory, .bytes = bytes};
+    return judge_head(reader);
+}
+
+void record_reader_deinit(struct record_reader *reader)
+{
+    if (reader->fd >= 0) {
+        (void)close(reader->fd);
+    }
+    free(reader->stored);
+    free(reader->payload);
+    *reader = (struct record_reader){.fd = -1};
+}
+
+void record_reader_seek(struct record_reader *reader, uint64_t offset)
+{
+    reader->offset = offset;
+    reader->ending = RECORD_ENDING_UNKNOWN;
+}
+
+/* Nothing more can be read, and why. */
+static int end(struct record_reader *reader, bool is_cut)
+{
+    reader->ending = is_cut            ? RECORD_ENDING_CUT
+                     : reader->has_end ? RECORD_ENDING_WHOLE
+                                       : RECORD_ENDING_OPEN;
+    return 0;
+}
+
+static int make_room(struct record_reader *reader, uint8_t **buffer, size_t *room,
+                     uint64_t bytes)
+{
+    uint8_t *larger;
+
+    if (bytes <= *room) {
+        return 0;
+    }
+    larger = malloc(bytes);
+    if (larger == NULL) {
+        return fail(reader, PCCD_E_NOMEM, "at byte %" PRIu64 ": no memory for %" PRIu64,
+                    reader->offset, bytes);
+    }
+    free(*buffer);
+    *buffer = larger;
+    *room = bytes;
+    return 0;
+}
+
+static int damaged(struct record_reader *reader, const struct record_chunk *chunk,
+                   int status, const char *why)
+{
+    const char *name = chunk != NULL ? record_kind_name(chunk->kind) : NULL;
+
+    return fail(reader, status, "at byte %" PRIu64 "%s%s: %s", reader->offset,
+                name != NULL ? ", " : "", name != NULL ? name : "", why);
+}
+
+/* A header whose 48 bytes are zeros is what a machine that lost its power leaves. */
+static bool is_empty(const struct record_chunk *chunk)
+{
+    static const struct record_chunk zeros;
+
+    return memcmp(chunk, &zeros, sizeof(zeros)) == 0;
+}
+
+/* The header at reader->offset: 1, 0 at the end, or a failure. */
+static int read_header(struct record_reader *reader, struct record_chunk *chunk)
+{
+    char why[RECORD_TEXT_BYTES];
+    uint64_t left = reader->bytes - reader->offset;
+    size_t got = 0;
+    int rc;
+
+    if (left < sizeof(*chunk)) {
+        return end(reader, left > 0);
+    }
+    rc = copy(reader, reader->offset, chunk, sizeof(*chunk), &got);
+    if (rc != 0) {
+        return rc;
+    }
+    if (got != sizeof(*chunk) || is_empty(chunk)) {
+        return end(reader, true);
+    }
+    rc = record_chunk_judge(chunk, why);
+    if (rc != 0) {
+        return damaged(reader, NULL, rc, why);
+    }
+    if (chunk->stored_bytes > left - sizeof(*chunk)) {
+        return end(reader, true);
+    }
+    return 1;
+}
+
+static int read_payload(struct record_reader *reader, const struct record_chunk *chunk)
+{
+    char why[RECORD_TEXT_BYTES];
+    size_t got = 0;
+    int rc =
+        make_room(reader, &reader->stored, &reader->stored_room, chunk->stored_bytes + 1);
+
+    rc = rc != 0 ? rc
+                 : make_room(reader, &reader->payload, &reader->payload_room,
+                             chunk->bytes + 1);
+    rc = rc != 0 ? rc
+                 : copy(reader, reader->offset + sizeof(*chunk), reader->stored,
+                        chunk->stored_bytes, &got);
+    if (rc != 0) {
+        return rc;
+    }
+    if (got != chunk->stored_bytes) {
+        return end(reader, true);
+    }
+    rc = record_chunk_unpack(chunk, reader->stored, reader->payload, why);
+    if (rc == 0) {
+        rc = record_payload_judge(chunk->kind, reader->payload, chunk->bytes, why);
+    }
+    return rc != 0 ? damaged(reader, chunk, rc, why) : 1;
+}
+
+int record_reader_skim(struct record_reader *reader, uint32_t kinds,
+                       struct record_view *view)
+{
+    for (;;) {
+        struct record_chunk chunk;
+        bool is_wanted = false;
+        int rc = read_header(reader, &chunk);
+
+        if (rc == 1 && chunk.kind < 32 && (kinds & 1u << chunk.kind) != 0) {
+            is_wanted = true;
+            rc = read_payload(reader, &chunk);
+        }
+        if (rc != 1) {
+            return rc;
+        }
+        *view = (struct record_view){.offset = reader->offset,
+                                     .kind = chunk.kind,
+                                     .time_ns = chunk.time_ns,
+                                     .bytes = chunk.bytes,
+                                     .payload = is_wanted ? reader->payload : NULL};
+        reader->offset += sizeof(chunk) + (chunk.stored_bytes + 7) / 8 * 8;
+        if (reader->offset > reader->bytes) {
+            reader->offset = reader->bytes; /* cut in the padding: nothing is lost */
+        }
+        reader->has_end = chunk.kind == RECORD_END;
+        if (reader->has_end && is_wanted) {
+            memcpy(&reader->end_reason, reader->payload, sizeof(reader->end_reason));
+        }
+        if (record_kind_name(chunk.kind) != NULL) {
+            return 1;
+        }
+    }
+}
+
+int record_reader_next(struct record_reader *reader, struct record_view *view)
+{
+    return record_reader_skim(reader, UINT32_MAX, view);
+}

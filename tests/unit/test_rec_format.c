@@ -1,0 +1,307 @@
+/* test_rec_format.c - recordings as files: written, cut, damaged, read.
+ *
+ * Room:     tests/unit. May include: client/record, cmocka.
+ * Does:     write a small recording, and read what is left of it after every cut and
+ *           after the change of any byte.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "reader.h"
+
+#define CHUNKS_MAX 16
+
+static char path[] = "/tmp/pccd-test-rec-XXXXXX";
+static uint8_t file[65536];
+static uint64_t file_bytes;
+static uint64_t starts[CHUNKS_MAX + 1]; /* of the chunks; then of the end */
+static uint32_t chunk_count;
+
+/* A mesh whose vertices compress, a step of it, an answer, and the end. */
+static const float x[64][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+static const uint32_t triangles[2][3] = {{0, 1, 2}, {2, 1, 63}};
+
+static void add(struct record_writer *writer, enum record_kind kind, const void *head,
+                size_t head_bytes, const void *rest, size_t rest_bytes)
+{
+    const struct record_part parts[2] = {{head, head_bytes}, {rest, rest_bytes}};
+
+    starts[chunk_count++] = writer->bytes;
+    assert_int_equal(record_writer_add(writer, kind, 7, parts, rest != NULL ? 2 : 1), 0);
+}
+
+static void write_file(int level)
+{
+    struct record_writer writer = {.fd = -1, .level = level};
+    struct record_begin begin = {.pid = 3, .library = "0.1.0"};
+    struct record_mesh mesh = {1, PCCD_FORMAT_F32, 64, 2};
+    struct record_scene scene = {.scene = 5};
+    struct record_object object = {5, 1, 9, 0};
+    struct record_log log = {.next_step = 1};
+    struct record_frame frame = {.step = 1, .scene = 5, .segment_count = 1};
+    struct record_answer answer = {.step = 1, .total = 4};
+    struct record_end end = {.reason = RECORD_STOPPED, .frames = 1};
+    struct {
+        struct record_segment segment;
+        float x[64][3];
+    } slot = {{9, RECORD_X1, PCCD_FORMAT_F32, 0, 64, 0, sizeof(struct record_segment)},
+              {{0}}};
+    struct {
+        float x[64][3];
+        uint32_t triangles[2][3];
+    } body;
+
+    memcpy(body.x, x, sizeof(x));
+    memcpy(body.triangles, triangles, sizeof(triangles));
+    chunk_count = 0;
+    (void)unlink(path);
+    assert_int_equal(record_writer_open(&writer, path), 0);
+    add(&writer, RECORD_BEGIN, &begin, sizeof(begin), NULL, 0);
+    add(&writer, RECORD_MESH, &mesh, sizeof(mesh), &body, sizeof(body));
+    add(&writer, RECORD_SCENE, &scene, sizeof(scene), NULL, 0);
+    add(&writer, RECORD_OBJECT, &object, sizeof(object), NULL, 0);
+    add(&writer, RECORD_LOG, &log, sizeof(log), NULL, 0);
+    add(&writer, (enum record_kind)31, "of another release", 18, NULL, 0);
+    add(&writer, RECORD_FRAME, &frame, sizeof(frame), &slot, sizeof(slot));
+    add(&writer, RECORD_ANSWER, &answer, sizeof(answer), NULL, 0);
+    add(&writer, RECORD_END, &end, sizeof(end), NULL, 0);
+    starts[chunk_count] = writer.bytes;
+    assert_int_equal(record_writer_close(&writer), 0);
+    record_writer_deinit(&writer);
+}
+
+static void load_file(void)
+{
+    FILE *from = fopen(path, "rb");
+
+    assert_non_null(from);
+    file_bytes = fread(file, 1, sizeof(file), from);
+    assert_int_equal(fclose(from), 0);
+    assert_int_equal(file_bytes, starts[chunk_count]);
+}
+
+static int set_up(void **state)
+{
+    int fd = mkstemp(path);
+
+    (void)state;
+    if (fd < 0 || close(fd) != 0) {
+        return -1;
+    }
+    write_file(1);
+    load_file();
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    return unlink(path);
+}
+
+/* Chunks of `bytes` bytes of the file, up to its end or a failure; *rc says which. */
+static uint32_t read_all(const uint8_t *from, uint64_t bytes, int *rc,
+                         enum record_ending *ending)
+{
+    struct record_reader reader;
+    struct record_view view;
+    uint32_t count = 0;
+
+    *rc = record_reader_open_memory(&reader, from, bytes);
+    while (*rc == 0 && (*rc = record_reader_next(&reader, &view)) == 1) {
+        *rc = 0;
+        count++;
+    }
+    *ending = reader.ending;
+    record_reader_deinit(&reader);
+    return count;
+}
+
+/* If this failed, what was recorded would not be what is read. */
+static void chunks__come_back_as_they_were(void **state)
+{
+    static const uint16_t kinds[] = {RECORD_BEGIN,  RECORD_MESH, RECORD_SCENE,
+                                     RECORD_OBJECT, RECORD_LOG,  RECORD_FRAME,
+                                     RECORD_ANSWER, RECORD_END};
+
+    (void)state;
+    for (int level = 0; level <= 3; level += 3) {
+        struct record_reader reader;
+        struct record_view view;
+        struct record_mesh mesh;
+
+        write_file(level);
+        load_file();
+        assert_int_equal(record_reader_open(&reader, path), 0);
+        for (size_t i = 0; i < sizeof(kinds) / sizeof(kinds[0]); i++) {
+            assert_int_equal(record_reader_next(&reader, &view), 1);
+            assert_int_equal(view.kind, kinds[i]);
+            assert_int_equal(view.time_ns, 7);
+            if (view.kind == RECORD_MESH) {
+                memcpy(&mesh, view.payload, sizeof(mesh));
+                assert_int_equal(mesh.vertex_count, 64);
+                assert_memory_equal((const uint8_t *)view.payload + sizeof(mesh), x,
+                                    sizeof(x));
+            }
+        }
+        assert_int_equal(record_reader_next(&reader, &view), 0);
+        assert_int_equal(reader.ending, RECORD_ENDING_WHOLE);
+        record_reader_deinit(&reader);
+    }
+    write_file(1);
+    load_file();
+}
+
+/* If this failed, a crash would cost more than the chunk that was being written, or what
+ * is left would be taken for damaged. */
+static void files__are_read_up_to_any_cut(void **state)
+{
+    (void)state;
+    for (uint64_t bytes = RECORD_HEAD_BYTES; bytes <= file_bytes; bytes++) {
+        enum record_ending ending;
+        uint32_t whole = 0;
+        int rc;
+        uint32_t count = read_all(file, bytes, &rc, &ending);
+
+        for (uint32_t i = 0; i < chunk_count; i++) {
+            /* The one of an unknown kind is not shown; the zeros behind a chunk may be
+             * missing. */
+            struct record_chunk chunk;
+            memcpy(&chunk, file + starts[i], sizeof(chunk));
+            whole += i != 5 && starts[i] + sizeof(chunk) + chunk.stored_bytes <= bytes;
+        }
+        assert_int_equal(rc, 0);
+        assert_int_equal(count, whole);
+        assert_int_not_equal(ending, RECORD_ENDING_UNKNOWN);
+        for (uint32_t i = 0; i < chunk_count; i++) {
+            if (bytes == starts[i]) {
+                assert_int_equal(ending, RECORD_ENDING_OPEN);
+            }
+        }
+    }
+}
+
+/* If this failed, a byte that has changed on a disk would be played as if it were right,
+ * or chunks before it would be lost. */
+static void files__show_the_change_of_any_byte(void **state)
+{
+    (void)state;
+    for (uint64_t at = 0; at < file_bytes; at++) {
+        enum record_ending ending;
+        struct record_chunk chunk;
+        uint32_t before = 0;
+        int rc;
+
+        for (uint32_t i = 0; i < chunk_count; i++) {
+            memcpy(&chunk, file + starts[i], sizeof(chunk));
+            if (at >= starts[i] + sizeof(chunk) + chunk.stored_bytes) {
+                before += i != 5;
+            }
+        }
+        memcpy(&chunk, file + starts[5], sizeof(chunk));
+        bool is_unread = at >= starts[5] + sizeof(chunk) && at < starts[6];
+        bool is_padding = false;
+        for (uint32_t i = 0; i < chunk_count; i++) {
+            memcpy(&chunk, file + starts[i], sizeof(chunk));
+            is_padding =
+                is_padding || (at >= starts[i] + sizeof(chunk) + chunk.stored_bytes &&
+                               at < starts[i + 1]);
+        }
+        file[at] ^= 0x40;
+        uint32_t count = read_all(file, file_bytes, &rc, &ending);
+        file[at] ^= 0x40;
+        if (at >= 12 && at < RECORD_HEAD_BYTES) {
+            continue; /* reserved */
+        }
+        if (is_padding || is_unread) {
+            assert_true(rc == 0 || rc == PCCD_E_FORMAT);
+        } else {
+            assert_int_equal(rc, PCCD_E_FORMAT);
+            assert_int_equal(count, at < RECORD_HEAD_BYTES ? 0 : before);
+        }
+    }
+}
+
+/* If this failed, a recording could be written over by the next one. */
+static void files__are_never_written_over(void **state)
+{
+    struct record_writer writer = {.fd = -1};
+
+    (void)state;
+    assert_int_equal(record_writer_open(&writer, path), PCCD_E_SYSTEM);
+    record_writer_deinit(&writer);
+}
+
+/* A payload with one of its words changed, and its kind's judgement. */
+static int judge_with(uint16_t kind, const void *payload, size_t bytes, size_t at,
+                      uint32_t word)
+{
+    uint8_t copy[1024];
+    char text[RECORD_TEXT_BYTES] = "";
+    int rc;
+
+    memcpy(copy, payload, bytes);
+    memcpy(copy + at, &word, sizeof(word));
+    rc = record_payload_judge(kind, copy, bytes, text);
+    assert_true(rc == 0 || text[0] != '\0');
+    return rc;
+}
+
+/* If this failed, a reader would follow an index or a range out of its memory. */
+static void payloads__are_refused_with_indices_out_of_range(void **state)
+{
+    struct {
+        struct record_mesh head;
+        float x[4][3];
+        uint32_t triangles[1][3];
+    } mesh = {{1, PCCD_FORMAT_F32, 4, 1}, {{0}}, {{0, 1, 2}}};
+    struct {
+        struct record_frame head;
+        struct record_segment segment;
+        float x[4][3];
+    } frame = {{.step = 1, .segment_count = 1},
+               {1, RECORD_X1, PCCD_FORMAT_F32, 0, 4, 0, sizeof(struct record_segment)},
+               {{0}}};
+    const size_t segment = sizeof(frame.head);
+
+    (void)state;
+    assert_int_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 0, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 8, 5), 0);
+    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 12, 2), 0);
+    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 4, 2), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_MESH, &mesh, sizeof(mesh), sizeof(mesh) - 4, 4), 0);
+    assert_int_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame), segment, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 12, 5),
+                         0);
+    assert_int_not_equal(
+        judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 24, 40), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 24, 0xfffffff8u), 0);
+    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 4, 3),
+                         0);
+    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame),
+                                    offsetof(struct record_frame, segment_count), 4),
+                         0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(chunks__come_back_as_they_were),
+        cmocka_unit_test(files__are_read_up_to_any_cut),
+        cmocka_unit_test(files__show_the_change_of_any_byte),
+        cmocka_unit_test(files__are_never_written_over),
+        cmocka_unit_test(payloads__are_refused_with_indices_out_of_range),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
