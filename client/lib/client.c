@@ -21,6 +21,7 @@
 #include "launch.h"
 #include "link.h"
 #include "page.h"
+#include "recorder.h"
 #include "records.h" /* asserts that the records have the layout of the wire */
 #include "rpc.h"
 #include "seqpacket.h"
@@ -252,8 +253,10 @@ static int connect_any(struct pccd_client *client, const struct pccd_options *as
     if (rc == 0) {
         /* A daemon that cannot be told the old handles cannot be told anything. */
         client->link.is_established = true;
-        client->keeps = client->link.patience_ns > 0 && !options.no_keep &&
-                        (client->link.features & PROTO_FEATURE_RESUME) != 0;
+        client->link.can_restore = client->link.patience_ns > 0 && !options.no_keep &&
+                                   (client->link.features & PROTO_FEATURE_RESUME) != 0;
+        client->keeps = client->link.can_restore;
+        rc = cli_record_environment(client);
     }
     return rc;
 }
@@ -296,6 +299,7 @@ void pccd_close(struct pccd_client *client)
     if (client == NULL) {
         return;
     }
+    cli_record_close(client);
     cli_link_bye(client);
     cli_rpc_close(client);
     cli_page_deinit(client);

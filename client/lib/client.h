@@ -125,6 +125,7 @@ struct cli_link {
     uint32_t daemons_max;   /* that may end over one request */
     uint64_t told_anew;     /* daemons that have been told of all that is kept */
     uint32_t uploads_ended; /* daemons, over the mesh that is being registered */
+    bool can_restore;       /* another daemon may be told what is kept */
     bool is_established;    /* pccd_connect has succeeded */
     bool is_down;           /* the connection is lost and not made again yet */
     bool is_recovering;     /* recover.c is at work */
@@ -139,17 +140,17 @@ struct cli_link {
     struct pccd_link_info info;
 };
 
-struct cli_watch;
 struct cli_kept_scene;
 struct cli_kept_mesh;
-
 struct pccd_client {
     int socket;
     struct cli_link link;
     bool keeps; /* what it registers, for another daemon (keep.h) */
     struct cli_kept_scene *kept_scenes;
     struct cli_kept_mesh *kept_meshes;
-    struct cli_retired *retired; /* oldest first */
+    struct cli_recorder *recorder; /* NULL: nothing is recorded (recorder.h) */
+    uint32_t want;                 /* handle of what is made next; 0: any */
+    struct cli_retired *retired;   /* oldest first */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid;
     char cpu[PROTO_STR_MAX + 1];
@@ -173,8 +174,7 @@ struct pccd_client {
     struct cli_child child;
     struct cli_ring ring;
     struct cli_call calls[CLI_CALLS];
-    uint32_t
-        calls_end; /* of those that have ever been used: the others are not looked at */
+    uint32_t calls_end; /* of those that have ever been used; others are not looked at */
     struct cli_page pages[CLI_PAGES]; /* a ring: serial modulo CLI_PAGES */
     uint64_t page_first;              /* serial of the oldest unreleased page */
     uint64_t page_end;                /* serial of the next page */

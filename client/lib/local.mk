@@ -26,6 +26,10 @@ libpccd_la_SOURCES = \
     client/lib/place.c \
     client/lib/place.h \
     client/lib/receive.c \
+    client/lib/record.c \
+    client/lib/recorder.c \
+    client/lib/recorder.h \
+    client/lib/recorder_snapshot.c \
     client/lib/recover.c \
     client/lib/recover.h \
     client/lib/restore.c \
@@ -41,9 +45,9 @@ libpccd_la_SOURCES = \
     client/lib/watch.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
-    -iquote $(top_srcdir)/client/lib \
+    -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \
     -DCLI_DAEMON_PATH='"$(bindir)/pccdd"'
-libpccd_la_LIBADD = libproto.la
+libpccd_la_LIBADD = librecord.la libproto.la
 libpccd_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 1:0:0 \
     -Wl,--version-script=$(top_srcdir)/client/lib/libpccd.map
 EXTRA_libpccd_la_DEPENDENCIES = client/lib/libpccd.map

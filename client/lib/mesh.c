@@ -12,6 +12,7 @@
 #include "flight.h"
 #include "mesh.h"
 #include "page.h"
+#include "recorder.h"
 #include "rpc.h"
 
 #define CHUNK_BYTES                                                                      \
@@ -152,7 +153,8 @@ static int make_mesh(struct pccd_client *client, struct upload arrays[2],
                      struct proto_MESH_COMMIT_result *result)
 {
     struct proto_MESH_CREATE_request request = {.vertex_count = arrays[0].count,
-                                                .triangle_count = arrays[1].count};
+                                                .triangle_count = arrays[1].count,
+                                                .want = cli_take_want(client)};
     struct proto_MESH_CREATE_result created;
     struct proto_MESH_DESTROY_request destroy;
     char text[CLI_TEXT_BYTES];
@@ -264,6 +266,8 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
         return rc;
     }
     *mesh = arrays[0].mesh;
+    cli_record_mesh(client, *mesh, arrays[0].format, arrays[0].count, arrays[0].source,
+                    arrays[1].count, arrays[1].source);
     if (copy != NULL) {
         cli_keep_mesh(client, *mesh, copy);
     }

@@ -399,7 +399,48 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                    uint32_t vertex_count, const struct pccd_step_settings *settings,
                    struct pccd_answer *answer);
 
-/* ---- recordings -------------------------------------------------------------------- */
+/* ---- recording a session ----------------------------------------------------------- */
+
+/* Everything that this client asks and is answered, in a file that `pccdctl replay` runs
+ * again: what is registered now first, then the log. Each event is one write by the
+ * thread that calls, so that a crash at any moment loses nothing before it; positions are
+ * read out of the slot when the step has been sent. With $PCCD_RECORD=PATH in the
+ * environment every client is recorded from the beginning, to PATH, PATH-2, ...;
+ * $PCCD_RECORD_OPTIONS holds settings, as "max_bytes=N,segments=N,contacts=1,level=N". */
+struct pccd_record_settings {
+    uint64_t max_bytes; /* of all files; 0: no bound */
+    uint32_t segments;  /* 0, 1: one file, which ends when it is full. 2 .. 64: so many,
+                           each whole by itself, the oldest of which goes: PATH is being
+                           written, PATH.1, PATH.2, ... are older (and overwritten). They
+                           keep the bound but for a step and the answers in flight */
+    uint32_t contacts;  /* 1: the records of answers, too: the pages that came */
+    int32_t level;      /* of zstd, 1 .. 19; 0 = 1; negative: nothing is compressed */
+    uint32_t reserved;  /* 0 */
+};
+struct pccd_record_info {
+    uint64_t bytes;     /* written, over all segments */
+    uint64_t raw_bytes; /* the same before compression */
+    uint64_t frames;    /* steps */
+    uint64_t answers;
+    uint64_t ns;       /* that recording steps and answers has taken from the caller */
+    uint32_t segments; /* begun */
+    int32_t status;    /* 0, or why nothing is recorded any more: E_LIMIT (full),
+                          E_SYSTEM, E_NOMEM. No other call ever fails because of that */
+};
+/* Begin; `settings` NULL: the defaults. E_SYSTEM: the file cannot be made, or is there
+ * already; E_STATE: a recording is under way, or options.no_keep; E_LIMIT: a segment
+ * cannot hold twice what is registered. */
+int pccd_record_start(struct pccd_client *client, const char *path,
+                      const struct pccd_record_settings *settings);
+/* How it goes; E_STATE: there is none. */
+int pccd_record(const struct pccd_client *client, struct pccd_record_info *info);
+/* End it, as pccd_close does. Returns info->status; `info` may be NULL. */
+int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info);
+/* The next scene, mesh or object that is made gets this handle, if nothing has it; else
+ * E_HANDLE. For who repeats what a session did: handles stand in the records. */
+int pccd_want(struct pccd_client *client, uint32_t handle);
+
+/* ---- recordings of the daemon's threads -------------------------------------------- */
 
 struct pccd_trace_info {
     uint32_t threads;    /* of the team, whose events are kept */

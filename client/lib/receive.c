@@ -1,6 +1,6 @@
 /* receive.c - what the daemon says.
  *
- * Room:     client/lib. May include: rpc.h, keep.h, page.h, proto.
+ * Room:     client/lib. May include: rpc.h, keep.h, page.h, recorder.h, proto.
  * Does:     the only place that reads the socket. Replies come in any order and are
  *           matched by id.
  * Does not: know what the methods mean, but for the pages that some replies bring.
@@ -12,6 +12,7 @@
 
 #include "keep.h"
 #include "page.h"
+#include "recorder.h"
 #include "rpc.h"
 #include "watch.h"
 
@@ -132,6 +133,9 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
     }
     if (call->status == 0 && !call->recovery) {
         cli_keep_answer(client, call);
+    }
+    if (client->recorder != NULL) {
+        cli_record_answer(client, call);
     }
     if (call->state == CLI_CALL_LOST) {
         cli_page_release(client, call->page);

@@ -102,9 +102,9 @@ static void hold_all(struct pccd_client *client, bool rest)
  * round trip, and with a thousand clients that come back at once everybody's. */
 static bool needs_no_answer(const struct pccd_client *client)
 {
-    bool needs = !client->keeps || client->kept_meshes != NULL ||
-                 client->kept_scenes != NULL || client->ring.upload.base != NULL ||
-                 client->link.tries > 1;
+    bool needs = !client->keeps || !client->link.can_restore ||
+                 client->kept_meshes != NULL || client->kept_scenes != NULL ||
+                 client->ring.upload.base != NULL || client->link.tries > 1;
 
     for (uint32_t i = 0; i < client->calls_end; i++) {
         const struct cli_call *call = &client->calls[i];
@@ -125,7 +125,7 @@ static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *re
     if (rc != 0 || *resumed) {
         return rc;
     }
-    if (!client->keeps) {
+    if (!client->keeps || !client->link.can_restore) {
         return cli_fail(client, PCCD_E_STATE,
                         "the session is over, and nothing was kept to begin another");
     }

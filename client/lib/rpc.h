@@ -51,6 +51,9 @@ struct cli_call *cli_call_first_held(struct pccd_client *client);
 /* Send every held call once more, unchanged, in their order. */
 int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns);
 
+/* What pccd_want has asked for, once. */
+uint32_t cli_take_want(struct pccd_client *client);
+
 /* Requests whose replies have not come. */
 uint32_t cli_call_inflight(const struct pccd_client *client);
 

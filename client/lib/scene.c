@@ -7,6 +7,23 @@
 #include "client.h"
 #include "rpc.h"
 
+int pccd_want(struct pccd_client *client, uint32_t handle)
+{
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    client->want = handle;
+    return 0;
+}
+
+uint32_t cli_take_want(struct pccd_client *client)
+{
+    uint32_t want = client->want;
+
+    client->want = 0;
+    return want;
+}
+
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene)
 {
@@ -25,6 +42,7 @@ int pccd_scene_create(struct pccd_client *client,
         request.quality = (uint32_t)settings->quality;
         request.rebuild_triangles_max = settings->rebuild_triangles_max;
     }
+    request.want = cli_take_want(client);
     rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, &request, &result,
                        cli_deadline(client, -1));
     if (rc == 0) {
@@ -57,6 +75,7 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
     if (object == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.add: object is NULL");
     }
+    request.want = cli_take_want(client);
     rc = cli_call_sync(client, PROTO_METHOD_SCENE_ADD, &request, &result,
                        cli_deadline(client, -1));
     if (rc == 0) {

@@ -1,6 +1,6 @@
 /* step.c - steps in flight and their answers.
  *
- * Room:     client/lib. May include: step.h, attach.h, page.h, rpc.h.
+ * Room:     client/lib. May include: step.h, attach.h, page.h, recorder.h, rpc.h.
  * Does:     submit, poll, wait, fetch, cancel, release, and the calls that do it all in
  *           one. A step is a call of the table in client.h whose `step` is not 0; it
  *           stays there until its answer is taken.
@@ -13,6 +13,7 @@
 
 #include "attach.h"
 #include "page.h"
+#include "recorder.h"
 #include "recover.h"
 #include "rpc.h"
 
@@ -74,6 +75,9 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot, uin
     }
     call->step = client->next_step;
     *step = client->next_step++;
+    if (client->recorder != NULL) {
+        cli_record_frame(client, call);
+    }
     return 0;
 }
 
@@ -341,6 +345,7 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
         return 0;
     }
     request.id = call->id;
+    cli_record_cancel(client, step);
     return cli_call_sync(client, PROTO_METHOD_CANCEL, &request, &result,
                          cli_deadline(client, -1));
 }
@@ -359,6 +364,7 @@ static void abandon(struct pccd_client *client, uint64_t step)
         return;
     }
     request.id = call->id;
+    cli_record_cancel(client, step);
     cli_call_drop(client, call);
     if (call->state == CLI_CALL_LOST &&
         cli_call_send(client, PROTO_METHOD_CANCEL, &request, CLI_SLOT_NONE, cli_now_ns(),

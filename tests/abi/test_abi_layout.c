@@ -99,6 +99,16 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_trace_info, events_max, 4);
     AT(pccd_trace_info, events, 8);
     AT(pccd_trace_info, lost, 16);
+    SIZE(pccd_record_settings, 24);
+    AT(pccd_record_settings, max_bytes, 0);
+    AT(pccd_record_settings, segments, 8);
+    AT(pccd_record_settings, contacts, 12);
+    AT(pccd_record_settings, level, 16);
+    SIZE(pccd_record_info, 48);
+    AT(pccd_record_info, frames, 16);
+    AT(pccd_record_info, ns, 32);
+    AT(pccd_record_info, segments, 40);
+    AT(pccd_record_info, status, 44);
     SIZE(pccd_scene_settings, 16);
     AT(pccd_scene_settings, quality, 0);
     AT(pccd_scene_settings, rebuild_triangles_max, 4);

@@ -1,0 +1,351 @@
+/* recorder.c - what a client asks and is answered, into a file.
+ *
+ * Room:     client/lib. May include: recorder.h, attach.h, keep.h, page.h.
+ * Does:     append events; begin another segment when one is full.
+ * Does not: know how a segment begins (recorder_snapshot.c) or is stored (chunk.h), or
+ *           when to record (record.c).
+ * Threads:  [owner].
+ */
+#include "recorder.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "attach.h"
+#include "keep.h"
+#include "page.h"
+
+/* ---- the end of a file, and of a recording ----------------------------------------- */
+
+void cli_record_end(struct pccd_client *client, enum record_reason reason)
+{
+    struct cli_recorder *recorder = client->recorder;
+    struct record_end end = {.reason = reason, .frames = recorder->segment_frames};
+
+    (void)record_writer_add(&recorder->writer, RECORD_END, cli_now_ns(),
+                            &(struct record_part){&end, sizeof(end)}, 1);
+}
+
+static void close_file(struct cli_recorder *recorder)
+{
+    recorder->info.bytes += recorder->writer.bytes;
+    recorder->info.raw_bytes += recorder->writer.raw_bytes;
+    recorder->writer.bytes = recorder->writer.raw_bytes = 0;
+    (void)record_writer_close(&recorder->writer);
+}
+
+/* Nothing is recorded any more, because of `status`. */
+int cli_record_stop_because(struct pccd_client *client, int status, const char *why)
+{
+    struct cli_recorder *recorder = client->recorder;
+
+    (void)snprintf(recorder->text, sizeof(recorder->text), "recording %s: %s",
+                   recorder->path, why);
+    if (recorder->writer.fd >= 0 && !recorder->has_ended) {
+        cli_record_end(client, RECORD_FULL);
+    }
+    recorder->info.status = status;
+    recorder->has_ended = true;
+    close_file(recorder);
+    return status;
+}
+
+static int stop_full(struct pccd_client *client)
+{
+    return cli_record_stop_because(client, PCCD_E_LIMIT, "max_bytes is reached");
+}
+
+/* Whether `bytes` more of payload, and END, may still be written. */
+static bool has_room(const struct cli_recorder *recorder, uint64_t bytes)
+{
+    return recorder->segment_bytes_max == 0 || recorder->segments_max > 1 ||
+           recorder->writer.bytes + record_chunk_bytes_max(bytes) +
+                   record_chunk_bytes_max(sizeof(struct record_end)) <=
+               recorder->segment_bytes_max;
+}
+
+int cli_record_add(struct pccd_client *client, enum record_kind kind,
+                   const struct record_part *parts, size_t count)
+{
+    struct cli_recorder *recorder = client->recorder;
+    uint64_t bytes = 0;
+    int rc;
+
+    if (recorder->has_ended) {
+        return recorder->info.status;
+    }
+    for (size_t i = 0; i < count; i++) {
+        bytes += parts[i].bytes;
+    }
+    if (!has_room(recorder, bytes)) {
+        return stop_full(client);
+    }
+    rc = record_writer_add(&recorder->writer, kind, cli_now_ns(), parts, count);
+    return rc == 0 ? 0
+                   : cli_record_stop_because(client, rc,
+                                             rc == PCCD_E_SYSTEM ? strerror(errno)
+                                                                 : proto_status_text(rc));
+}
+
+/* ---- segments ---------------------------------------------------------------------- */
+
+int cli_record_open(struct pccd_client *client)
+{
+    struct cli_recorder *recorder = client->recorder;
+    int rc = client->keeps ? record_writer_open(&recorder->writer, recorder->path)
+                           : PCCD_E_NOMEM;
+
+    if (rc != 0) {
+        return cli_record_stop_because(
+            client, rc,
+            rc == PCCD_E_NOMEM ? "no memory to keep what there is" : strerror(errno));
+    }
+    recorder->segment_frames = 0;
+    recorder->info.segments++;
+    return cli_record_snapshot(client);
+}
+
+static void name_of(const struct cli_recorder *recorder, uint32_t age, char *name,
+                    size_t room)
+{
+    (void)snprintf(name, room, age == 0 ? "%s" : "%s.%u", recorder->path, age);
+}
+
+/* The oldest file goes, the others become older, and a new one begins. */
+static void turn(struct pccd_client *client)
+{
+    struct cli_recorder *recorder = client->recorder;
+    size_t room = strlen(recorder->path) + 16;
+    char *from = malloc(2 * room);
+
+    if (from == NULL) {
+        (void)cli_record_stop_because(client, PCCD_E_NOMEM, "no memory for a name");
+        return;
+    }
+    cli_record_end(client, RECORD_TURNED);
+    close_file(recorder);
+    for (uint32_t age = recorder->segments_max - 1; age > 0; age--) {
+        name_of(recorder, age - 1, from, room);
+        name_of(recorder, age, from + room, room);
+        (void)rename(from, from + room); /* there may be none of that age yet */
+    }
+    free(from);
+    recorder->segment++;
+    (void)cli_record_open(client);
+}
+
+bool cli_record_is_on(const struct pccd_client *client)
+{
+    return client->recorder != NULL && !client->recorder->has_ended &&
+           client->owner == getpid();
+}
+
+/* ---- events ------------------------------------------------------------------------ */
+
+/* Time that recording takes is told: it is the caller's. */
+static void count_time(struct pccd_client *client, uint64_t begin_ns)
+{
+    client->recorder->info.ns += cli_now_ns() - begin_ns;
+}
+
+void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
+                     uint32_t vertex_count, const void *x, uint32_t triangle_count,
+                     const void *triangles)
+{
+    static const uint8_t zeros[8];
+    struct record_mesh head = {.mesh = mesh,
+                               .format = format,
+                               .vertex_count = vertex_count,
+                               .triangle_count = triangle_count};
+    size_t bytes =
+        vertex_count * (format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]));
+    const struct record_part parts[] = {
+        {&head, sizeof(head)},
+        {x, bytes},
+        {zeros, (8 - bytes % 8) % 8},
+        {triangles, triangle_count * sizeof(uint32_t[3])}};
+
+    if (cli_record_is_on(client)) {
+        (void)cli_record_add(client, RECORD_MESH, parts, 4);
+    }
+}
+
+int cli_record_step(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_FRAME_SUBMIT_request *request = &call->params.FRAME_SUBMIT;
+    struct record_frame frame = {.step = request->step,
+                                 .scene = request->scene,
+                                 .segment_count = request->segments,
+                                 .mode = request->mode,
+                                 .method = request->method,
+                                 .threads = request->threads,
+                                 .scheduler = request->scheduler,
+                                 .high_level = request->high_level,
+                                 .refit = request->refit,
+                                 .tolerance = request->tolerance,
+                                 .deadline_ns = request->deadline_ns};
+    struct record_part parts[2] = {{&frame, sizeof(frame)}};
+    size_t count = 1;
+
+    if (call->slot != CLI_SLOT_NONE && request->segments > 0) {
+        parts[count++] = (struct record_part){cli_slot_payload(client, call->slot),
+                                              client->ring.slots[call->slot].used_bytes};
+    }
+    client->recorder->segment_frames++;
+    return cli_record_add(client, RECORD_FRAME, parts, count);
+}
+
+void cli_record_frame(struct pccd_client *client, const struct cli_call *call)
+{
+    struct cli_recorder *recorder = client->recorder;
+    uint64_t begin_ns;
+
+    if (!cli_record_is_on(client)) {
+        return;
+    }
+    begin_ns = cli_now_ns();
+    recorder->info.frames++;
+    if (recorder->segments_max > 1 &&
+        recorder->writer.bytes >= recorder->segment_bytes_max) {
+        turn(client); /* the new log begins with every step without an answer */
+    } else {
+        (void)cli_record_step(client, call);
+    }
+    count_time(client, begin_ns);
+}
+
+void cli_record_cancel(struct pccd_client *client, uint64_t step)
+{
+    struct record_cancel cancel = {.step = step};
+
+    if (cli_record_is_on(client)) {
+        (void)cli_record_add(client, RECORD_CANCEL,
+                             &(struct record_part){&cancel, sizeof(cancel)}, 1);
+    }
+}
+
+static void add_records(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_FRAME_SUBMIT_result *result = &call->answer;
+    struct record_records head = {.step = result->step,
+                                  .first = result->first,
+                                  .count = result->count,
+                                  .record_bytes = result->record_bytes};
+    struct record_part parts[2] = {{&head, sizeof(head)}};
+
+    if (!client->recorder->has_records || call->status != 0 || call->page == 0) {
+        return;
+    }
+    parts[1] = (struct record_part){cli_page_base(client, call->page) + result->offset,
+                                    result->count * result->record_bytes};
+    (void)cli_record_add(client, RECORD_RECORDS, parts, 2);
+}
+
+static void add_answer(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_FRAME_SUBMIT_result *r = &call->answer;
+    struct record_answer answer = {.step = call->params.FRAME_SUBMIT.step,
+                                   .status = call->status};
+
+    if (call->status == 0) {
+        answer = (struct record_answer){
+            .step = r->step,
+            .mode = r->mode,
+            .method = r->method,
+            .incomplete = r->incomplete,
+            .verdict = r->verdict,
+            .threads = r->threads,
+            .total = r->total,
+            .vf = r->vf,
+            .ee = r->ee,
+            .possible = r->possible,
+            .initial = r->initial,
+            .toi_first = r->toi_first,
+            .hash = {r->hash_hi, r->hash_lo},
+            .times = {r->ns_queue, r->ns_ingest, r->ns_refit, r->ns_traversal,
+                      r->ns_tests, r->ns_merge, r->ns_step, r->ns_low, r->ns_high,
+                      r->ns_rebuild},
+            .counters = {r->task_units, r->box_tests, r->leaf_pairs, r->candidates_vf,
+                         r->candidates_ee, r->survivors, r->exact, r->builds, r->allocs,
+                         r->rebuilds, r->rebuilt_triangles, r->swaps,
+                         r->swapped_triangles}};
+    }
+    client->recorder->info.answers++;
+    if (cli_record_add(client, RECORD_ANSWER,
+                       &(struct record_part){&answer, sizeof(answer)}, 1) == 0) {
+        add_records(client, call);
+    }
+}
+
+/* What was made or destroyed. */
+static void add_change(struct pccd_client *client, const struct cli_call *call)
+{
+    const union cli_params *params = &call->params;
+    struct record_scene scene;
+    struct record_object object;
+    struct record_gone gone = {.scene = 0};
+    struct record_part part = {&gone, sizeof(gone)};
+    enum record_kind kind;
+
+    switch (call->method) {
+    case PROTO_METHOD_SCENE_CREATE: {
+        const struct proto_SCENE_CREATE_result *result = call->result;
+
+        scene = (struct record_scene){
+            .scene = result != NULL ? result->scene : 0,
+            .quality = params->SCENE_CREATE.quality,
+            .rebuild_triangles_max = params->SCENE_CREATE.rebuild_triangles_max,
+            .rebuild_ratio = params->SCENE_CREATE.rebuild_ratio};
+        part = (struct record_part){&scene, sizeof(scene)};
+        kind = RECORD_SCENE;
+        break;
+    }
+    case PROTO_METHOD_SCENE_ADD: {
+        const struct proto_SCENE_ADD_result *result = call->result;
+
+        object = (struct record_object){.scene = params->SCENE_ADD.scene,
+                                        .mesh = params->SCENE_ADD.mesh,
+                                        .object = result != NULL ? result->object : 0};
+        part = (struct record_part){&object, sizeof(object)};
+        kind = RECORD_OBJECT;
+        break;
+    }
+    case PROTO_METHOD_SCENE_DESTROY:
+        gone.scene = params->SCENE_DESTROY.scene;
+        kind = RECORD_SCENE_GONE;
+        break;
+    case PROTO_METHOD_SCENE_REMOVE:
+        gone.scene = params->SCENE_REMOVE.scene;
+        gone.object = params->SCENE_REMOVE.object;
+        kind = RECORD_OBJECT_GONE;
+        break;
+    case PROTO_METHOD_MESH_DESTROY:
+        gone.mesh = params->MESH_DESTROY.mesh;
+        kind = RECORD_MESH_GONE;
+        break;
+    default:
+        return;
+    }
+    (void)cli_record_add(client, kind, &part, 1);
+}
+
+void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
+{
+    uint64_t begin_ns;
+
+    if (!cli_record_is_on(client) || call->recovery) {
+        return;
+    }
+    begin_ns = cli_now_ns();
+    if (call->method == PROTO_METHOD_FRAME_SUBMIT) {
+        add_answer(client, call);
+    } else if (call->method == PROTO_METHOD_FRAME_FETCH) {
+        add_records(client, call);
+    } else if (call->status == 0) {
+        add_change(client, call);
+    }
+    count_time(client, begin_ns);
+}

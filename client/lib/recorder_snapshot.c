@@ -1,0 +1,157 @@
+/* recorder_snapshot.c - how a segment of a recording begins.
+ *
+ * Room:     client/lib. May include: recorder.h, attach.h, keep.h.
+ * Does:     write what another daemon would have to be told, from what is kept for that.
+ * Does not: follow events (recorder.c).
+ * Threads:  [owner].
+ */
+#include <stdio.h>
+#include <time.h>
+
+#include "attach.h"
+#include "keep.h"
+#include "recorder.h"
+
+static int write_begin(struct pccd_client *client)
+{
+    const struct cli_recorder *recorder = client->recorder;
+    struct record_begin begin = {.pid = (uint32_t)client->owner,
+                                 .daemon_pid = client->pid,
+                                 .segment = recorder->segment,
+                                 .flags = recorder->has_records};
+    struct timespec now;
+
+    (void)clock_gettime(CLOCK_REALTIME, &now);
+    begin.unix_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+    (void)snprintf(begin.library, sizeof(begin.library), "%.15s", pccd_version());
+    (void)snprintf(begin.cpu, sizeof(begin.cpu), "%.15s", client->cpu);
+    return cli_record_add(client, RECORD_BEGIN,
+                          &(struct record_part){&begin, sizeof(begin)}, 1);
+}
+
+static int write_scene(struct pccd_client *client, const struct cli_kept_scene *kept)
+{
+    struct record_scene scene = {.scene = kept->handle,
+                                 .quality = kept->settings.quality,
+                                 .rebuild_triangles_max =
+                                     kept->settings.rebuild_triangles_max,
+                                 .rebuild_ratio = kept->settings.rebuild_ratio};
+
+    return cli_record_add(client, RECORD_SCENE,
+                          &(struct record_part){&scene, sizeof(scene)}, 1);
+}
+
+static int write_meshes(struct pccd_client *client)
+{
+    for (const struct cli_kept_mesh *mesh = client->kept_meshes;
+         mesh != NULL && !client->recorder->has_ended; mesh = mesh->next) {
+        cli_record_mesh(client, mesh->handle, mesh->format, mesh->vertex_count, mesh->x,
+                        mesh->triangle_count, mesh->triangles);
+    }
+    return client->recorder->info.status;
+}
+
+/* Meshes that are gone, but for the objects made of them. */
+static int write_gone(struct pccd_client *client)
+{
+    int rc = 0;
+
+    for (const struct cli_kept_mesh *mesh = client->kept_meshes; rc == 0 && mesh != NULL;
+         mesh = mesh->next) {
+        struct record_gone gone = {.mesh = mesh->handle};
+
+        rc = mesh->is_destroyed
+                 ? cli_record_add(client, RECORD_MESH_GONE,
+                                  &(struct record_part){&gone, sizeof(gone)}, 1)
+                 : 0;
+    }
+    return rc;
+}
+
+static int write_object(struct pccd_client *client, const struct cli_kept_scene *scene,
+                        const struct cli_kept_object *kept)
+{
+    struct record_object object = {
+        .scene = scene->handle, .mesh = kept->mesh->handle, .object = kept->handle};
+    struct record_place place = {.scene = scene->handle, .object = kept->handle};
+    struct record_part parts[2] = {{&place, sizeof(place)}};
+    int rc = cli_record_add(client, RECORD_OBJECT,
+                            &(struct record_part){&object, sizeof(object)}, 1);
+
+    if (kept->placing == CLI_PLACED_REGISTERED) {
+        return rc;
+    }
+    if (kept->placing == CLI_PLACED_RIGID) {
+        place.placing = RECORD_PLACED_RIGID;
+        place.format = PCCD_FORMAT_F64;
+        parts[1] = (struct record_part){kept->m, sizeof(kept->m)};
+    } else {
+        place.placing = RECORD_PLACED_FREELY;
+        place.format = kept->format;
+        parts[1] = (struct record_part){
+            kept->x,
+            kept->mesh->vertex_count *
+                (kept->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]))};
+    }
+    return rc != 0 ? rc : cli_record_add(client, RECORD_PLACE, parts, 2);
+}
+
+static int write_scenes(struct pccd_client *client)
+{
+    int rc = 0;
+
+    for (const struct cli_kept_scene *scene = client->kept_scenes;
+         rc == 0 && scene != NULL; scene = scene->next) {
+        rc = write_scene(client, scene);
+        for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
+            rc = write_object(client, scene, &scene->objects[i]);
+        }
+    }
+    return rc;
+}
+
+/* Steps that are not in what is kept yet, in the order of their sending. */
+static int write_unanswered(struct pccd_client *client)
+{
+    uint64_t after = 0;
+    int rc = 0;
+
+    for (;;) {
+        const struct cli_call *next = NULL;
+
+        for (uint32_t i = 0; i < client->calls_end; i++) {
+            const struct cli_call *call = &client->calls[i];
+
+            if ((call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
+                call->method == PROTO_METHOD_FRAME_SUBMIT && !call->recovery &&
+                call->serial > after && (next == NULL || call->serial < next->serial)) {
+                next = call;
+            }
+        }
+        if (next == NULL || rc != 0) {
+            return rc;
+        }
+        after = next->serial;
+        rc = cli_record_step(client, next);
+    }
+}
+
+int cli_record_snapshot(struct pccd_client *client)
+{
+    struct record_log log = {.next_step = client->next_step};
+    int rc = cli_keep_fold_all(client);
+
+    rc = rc != 0 ? rc : write_begin(client);
+    rc = rc != 0 ? rc : write_meshes(client);
+    rc = rc != 0 ? rc : write_scenes(client);
+    rc = rc != 0 ? rc : write_gone(client);
+    rc = rc != 0 ? rc
+                 : cli_record_add(client, RECORD_LOG,
+                                  &(struct record_part){&log, sizeof(log)}, 1);
+    if (rc == 0 && client->recorder->segments_max > 1 &&
+        client->recorder->writer.bytes > client->recorder->segment_bytes_max / 2) {
+        return cli_record_stop_because(
+            client, PCCD_E_LIMIT, "a segment does not hold twice what it begins with");
+    }
+    return rc != 0 ? rc : write_unanswered(client);
+}
