@@ -26,6 +26,11 @@
     X(ping, "measure round trips through the daemon")                                    \
     X(check, "find the contacts between two or more frames of a mesh")                   \
     X(load, "play the frames of a mesh in a daemon")                                     \
+    X(record, "run a program and record what it asks the daemon")                        \
+    X(replay, "repeat a recording and compare every answer")                             \
+    X(verify, "check the answers of a recording by exact arithmetic")                    \
+    X(render, "draw a step of a recording")                                              \
+    X(export, "write a step of a recording for Blender or ParaView")                     \
     X(demo, "stream a falling cloth through a daemon and draw its contacts")             \
     X(completion, "print what a shell needs to complete all this")                       \
     X(version, "tell the versions of tool and library, and the daemon's process")

@@ -21,16 +21,25 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_config.c \
     client/ctl/commands/cmd_demo.c \
     client/ctl/commands/cmd_doctor.c \
+    client/ctl/commands/cmd_export.c \
     client/ctl/commands/cmd_list.c \
     client/ctl/commands/cmd_load.c \
     client/ctl/commands/cmd_metrics.c \
     client/ctl/commands/cmd_ping.c \
+    client/ctl/commands/cmd_record.c \
+    client/ctl/commands/cmd_render.c \
+    client/ctl/commands/cmd_replay.c \
     client/ctl/commands/cmd_stats.c \
     client/ctl/commands/cmd_status.c \
     client/ctl/commands/cmd_top.c \
     client/ctl/commands/cmd_trace.c \
+    client/ctl/commands/cmd_verify.c \
     client/ctl/commands/cmd_version.c \
     client/ctl/commands/cmd_watch.c \
+    client/ctl/export/base64.c client/ctl/export/base64.h \
+    client/ctl/export/colour.c client/ctl/export/colour.h \
+    client/ctl/export/gltf.c client/ctl/export/gltf.h \
+    client/ctl/export/vtp.c client/ctl/export/vtp.h \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/ply.c \
@@ -46,21 +55,36 @@ libctl_la_SOURCES = \
     client/ctl/picture/cloth_scene.c client/ctl/picture/cloth_scene.h \
     client/ctl/picture/demo_picture.c client/ctl/picture/demo_picture.h \
     client/ctl/picture/picture.c client/ctl/picture/picture.h \
-    client/ctl/picture/raster.c client/ctl/picture/raster.h
+    client/ctl/picture/picture_canvas.h \
+    client/ctl/picture/picture_file.c \
+    client/ctl/picture/picture_svg.c \
+    client/ctl/picture/raster.c client/ctl/picture/raster.h \
+    client/ctl/record/answers.c client/ctl/record/answers.h \
+    client/ctl/record/drive.c client/ctl/record/drive.h \
+    client/ctl/record/play.c client/ctl/record/play.h \
+    client/ctl/record/play_options.c client/ctl/record/play_options.h \
+    client/ctl/record/still.c client/ctl/record/still.h \
+    client/ctl/record/verify.c client/ctl/record/verify.h \
+    client/ctl/record/verify_near.c \
+    client/ctl/record/world.c client/ctl/record/world.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/observe \
-    -iquote $(top_srcdir)/client/ctl/picture \
+    -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/picture \
+    -iquote $(top_srcdir)/client/ctl/record \
+    -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/oracle \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto
-libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS)
+libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
+    $(XXHASH_CFLAGS)
 
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 # Of our own libraries it takes the static ones: build/pccdctl is then the program itself, not
 # a script that starts it, and finds the daemon beside it as an installed one does.
 pccdctl_LDFLAGS = $(AM_LDFLAGS) -static
-pccdctl_LDADD = libctl.la libpccd.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
+pccdctl_LDADD = libctl.la libpccd.la librecord.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) \
+    $(LIBM)
 
 # Completion, where the shells look for it: the program itself knows its options.
 bashcompletiondir = $(datadir)/bash-completion/completions

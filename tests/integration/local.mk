@@ -13,6 +13,7 @@ integration_names = \
     tests/integration/test_int_overdue \
     tests/integration/test_int_peer \
     tests/integration/test_int_quota \
+    tests/integration/test_int_record \
     tests/integration/test_int_replace \
     tests/integration/test_int_reconnect \
     tests/integration/test_int_restore \
@@ -24,6 +25,7 @@ integration_names = \
     tests/integration/test_int_step \
     tests/integration/test_int_supervise \
     tests/integration/test_int_threads \
+    tests/integration/test_int_verify \
     tests/integration/test_int_watch
 check_PROGRAMS += $(integration_names)
 TESTS += $(integration_names)
@@ -79,6 +81,10 @@ tests_integration_test_int_quota_SOURCES = tests/integration/test_int_quota.c
 tests_integration_test_int_quota_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_quota_LDADD = $(integration_libs)
 
+tests_integration_test_int_record_SOURCES = tests/integration/test_int_record.c
+tests_integration_test_int_record_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_record_LDADD = $(integration_libs)
+
 tests_integration_test_int_replace_SOURCES = tests/integration/test_int_replace.c
 tests_integration_test_int_replace_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_replace_LDADD = $(integration_libs)
@@ -119,6 +125,10 @@ tests_integration_test_int_supervise_LDADD = $(integration_libs)
 tests_integration_test_int_threads_SOURCES = tests/integration/test_int_threads.c
 tests_integration_test_int_threads_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_threads_LDADD = $(integration_libs)
+
+tests_integration_test_int_verify_SOURCES = tests/integration/test_int_verify.c
+tests_integration_test_int_verify_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)
+tests_integration_test_int_verify_LDADD = librecord.la $(integration_libs) $(XXHASH_LIBS)
 
 tests_integration_test_int_watch_SOURCES = tests/integration/test_int_watch.c
 tests_integration_test_int_watch_CPPFLAGS = $(integration_cppflags)

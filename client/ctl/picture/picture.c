@@ -1,43 +1,28 @@
-/* client/ctl/picture/picture.c - meshes and contacts as a PNG.
+/* client/ctl/picture/picture.c - meshes and contacts, drawn.
  *
  * Room:     client/ctl.
  * Does:     camera, smooth normals, marks, legend; halves a canvas of twice the size, so
  *           that edges are smooth.
- * Does not: fill pixels; see raster.c.
+ * Does not: fill pixels (raster.c) or write files (picture_file.c).
  * Threads:  one at a time; nothing is shared.
  * Source:   picture.h.
  */
 #include "picture.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
-#include <png.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include "pccd_types.h"
-#include "raster.h"
+#include "picture_canvas.h"
 
-#define OVERSAMPLING 2
-#define HALF_VIEW    0.34f /* tangent of half the vertical angle of view */
-#define MARGIN       1.12f /* room around the scene */
-#define DOT_RADIUS   2.1f  /* picture pixels */
-#define DOT_HIDDEN   0.30f /* opacity of marks behind a surface */
-#define LINE_WIDTH   0.35f /* picture pixels */
+#define HALF_VIEW  0.34f /* tangent of half the vertical angle of view */
+#define MARGIN     1.12f /* room around the scene */
+#define ZOOM_LEAST 0.01f /* of the view, that marks take at least */
+#define LINE_WIDTH 0.35f /* picture pixels */
 
 static const float sky_top[3] = {0.97f, 0.98f, 0.99f};
 static const float sky_bottom[3] = {0.78f, 0.82f, 0.87f};
-static const float ink[3] = {0.13f, 0.16f, 0.21f};
-
-struct camera {
-    float centre[3];
-    float axes[3][3]; /* right, up, away from the eye; unit */
-    float distance;   /* from the eye to the centre */
-    float focus;      /* canvas pixels per unit at distance 1 */
-};
+const float picture_ink[3] = {0.13f, 0.16f, 0.21f};
 
 static float dot(const float a[3], const float b[3])
 {
@@ -59,64 +44,109 @@ static void normalize(float x[3])
     }
 }
 
-/* The middle of the bounding box. */
+/* The middle of the box around all vertices, or around all marks. */
 static void find_centre(const struct picture *picture, float centre[3])
 {
+    bool at_marks = picture->is_at_marks && picture->mark_count > 0;
     for (uint32_t k = 0; k < 3; k++) {
         float low = INFINITY, high = -INFINITY;
-        for (uint32_t m = 0; m < picture->mesh_count; m++) {
+        for (uint32_t m = 0; m < picture->mesh_count && !at_marks; m++) {
             for (uint32_t i = 0; i < picture->meshes[m].vertex_count; i++) {
                 low = fminf(low, picture->meshes[m].x[i][k]);
                 high = fmaxf(high, picture->meshes[m].x[i][k]);
             }
         }
+        for (uint32_t i = 0; i < picture->mark_count && at_marks; i++) {
+            low = fminf(low, picture->marks[i].at[k]);
+            high = fmaxf(high, picture->marks[i].at[k]);
+        }
         centre[k] = low + (high - low) / 2.0f;
     }
 }
 
-/* Look at the centre from `from`, just far enough away to see every vertex. */
-static void place_camera(const struct picture *picture, struct camera *camera)
+/* The eye's axes: it looks against `from`, and what is up stays up. */
+static void turn_camera(const struct picture *picture, struct picture_canvas *canvas)
 {
-    static const float up[3] = {0, 1, 0};
-    float *right = camera->axes[0], *above = camera->axes[1], *away = camera->axes[2];
-    find_centre(picture, camera->centre);
+    static const float ups[3][3] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+    float *right = canvas->axes[0], *above = canvas->axes[1], *away = canvas->axes[2];
     for (uint32_t k = 0; k < 3; k++) {
         away[k] = -picture->from[k];
     }
     normalize(away);
-    cross(away, up, right);
+    cross(away, ups[picture->up], right);
+    if (dot(right, right) < 1e-8f) { /* straight from above: some way is right */
+        cross(away, ups[(picture->up + 1) % 3], right);
+    }
     normalize(right);
     cross(right, away, above);
-    float wide = HALF_VIEW * PICTURE_WIDTH / PICTURE_HEIGHT / MARGIN;
-    float high = HALF_VIEW / MARGIN;
-    camera->distance = 0.0f;
+}
+
+static void offset_of(const struct picture_canvas *canvas, const float x[3], float d[3])
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        d[k] = x[k] - canvas->centre[k];
+    }
+}
+
+/* Tangents of the half angles of view, less a margin. */
+static void view_of(const struct picture_canvas *canvas, float *wide, float *high)
+{
+    *high = HALF_VIEW / MARGIN;
+    *wide = *high * (float)canvas->width / (float)canvas->height;
+}
+
+/* How much of the view the marks take: 1 when they just fill it. */
+static float share_of_marks(const struct picture *picture,
+                            const struct picture_canvas *canvas)
+{
+    float wide, high, share = 0;
+    view_of(canvas, &wide, &high);
+    for (uint32_t i = 0; i < picture->mark_count; i++) {
+        float d[3];
+        offset_of(canvas, picture->marks[i].at, d);
+        float depth = dot(d, canvas->axes[2]) + canvas->distance;
+        share = fmaxf(share, fabsf(dot(d, canvas->axes[0])) / (depth * wide));
+        share = fmaxf(share, fabsf(dot(d, canvas->axes[1])) / (depth * high));
+    }
+    return share;
+}
+
+/* Look at the centre from `from`, just far enough away to see every vertex; what is to be
+ * seen larger is seen at a smaller angle, so that nothing comes behind the eye. */
+static void place_camera(const struct picture *picture, struct picture_canvas *canvas)
+{
+    float wide, high;
+    find_centre(picture, canvas->centre);
+    turn_camera(picture, canvas);
+    view_of(canvas, &wide, &high);
+    canvas->distance = 0.0f;
     for (uint32_t m = 0; m < picture->mesh_count; m++) {
         for (uint32_t i = 0; i < picture->meshes[m].vertex_count; i++) {
             float d[3];
-            for (uint32_t k = 0; k < 3; k++) {
-                d[k] = picture->meshes[m].x[i][k] - camera->centre[k];
-            }
-            float needed =
-                fmaxf(fabsf(dot(d, right)) / wide, fabsf(dot(d, above)) / high) -
-                dot(d, away);
-            camera->distance = fmaxf(camera->distance, needed);
+            offset_of(canvas, picture->meshes[m].x[i], d);
+            float needed = fmaxf(fabsf(dot(d, canvas->axes[0])) / wide,
+                                 fabsf(dot(d, canvas->axes[1])) / high) -
+                           dot(d, canvas->axes[2]);
+            canvas->distance = fmaxf(canvas->distance, needed);
         }
     }
-    camera->focus = 0.5f * PICTURE_HEIGHT * OVERSAMPLING / HALF_VIEW;
+    canvas->focus = 0.5f * (float)canvas->height * PICTURE_OVERSAMPLING / HALF_VIEW *
+                    (picture->zoom > 0 ? picture->zoom : 1.0f);
+    if (picture->is_at_marks && picture->mark_count > 0) {
+        canvas->focus /= fminf(fmaxf(share_of_marks(picture, canvas), ZOOM_LEAST), 1.0f);
+    }
 }
 
-static void project(const struct camera *camera, const float x[3],
-                    struct raster_corner *corner)
+void picture_project(const struct picture_canvas *canvas, const float x[3],
+                     struct raster_corner *corner)
 {
     float d[3];
-    for (uint32_t k = 0; k < 3; k++) {
-        d[k] = x[k] - camera->centre[k];
-    }
-    float depth = dot(d, camera->axes[2]) + camera->distance;
+    offset_of(canvas, x, d);
+    float depth = dot(d, canvas->axes[2]) + canvas->distance;
     corner->nearness = 1.0f / fmaxf(depth, 1e-6f);
-    float scale = camera->focus * corner->nearness;
-    corner->x = 0.5f * PICTURE_WIDTH * OVERSAMPLING + scale * dot(d, camera->axes[0]);
-    corner->y = 0.5f * PICTURE_HEIGHT * OVERSAMPLING - scale * dot(d, camera->axes[1]);
+    float scale = canvas->focus * corner->nearness;
+    corner->x = 0.5f * (float)canvas->raster.width + scale * dot(d, canvas->axes[0]);
+    corner->y = 0.5f * (float)canvas->raster.height - scale * dot(d, canvas->axes[1]);
 }
 
 /* Each vertex' normal is the sum of its triangles', weighted by their area. */
@@ -139,160 +169,121 @@ static void smooth_normals(const struct picture_mesh *mesh, struct raster_corner
     }
 }
 
-static bool draw_mesh(struct raster *raster, const struct camera *camera,
-                      const struct picture_mesh *mesh)
+static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *mesh)
 {
     struct raster_corner *corners = calloc(mesh->vertex_count, sizeof(*corners));
-    struct raster_surface surface = {.line_width = LINE_WIDTH * OVERSAMPLING};
+    struct raster_surface surface = {.line_width = LINE_WIDTH * PICTURE_OVERSAMPLING};
     if (corners == NULL) {
         return false;
     }
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        project(camera, mesh->x[i], &corners[i]);
+        picture_project(canvas, mesh->x[i], &corners[i]);
     }
     smooth_normals(mesh, corners);
     memcpy(surface.front, mesh->front, sizeof(surface.front));
     memcpy(surface.back, mesh->back, sizeof(surface.back));
     /* The light stands to the upper left behind the eye. */
     for (uint32_t k = 0; k < 3; k++) {
-        surface.eye[k] = -camera->axes[2][k];
+        surface.eye[k] = -canvas->axes[2][k];
         surface.light[k] =
-            surface.eye[k] + 0.9f * camera->axes[1][k] - 0.8f * camera->axes[0][k];
+            surface.eye[k] + 0.9f * canvas->axes[1][k] - 0.8f * canvas->axes[0][k];
     }
     normalize(surface.light);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *v = mesh->triangles[t];
         const struct raster_corner three[3] = {corners[v[0]], corners[v[1]],
                                                corners[v[2]]};
-        raster_triangle(raster, three, &surface);
+        raster_triangle(&canvas->raster, three, &surface);
     }
     free(corners);
     return true;
 }
 
-static void draw_marks(struct raster *raster, const struct camera *camera,
-                       const struct picture *picture)
+bool picture_draw(const struct picture *picture, struct picture_canvas *canvas)
+{
+    bool has_memory;
+    canvas->width = picture->width > 0 ? picture->width : PICTURE_WIDTH;
+    canvas->height = picture->height > 0 ? picture->height : PICTURE_HEIGHT;
+    has_memory = raster_init(&canvas->raster, canvas->width * PICTURE_OVERSAMPLING,
+                             canvas->height * PICTURE_OVERSAMPLING);
+    if (has_memory) {
+        raster_clear(&canvas->raster, sky_top, sky_bottom);
+        place_camera(picture, canvas);
+    }
+    for (uint32_t m = 0; m < picture->mesh_count && has_memory; m++) {
+        has_memory = draw_mesh(canvas, &picture->meshes[m]);
+    }
+    return has_memory;
+}
+
+void picture_draw_marks(const struct picture *picture, struct picture_canvas *canvas)
 {
     for (uint32_t i = 0; i < picture->mark_count; i++) {
         const struct picture_mark *mark = &picture->marks[i];
         struct raster_corner corner = {0};
-        project(camera, mark->at, &corner);
-        raster_dot(raster, &corner, DOT_RADIUS * OVERSAMPLING,
-                   picture->groups[mark->group].colour, DOT_HIDDEN);
+        picture_project(canvas, mark->at, &corner);
+        raster_dot(&canvas->raster, &corner, PICTURE_DOT_RADIUS * PICTURE_OVERSAMPLING,
+                   picture->groups[mark->group].colour, PICTURE_DOT_HIDDEN);
     }
 }
 
-static void draw_legend(struct raster *raster, const struct picture *picture)
+/* A bar of the groups' colours below `y`, with what its ends mean. */
+static void draw_scale(const struct picture *picture, struct raster *raster, uint32_t y)
 {
-    const uint32_t scale = 2 * OVERSAMPLING;
-    const uint32_t left = 28 * OVERSAMPLING;
-    uint32_t y = 26 * OVERSAMPLING;
-    raster_text(raster, left, y, scale, ink, picture->title);
+    const uint32_t unit = PICTURE_OVERSAMPLING;
+    const uint32_t left = 28 * unit, wide = 200 * unit, high = 12 * unit;
+    raster_text(raster, left, y, 2 * unit, picture_ink, picture->scale->title);
+    y += 22 * unit;
+    for (uint32_t i = 0; i < wide; i++) {
+        uint32_t group = i * picture->group_count / wide;
+        raster_box(raster, left + i, y, 1, high, picture->groups[group].colour);
+    }
+    y += high + 6 * unit;
+    raster_text(raster, left, y, 2 * unit, picture_ink, picture->scale->low);
+    uint32_t text_wide = (uint32_t)strlen(picture->scale->high) * 12 * unit;
+    raster_text(raster, left + wide - (text_wide < wide ? text_wide : wide), y, 2 * unit,
+                picture_ink, picture->scale->high);
+}
+
+void picture_draw_legend(const struct picture *picture, struct picture_canvas *canvas)
+{
+    const uint32_t scale = 2 * PICTURE_OVERSAMPLING;
+    const uint32_t left = 28 * PICTURE_OVERSAMPLING;
+    uint32_t y = 26 * PICTURE_OVERSAMPLING;
+    raster_text(&canvas->raster, left, y, scale, picture_ink, picture->title);
     for (uint32_t i = 0; i < picture->group_count; i++) {
-        y += 26 * OVERSAMPLING;
+        if (picture->groups[i].label[0] == '\0') {
+            continue;
+        }
+        y += 26 * PICTURE_OVERSAMPLING;
         /* Nearer than anything, so that the sample is never hidden. */
         struct raster_corner sample = {.x = (float)(left + 3 * scale),
                                        .y = (float)y + 3.5f * (float)scale,
                                        .nearness = INFINITY};
-        raster_dot(raster, &sample, 6.0f * OVERSAMPLING, picture->groups[i].colour, 1.0f);
-        raster_text(raster, left + 9 * scale, y, scale, ink, picture->groups[i].label);
+        raster_dot(&canvas->raster, &sample, 6.0f * PICTURE_OVERSAMPLING,
+                   picture->groups[i].colour, 1.0f);
+        raster_text(&canvas->raster, left + 9 * scale, y, scale, picture_ink,
+                    picture->groups[i].label);
+    }
+    if (picture->scale != NULL && picture->group_count > 0) {
+        draw_scale(picture, &canvas->raster, y + 30 * PICTURE_OVERSAMPLING);
     }
 }
 
-/* Average each square of OVERSAMPLING^2 samples, in place. */
-static void halve(struct raster *raster)
+void picture_halve(struct picture_canvas *canvas)
 {
-    const uint32_t stride = PICTURE_WIDTH * OVERSAMPLING * 3;
-    for (uint32_t y = 0; y < PICTURE_HEIGHT; y++) {
-        for (uint32_t x = 0; x < PICTURE_WIDTH * 3; x++) {
-            const uint8_t *corner = raster->rgb + (size_t)y * OVERSAMPLING * stride +
-                                    (size_t)(x / 3) * OVERSAMPLING * 3 + x % 3;
-            uint32_t sum = OVERSAMPLING * OVERSAMPLING / 2;
-            for (uint32_t i = 0; i < OVERSAMPLING * OVERSAMPLING; i++) {
-                sum += corner[i / OVERSAMPLING * stride + i % OVERSAMPLING * 3];
+    const uint32_t over = PICTURE_OVERSAMPLING;
+    const uint32_t stride = canvas->width * over * 3;
+    uint8_t *rgb = canvas->raster.rgb;
+    for (uint32_t y = 0; y < canvas->height; y++) {
+        for (uint32_t x = 0; x < canvas->width * 3; x++) {
+            const uint8_t *corner =
+                rgb + (size_t)y * over * stride + (size_t)(x / 3) * over * 3 + x % 3;
+            uint32_t sum = over * over / 2;
+            for (uint32_t i = 0; i < over * over; i++) {
+                sum += corner[i / over * stride + i % over * 3];
             }
-            raster->rgb[(size_t)y * PICTURE_WIDTH * 3 + x] =
-                (uint8_t)(sum / (OVERSAMPLING * OVERSAMPLING));
+            rgb[(size_t)y * canvas->width * 3 + x] = (uint8_t)(sum / (over * over));
         }
     }
-}
-
-static int save(const struct raster *raster, FILE *file, const char *path,
-                struct ctl_error *error)
-{
-    png_image image = {.version = PNG_IMAGE_VERSION,
-                       .width = PICTURE_WIDTH,
-                       .height = PICTURE_HEIGHT,
-                       .format = PNG_FORMAT_RGB};
-    struct stat info;
-    /* An older and longer file must not show behind the new one. */
-    if (fstat(fileno(file), &info) == 0 && S_ISREG(info.st_mode) &&
-        ftruncate(fileno(file), 0) != 0) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot empty: %s", path,
-                             strerror(errno));
-    }
-    if (png_image_write_to_stdio(&image, file, 0, raster->rgb, 0, NULL) == 0) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
-                             image.message);
-    }
-    return PCCD_OK;
-}
-
-int picture_open(const char *path, FILE **file, struct ctl_error *error)
-{
-    int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-    FILE *opened = fd >= 0 ? fdopen(fd, "wb") : NULL;
-    if (opened == NULL) {
-        int status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
-                                   strerror(errno));
-        if (fd >= 0) {
-            close(fd);
-        }
-        return status;
-    }
-    *file = opened;
-    return PCCD_OK;
-}
-
-void picture_discard(FILE *file, const char *path)
-{
-    struct stat info;
-    bool is_empty =
-        fstat(fileno(file), &info) == 0 && S_ISREG(info.st_mode) && info.st_size == 0;
-    fclose(file);
-    if (is_empty) {
-        unlink(path);
-    }
-}
-
-int picture_write(const struct picture *picture, FILE *file, const char *path,
-                  struct ctl_error *error)
-{
-    struct raster raster = {0};
-    struct camera camera;
-    int status;
-    bool has_memory =
-        raster_init(&raster, PICTURE_WIDTH * OVERSAMPLING, PICTURE_HEIGHT * OVERSAMPLING);
-    if (has_memory) {
-        raster_clear(&raster, sky_top, sky_bottom);
-        place_camera(picture, &camera);
-    }
-    for (uint32_t m = 0; m < picture->mesh_count && has_memory; m++) {
-        has_memory = draw_mesh(&raster, &camera, &picture->meshes[m]);
-    }
-    if (has_memory) {
-        draw_marks(&raster, &camera, picture);
-        draw_legend(&raster, picture);
-        halve(&raster);
-        status = save(&raster, file, path, error);
-    } else {
-        status =
-            ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
-    }
-    if (fclose(file) != 0 && status == PCCD_OK) {
-        status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
-                               strerror(errno));
-    }
-    raster_deinit(&raster);
-    return status;
 }

@@ -1,4 +1,4 @@
-/* client/ctl/picture/picture.h - meshes and contacts as a PNG.
+/* client/ctl/picture/picture.h - meshes and contacts as a PNG or SVG.
  *
  * Room:     client/ctl. May include: error.h, raster.h, pccd_types.h.
  * Does:     places a camera that sees everything, renders, writes the file.
@@ -9,13 +9,15 @@
 #ifndef CTL_PICTURE_H
 #define CTL_PICTURE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
 #include "error.h"
 
-#define PICTURE_WIDTH  1200
-#define PICTURE_HEIGHT 900
+#define PICTURE_WIDTH    1200
+#define PICTURE_HEIGHT   900
+#define PICTURE_SIDE_MAX 8192
 
 struct picture_mesh {
     const float (*x)[3];
@@ -32,17 +34,30 @@ struct picture_mark {
 };
 
 struct picture_group {
-    char label[48];
+    char label[48]; /* "": not in the legend */
     float colour[3];
 };
+
+/* A run of colours in the legend: those of the groups, from the first to the last. */
+struct picture_scale {
+    char title[48];
+    char low[16], high[16];
+};
+
+enum picture_up { PICTURE_UP_Y = 0, PICTURE_UP_Z, PICTURE_UP_X };
 
 struct picture {
     const struct picture_mesh *meshes;
     const struct picture_mark *marks;
     const struct picture_group *groups;
     uint32_t mesh_count, mark_count, group_count;
-    float from[3]; /* direction from the middle of the scene to the eye; y is up */
+    float from[3]; /* direction from the middle of the scene to the eye */
+    enum picture_up up;
+    uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
+    float zoom;             /* 0: everything is seen, just so; 2: twice as large */
+    bool is_at_marks;       /* the marks are what is to be seen */
     const char *title;
+    const struct picture_scale *scale; /* NULL: none */
 };
 
 /* Open for writing without emptying it, so that a fault is seen before the work is done.
@@ -50,7 +65,10 @@ struct picture {
 int picture_open(const char *path, FILE **file, struct ctl_error *error);
 /* Close a file that will not be written; what picture_open made anew goes again. */
 void picture_discard(FILE *file, const char *path);
-/* Render to `file`, whose name `path` is for messages, and close it, also on failure.
+/* An older and longer file must not show behind a new one. Errors: E_SYSTEM. */
+int picture_empty(FILE *file, const char *path, struct ctl_error *error);
+/* Render to `file`, whose name `path` is for messages, and close it, also on failure: a
+ * PNG, or, where `path` ends with .svg, that with marks and legend as shapes and text.
  * Errors: E_SYSTEM, E_NOMEM. */
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error);

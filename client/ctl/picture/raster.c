@@ -264,19 +264,33 @@ void raster_triangle(struct raster *raster, const struct raster_corner c[3],
     }
 }
 
+static bool is_on(const struct raster *raster, const struct raster_corner *at)
+{
+    return at->x >= 0.0f && at->y >= 0.0f && at->x < (float)raster->width &&
+           at->y < (float)raster->height;
+}
+
+bool raster_is_hidden(const struct raster *raster, const struct raster_corner *at)
+{
+    size_t centre;
+    if (!is_on(raster, at)) {
+        return true;
+    }
+    centre = (size_t)at->y * raster->width + (size_t)at->x;
+    return at->nearness * (1.0f + DOT_BIAS) < raster->nearness[centre];
+}
+
 void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
                 const float colour[3], float hidden)
 {
     uint32_t x0, x1, y0, y1;
     float rim[3] = {colour[0] * RIM_SHADE, colour[1] * RIM_SHADE, colour[2] * RIM_SHADE};
-    if (at->x < 0.0f || at->y < 0.0f || at->x >= (float)raster->width ||
-        at->y >= (float)raster->height) {
+    if (!is_on(raster, at)) {
         return;
     }
     clip(at->x - radius, at->x + radius, raster->width, &x0, &x1);
     clip(at->y - radius, at->y + radius, raster->height, &y0, &y1);
-    size_t centre = (size_t)at->y * raster->width + (size_t)at->x;
-    bool is_hidden = at->nearness * (1.0f + DOT_BIAS) < raster->nearness[centre];
+    bool is_hidden = raster_is_hidden(raster, at);
     for (uint32_t y = y0; y <= y1; y++) {
         for (uint32_t x = x0; x <= x1; x++) {
             float away = hypotf((float)x + 0.5f - at->x, (float)y + 0.5f - at->y);
@@ -290,12 +304,12 @@ void raster_dot(struct raster *raster, const struct raster_corner *at, float rad
     }
 }
 
-/* One font pixel as a square, cut at the canvas' border. */
-static void block(struct raster *raster, uint32_t x, uint32_t y, uint32_t size,
-                  const float colour[3])
+void raster_box(struct raster *raster, uint32_t x, uint32_t y, uint32_t width,
+                uint32_t height, const float colour[3])
 {
-    for (uint32_t row = y; row < y + size && row < raster->height; row++) {
-        for (uint32_t column = x; column < x + size && column < raster->width; column++) {
+    for (uint32_t row = y; row < y + height && row < raster->height; row++) {
+        for (uint32_t column = x; column < x + width && column < raster->width;
+             column++) {
             put(raster, (size_t)row * raster->width + column, colour);
         }
     }
@@ -312,7 +326,8 @@ void raster_text(struct raster *raster, uint32_t x, uint32_t y, uint32_t scale,
         for (uint32_t column = 0; column < GLYPH_COLUMNS; column++) {
             for (uint32_t row = 0; row < GLYPH_ROWS; row++) {
                 if ((glyph[column] >> row & 1) != 0) {
-                    block(raster, x + column * scale, y + row * scale, scale, colour);
+                    raster_box(raster, x + column * scale, y + row * scale, scale, scale,
+                               colour);
                 }
             }
         }

@@ -46,7 +46,12 @@ void raster_triangle(struct raster *raster, const struct raster_corner corners[3
  * elsewhere. */
 void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
                 const float colour[3], float hidden);
-/* ASCII text; (x, y) is its upper left corner, a font pixel is `scale` canvas pixels. */
+/* Whether something nearer is at the middle of a dot; a dot off the canvas is. */
+bool raster_is_hidden(const struct raster *raster, const struct raster_corner *at);
+/* A rectangle, cut at the canvas' border; then ASCII text; (x, y) is its upper left
+ * corner, a font pixel is `scale` canvas pixels. */
+void raster_box(struct raster *raster, uint32_t x, uint32_t y, uint32_t width,
+                uint32_t height, const float colour[3]);
 void raster_text(struct raster *raster, uint32_t x, uint32_t y, uint32_t scale,
                  const float colour[3], const char *text);
 

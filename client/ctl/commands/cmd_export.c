@@ -1,0 +1,133 @@
+/* client/ctl/commands/cmd_export.c - pccdctl export.
+ *
+ * Room:     client/ctl.
+ * Does:     writes one step of a recording for Blender (glTF) or ParaView (VTK).
+ * Does not: draw: see cmd_render.c.
+ * Threads:  one.
+ * Source:   gltf.h, vtp.h.
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "gltf.h"
+#include "picture.h"
+#include "play_options.h"
+#include "still.h"
+#include "vtp.h"
+
+enum { OPTION_TIME = 256 + 64, OPTION_OUTPUT = 'o' };
+
+struct export
+{
+    struct play_options options;
+    const char *path;
+    double t;
+};
+
+static const struct argp_option option_list[] = {
+    {"output", OPTION_OUTPUT, "FILE", 0,
+     "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData", 0},
+    {"time", OPTION_TIME, "T", 0, "Show the step at time T, 0 to 1 (default: 1, its end)",
+     0},
+    {0},
+};
+
+static bool ends_with(const char *text, const char *end)
+{
+    size_t length = strlen(text), tail = strlen(end);
+    return length > tail && strcmp(text + length - tail, end) == 0;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct export *export = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &export->options;
+        return 0;
+    case OPTION_OUTPUT:
+        if (!ends_with(text, ".glb") && !ends_with(text, ".vtp")) {
+            argp_error(state, "-o: \"%s\" ends with neither .glb nor .vtp", text);
+        }
+        export->path = text;
+        return 0;
+    case OPTION_TIME:
+        export->t = ctl_option_real(state, "time", text, 0, 1);
+        return 0;
+    case ARGP_KEY_END:
+        if (export->path == NULL) {
+            argp_error(state, "-o FILE.glb or -o FILE.vtp says what to write");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
+const struct argp ctl_argp_export = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "FILE",
+    .doc = "Write a step of a recording, with its contacts, for other programs.\vWithout "
+           "--steps the last answered one is taken, with it the last of the range. The "
+           "contacts are the recording's, or those of a daemon that repeats the step.",
+    .children = children};
+
+static int write_still(const struct export *export, const struct still *still,
+                       struct ctl_error *error)
+{
+    FILE *to;
+    int status = still->object_count > 0
+                     ? picture_open(export->path, &to, error)
+                     : ctl_error_set(error, PCCD_E_INVAL,
+                                     "step %" PRIu64 " is of a scene without objects",
+                                     still->step);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = picture_empty(to, export->path, error);
+    if (status == PCCD_OK) {
+        status = ends_with(export->path, ".glb")
+                     ? gltf_write(still, to, export->path, error)
+                     : vtp_write(still, to, export->path, error);
+    }
+    if (fclose(to) != 0 && status == PCCD_OK) {
+        status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", export->path,
+                               strerror(errno));
+    }
+    return status;
+}
+
+int ctl_cmd_export(int argc, char **argv)
+{
+    struct export export = {.t = 1};
+    struct still still;
+    struct play_summary summary;
+    struct ctl_error error = {.text = ""};
+    play_options_init(&export.options, "steps");
+    export.options.play.source = PLAY_RECORDS;
+    export.options.play.needs_records = true;
+    export.options.play.only_last = true;
+    if (argp_parse(&ctl_argp_export, argc, argv, 0, NULL, &export) != 0) {
+        return CTL_FAILED;
+    }
+    int status = still_take(&export.options.play, export.t, &still, &summary, &error);
+    if (status == PCCD_OK) {
+        status = write_still(&export, &still, &error);
+    }
+    if (status == PCCD_OK) {
+        printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " objects, %" PRIu64
+               " contacts\n",
+               export.path, still.step, still.t, still.object_count, still.contact_count);
+        still_deinit(&still);
+    } else {
+        still_deinit(&still);
+        play_complain(&error);
+    }
+    play_options_deinit(&export.options);
+    return play_exit(status, true);
+}

@@ -1,0 +1,209 @@
+/* client/ctl/commands/cmd_record.c - pccdctl record.
+ *
+ * Room:     client/ctl.
+ * Does:     runs a program so that libpccd records what it asks, and says what there is.
+ * Does not: record: libpccd does, in that program.
+ * Threads:  one.
+ * Source:   pccd.h, "recording a session".
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "answers.h"
+#include "ctl.h"
+#include "reader.h"
+
+#define SEGMENTS_MAX  64u
+#define LEVEL_MAX     19u
+#define MAX_BYTES_MAX (1ull << 62)
+
+enum {
+    OPTION_MAX_BYTES = 256 + 64,
+    OPTION_SEGMENTS,
+    OPTION_CONTACTS,
+    OPTION_LEVEL,
+    OPTION_FORCE,
+    OPTION_OUTPUT = 'o'
+};
+
+struct record_command {
+    const char *path;
+    uint64_t max_bytes, segments, level;
+    bool has_level, has_contacts, is_forced;
+    char **command; /* argv's own tail */
+};
+
+static const struct argp_option option_list[] = {
+    {"output", OPTION_OUTPUT, "FILE", 0,
+     "Where the recording goes; the second client of the program goes to FILE-2, and so "
+     "on",
+     0},
+    {"contacts", OPTION_CONTACTS, NULL, 0,
+     "Record the contacts of the answers, too: they need no daemon to be looked at", 0},
+    {"max-bytes", OPTION_MAX_BYTES, "N", 0, "End the recording before it has more", 0},
+    {"segments", OPTION_SEGMENTS, "N", 0,
+     "Instead, keep the newest part: N files of together --max-bytes, FILE, FILE.1, ..., "
+     "each whole by itself",
+     0},
+    {"level", OPTION_LEVEL, "N", 0,
+     "Of compression, 0 (none) to 19 (default: 1, the fastest)", 0},
+    {"force", OPTION_FORCE, NULL, 0, "Remove FILE if it is there", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct record_command *command = state->input;
+    switch (key) {
+    case OPTION_OUTPUT:
+        command->path = text;
+        return 0;
+    case OPTION_CONTACTS:
+        command->has_contacts = true;
+        return 0;
+    case OPTION_MAX_BYTES:
+        command->max_bytes =
+            ctl_option_count(state, "max-bytes", text, 4096, MAX_BYTES_MAX);
+        return 0;
+    case OPTION_SEGMENTS:
+        command->segments = ctl_option_count(state, "segments", text, 2, SEGMENTS_MAX);
+        return 0;
+    case OPTION_LEVEL:
+        command->level = ctl_option_count(state, "level", text, 0, LEVEL_MAX);
+        command->has_level = true;
+        return 0;
+    case OPTION_FORCE:
+        command->is_forced = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        command->command = state->argv + state->next - 1;
+        state->next = state->argc; /* the rest is the command's own */
+        return 0;
+    case ARGP_KEY_END:
+        if (command->path == NULL) {
+            argp_error(state, "-o FILE says where the recording goes");
+        }
+        if (command->command == NULL) {
+            argp_error(state, "which program? pccdctl record -o FILE -- PROGRAM ...");
+        }
+        if (command->segments > 0 && command->max_bytes == 0) {
+            argp_error(state, "--segments wants --max-bytes");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_common_argp, 0, NULL, 0}, {0}};
+const struct argp ctl_argp_record = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "-- PROGRAM [ARGUMENT...]",
+    .doc = "Run a program that uses libpccd, and record everything that it asks and is "
+           "answered.\vThe program needs no change: libpccd looks for $PCCD_RECORD. What "
+           "is in the file survives the end of the program and of the daemon, however "
+           "they end. Exit status: that of the program, 128 + N when signal N ended it.",
+    .children = children};
+
+static int set_environment(const struct record_command *command)
+{
+    char text[160];
+    int used = snprintf(text, sizeof(text), "contacts=%d", command->has_contacts);
+    if (command->max_bytes > 0) {
+        used += snprintf(text + used, sizeof(text) - (size_t)used, ",max_bytes=%" PRIu64,
+                         command->max_bytes);
+    }
+    if (command->segments > 0) {
+        used += snprintf(text + used, sizeof(text) - (size_t)used, ",segments=%" PRIu64,
+                         command->segments);
+    }
+    if (command->has_level) {
+        snprintf(text + used, sizeof(text) - (size_t)used, ",level=%d",
+                 command->level == 0 ? -1 : (int)command->level);
+    }
+    return setenv("PCCD_RECORD", command->path, 1) == 0 &&
+                   setenv("PCCD_RECORD_OPTIONS", text, 1) == 0
+               ? CTL_DONE
+               : ctl_complain("out of memory");
+}
+
+/* Signals from the terminal reach the program too, which decides what they mean. */
+static int run(char **command)
+{
+    pid_t pid;
+    int state = 0;
+    int why;
+    signal(SIGINT, SIG_IGN);
+    signal(SIGQUIT, SIG_IGN);
+    posix_spawnattr_t attributes;
+    sigset_t defaults;
+    posix_spawnattr_init(&attributes);
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGINT);
+    sigaddset(&defaults, SIGQUIT);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+    why = posix_spawnp(&pid, command[0], NULL, &attributes, command, environ);
+    posix_spawnattr_destroy(&attributes);
+    if (why != 0) {
+        return ctl_complain("%s cannot be run: %s", command[0], strerror(why));
+    }
+    while (waitpid(pid, &state, 0) < 0 && errno == EINTR) {
+        ;
+    }
+    return WIFSIGNALED(state) ? 128 + WTERMSIG(state) : WEXITSTATUS(state);
+}
+
+/* To stderr: the standard output is the program's. */
+static void report(const char *path)
+{
+    struct record_reader reader;
+    struct answers answers = {.count = 0};
+    struct ctl_error error = {.text = ""};
+    if (access(path, F_OK) != 0) {
+        ctl_complain("nothing was recorded: the program has not connected to a daemon "
+                     "through libpccd");
+        return;
+    }
+    int status = record_reader_open(&reader, path);
+    if (status == PCCD_OK) {
+        status = answers_read(&answers, &reader, &error);
+    }
+    fprintf(stderr,
+            "pccdctl: %s: %" PRIu64 " bytes, %" PRIu64 " steps, %zu answers%s%s\n", path,
+            reader.bytes, answers.frames, answers.count,
+            status != PCCD_OK ? "; damaged " : "", status != PCCD_OK ? reader.text : "");
+    if (reader.end_reason == RECORD_FULL) {
+        ctl_complain("%s was full, or could not be written, before the end", path);
+    }
+    answers_deinit(&answers);
+    record_reader_deinit(&reader);
+}
+
+int ctl_cmd_record(int argc, char **argv)
+{
+    struct record_command command = {.path = NULL};
+    if (argp_parse(&ctl_argp_record, argc, argv, ARGP_IN_ORDER, NULL, &command) != 0) {
+        return CTL_FAILED;
+    }
+    if (command.is_forced && unlink(command.path) != 0 && errno != ENOENT) {
+        return ctl_complain("%s: %s", command.path, strerror(errno));
+    }
+    if (access(command.path, F_OK) == 0) {
+        return ctl_complain("%s is there already; --force removes it", command.path);
+    }
+    int status = set_environment(&command);
+    if (status == CTL_DONE) {
+        status = run(command.command);
+        report(command.path);
+    }
+    return status;
+}

@@ -1,0 +1,229 @@
+/* client/ctl/commands/cmd_replay.c - pccdctl replay.
+ *
+ * Room:     client/ctl.
+ * Does:     has a daemon repeat the steps of a recording, and compares every answer.
+ * Does not: check that the answers are right: see cmd_verify.c.
+ * Threads:  one.
+ * Source:   play.h.
+ */
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "play_options.h"
+#include "report.h"
+
+enum { OPTION_PACE = 256 + 64, OPTION_JSON, OPTION_KEEP_GOING };
+
+struct replay {
+    struct play_options options;
+    bool is_json;
+    bool goes_on; /* after a difference */
+    uint64_t compared, same, differ, unanswered, incomplete;
+    uint64_t step; /* of the first difference */
+    const char *what;
+    struct record_answer expected;
+    struct pccd_answer got;
+};
+
+static const struct argp_option option_list[] = {
+    {"pace", OPTION_PACE, "fast|recorded", 0,
+     "fast (the default): one step after the other; recorded: when they were submitted",
+     0},
+    {"keep-going", OPTION_KEEP_GOING, NULL, 0, "Go on after a difference, and count", 0},
+    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct replay *replay = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &replay->options;
+        return 0;
+    case OPTION_PACE:
+        if (strcmp(text, "fast") != 0 && strcmp(text, "recorded") != 0) {
+            argp_error(state, "--pace: \"%s\" is not fast or recorded", text);
+        }
+        replay->options.play.at_recorded_pace = strcmp(text, "recorded") == 0;
+        return 0;
+    case OPTION_KEEP_GOING:
+        replay->goes_on = true;
+        return 0;
+    case OPTION_JSON:
+        replay->is_json = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
+const struct argp ctl_argp_replay = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "FILE",
+    .doc = "Repeat the steps of a recording with a daemon, and compare every answer: its "
+           "hash, its counts, its earliest time.\vWithout --url and --socket a private "
+           "daemon is started. Exit status: 0 when all answers are the same, 1 when one "
+           "is not.",
+    .children = children};
+
+/* ---- comparing --------------------------------------------------------------------- */
+
+/* Only answers that were and are complete must be equal. */
+static bool is_complete(uint32_t incomplete)
+{
+    return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
+}
+
+/* What differs; NULL: nothing. */
+static const char *difference(const struct record_answer *then,
+                              const struct pccd_answer *now)
+{
+    if (then->status != now->status) {
+        return "status";
+    }
+    if (then->status != PCCD_OK) {
+        return NULL;
+    }
+    if (then->total != now->total || then->vf != now->vf || then->ee != now->ee) {
+        return "number of records";
+    }
+    if (then->hash[0] != now->hash[0] || then->hash[1] != now->hash[1]) {
+        return "hash";
+    }
+    if (memcmp(&then->toi_first, &now->toi_first, sizeof(double)) != 0) {
+        return "earliest time";
+    }
+    if (then->possible != now->possible || then->initial != now->initial) {
+        return "number of possible or initial contacts";
+    }
+    return then->verdict != (uint32_t)now->verdict ? "verdict" : NULL;
+}
+
+static int compare(void *context, const struct play_step *step, struct ctl_error *error)
+{
+    struct replay *replay = context;
+    (void)error;
+    if (step->recorded == NULL) {
+        replay->unanswered++;
+        return PCCD_OK;
+    }
+    if (!is_complete(step->recorded->incomplete) ||
+        !is_complete((uint32_t)step->answer->incomplete)) {
+        replay->incomplete++;
+        return PCCD_OK;
+    }
+    const char *what = difference(step->recorded, step->answer);
+    replay->compared++;
+    if (what == NULL) {
+        replay->same++;
+        return PCCD_OK;
+    }
+    if (replay->differ++ == 0) {
+        replay->step = step->number;
+        replay->what = what;
+        replay->expected = *step->recorded;
+        replay->got = *step->answer;
+    }
+    return replay->goes_on ? PCCD_OK : PCCD_E_CANCELLED;
+}
+
+/* ---- telling ----------------------------------------------------------------------- */
+
+static void print_side(const char *side, int status, uint64_t total,
+                       const uint64_t hash[2], double toi)
+{
+    if (status != PCCD_OK) {
+        printf("  %s  %s\n", side, pccd_status_name(status));
+    } else {
+        printf("  %s  %016" PRIx64 "%016" PRIx64 ", %" PRIu64
+               " records, the first at t = %.17g\n",
+               side, hash[0], hash[1], total, toi);
+    }
+}
+
+static void print_text(const struct replay *replay, const struct play_summary *summary)
+{
+    const struct record_begin *begin = &summary->begin;
+    printf("recording   %" PRIu64 " steps by process %" PRIu32 ", libpccd %.16s, %.16s\n",
+           summary->frames, begin->pid, begin->library, begin->cpu);
+    printf("compared    %" PRIu64 " answers in %.2f s: %" PRIu64 " the same, %" PRIu64
+           " not\n",
+           replay->compared, summary->seconds, replay->same, replay->differ);
+    if (replay->unanswered + replay->incomplete + summary->skipped > 0) {
+        printf("not         %" PRIu64 " without an answer, %" PRIu64
+               " incomplete, %" PRIu64 " that had failed by chance\n",
+               replay->unanswered, replay->incomplete, summary->skipped);
+    }
+    if (replay->differ > 0) {
+        printf("step %" PRIu64 " has another %s\n", replay->step, replay->what);
+        print_side("expected", replay->expected.status, replay->expected.total,
+                   replay->expected.hash, replay->expected.toi_first);
+        print_side("got     ", replay->got.status, replay->got.total, replay->got.hash,
+                   replay->got.toi_first);
+    }
+}
+
+static json_t *side_json(int status, uint64_t total, const uint64_t hash[2])
+{
+    char text[33];
+    snprintf(text, sizeof(text), "%016" PRIx64 "%016" PRIx64, hash[0], hash[1]);
+    return json_pack("{s:s, s:I, s:s}", "status", pccd_status_name(status), "total",
+                     (json_int_t)total, "hash", text);
+}
+
+static bool print_json(const struct replay *replay, const struct play_summary *summary)
+{
+    json_t *all = json_pack(
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:b}", "steps",
+        (json_int_t)summary->frames, "compared", (json_int_t)replay->compared, "same",
+        (json_int_t)replay->same, "differ", (json_int_t)replay->differ, "unanswered",
+        (json_int_t)replay->unanswered, "incomplete", (json_int_t)replay->incomplete,
+        "skipped", (json_int_t)summary->skipped, "seconds", summary->seconds, "is_whole",
+        summary->ending == RECORD_ENDING_WHOLE);
+    bool ok = all != NULL;
+    if (ok && replay->differ > 0) {
+        json_t *first = json_pack(
+            "{s:I, s:s, s:o, s:o}", "step", (json_int_t)replay->step, "what",
+            replay->what, "expected",
+            side_json(replay->expected.status, replay->expected.total,
+                      replay->expected.hash),
+            "got", side_json(replay->got.status, replay->got.total, replay->got.hash));
+        ok = json_object_set_new(all, "first_difference", first) == 0;
+    }
+    ok = ok && json_dumpf(all, stdout, JSON_INDENT(2)) == 0 && putchar('\n') == '\n';
+    json_decref(all);
+    return ok;
+}
+
+int ctl_cmd_replay(int argc, char **argv)
+{
+    struct replay replay = {.compared = 0};
+    struct play_summary summary;
+    struct ctl_error error = {.text = ""};
+    int status;
+    play_options_init(&replay.options, "steps");
+    replay.options.play.source = PLAY_DAEMON;
+    if (argp_parse(&ctl_argp_replay, argc, argv, 0, NULL, &replay) != 0) {
+        return CTL_FAILED;
+    }
+    status = play(&replay.options.play, compare, &replay, &summary, &error);
+    if (summary.frames > 0 || status == PCCD_OK) {
+        play_options_warn(&replay.options.play, &summary);
+        if (replay.is_json && !print_json(&replay, &summary)) {
+            status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report cannot be written");
+        } else if (!replay.is_json) {
+            print_text(&replay, &summary);
+        }
+    }
+    if (status != PCCD_OK) {
+        play_complain(&error);
+    }
+    play_options_deinit(&replay.options);
+    return play_exit(status, replay.differ == 0);
+}

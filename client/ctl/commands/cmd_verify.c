@@ -1,0 +1,220 @@
+/* client/ctl/commands/cmd_verify.c - pccdctl verify.
+ *
+ * Room:     client/ctl.
+ * Does:     checks the answers of a recording by exact arithmetic, and says PASS, or
+ *           shows what is wrong with all that is needed to repeat it.
+ * Does not: compute contacts.
+ * Threads:  one.
+ * Source:   verify.h.
+ */
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "play_options.h"
+#include "verify.h"
+
+#define SAMPLE     1000u
+#define SAMPLE_MAX 1000000000u
+
+enum {
+    OPTION_JSON = 256 + 64,
+    OPTION_SAMPLE,
+    OPTION_CONTACTS,
+    OPTION_SEED,
+    OPTION_REPEAT
+};
+
+struct verification {
+    struct play_options options;
+    struct verify_settings settings;
+    struct verify_counts counts;
+    struct verify_witness witness;
+    bool is_json;
+    bool has_failed;
+};
+
+static const struct argp_option option_list[] = {
+    {"sample", OPTION_SAMPLE, "N", 0,
+     "Pairs of each step that are near each other and not in the answer (default: 1000)",
+     0},
+    {"contacts", OPTION_CONTACTS, "N", 0,
+     "Check about N contacts of each step (default: all)", 0},
+    {"seed", OPTION_SEED, "N", 0, "Of the samples (default: 1)", 0},
+    {"repeat", OPTION_REPEAT, NULL, 0,
+     "Have a daemon repeat the steps even if the recording holds the contacts", 0},
+    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct verification *verification = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &verification->options;
+        return 0;
+    case OPTION_SAMPLE:
+        verification->settings.sample =
+            ctl_option_count(state, "sample", text, 0, SAMPLE_MAX);
+        return 0;
+    case OPTION_CONTACTS:
+        verification->settings.contacts_max =
+            ctl_option_count(state, "contacts", text, 1, SAMPLE_MAX);
+        return 0;
+    case OPTION_SEED:
+        verification->settings.seed =
+            ctl_option_count(state, "seed", text, 0, UINT64_MAX);
+        return 0;
+    case OPTION_REPEAT:
+        verification->options.play.source = PLAY_DAEMON;
+        return 0;
+    case OPTION_JSON:
+        verification->is_json = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
+const struct argp ctl_argp_verify = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "FILE",
+    .doc = "Check the answers of a recording by exact rational arithmetic, which shares "
+           "nothing with the engine: every contact, and a sample of pairs that are not "
+           "among them.\vThe contacts are those of the recording, or a daemon's that "
+           "repeats it (a private one, unless another is named). Exit status: 0 after "
+           "PASS, 1 after FAIL.",
+    .children = children};
+
+static int check(void *context, const struct play_step *step, struct ctl_error *error)
+{
+    struct verification *verification = context;
+    bool is_right = true;
+    int status = verify_step(step, &verification->settings, &verification->counts,
+                             &verification->witness, &is_right, error);
+    if (status != PCCD_OK || is_right) {
+        return status;
+    }
+    verification->has_failed = true;
+    return PCCD_E_CANCELLED;
+}
+
+/* ---- telling ----------------------------------------------------------------------- */
+
+static const char *const point_names[2][4] = {
+    {"vertex", "face 0", "face 1", "face 2"},
+    {"edge a 0", "edge a 1", "edge b 0", "edge b 1"}};
+
+static void print_witness(const struct verify_witness *witness)
+{
+    const struct pccd_pair *pair = &witness->pair;
+    printf("FAIL: step %" PRIu64 ": %s\n", witness->step, witness->what);
+    if (!witness->has_pair) {
+        return;
+    }
+    printf("  %s %" PRIu32 " of object 0x%" PRIx32 ", %s %" PRIu32 " of object 0x%" PRIx32
+           "\n",
+           pair->kind == PCCD_VF ? "vertex" : "edge", pair->feature_a, pair->object_a,
+           pair->kind == PCCD_VF ? "face" : "edge", pair->feature_b, pair->object_b);
+    if (witness->has_claim) {
+        printf("  claimed: first contact in [%a, %a]\n", witness->toi, witness->toi_hi);
+    }
+    if (witness->has_contact) {
+        printf("  exact:   first contact in [%a, %a], t = %.9g\n", witness->lo,
+               witness->hi, witness->lo);
+    } else {
+        printf("  exact:   no contact\n");
+    }
+    for (int i = 0; i < 8; i++) {
+        printf("  %-8s at t = %d: %a %a %a\n", point_names[pair->kind][i % 4], i / 4,
+               witness->p[i][0], witness->p[i][1], witness->p[i][2]);
+    }
+}
+
+static void print_text(const struct verification *verification)
+{
+    const struct verify_counts *counts = &verification->counts;
+    if (verification->has_failed) {
+        print_witness(&verification->witness);
+        return;
+    }
+    printf("PASS: %" PRIu64 " steps, %" PRIu64 " contacts and %" PRIu64
+           " pairs that are none by exact arithmetic",
+           counts->steps, counts->contacts, counts->non_contacts);
+    if (counts->possible > 0) {
+        printf(", %" PRIu64 " possible ones not contradicted", counts->possible);
+    }
+    if (counts->unchecked > 0) {
+        printf(", %" PRIu64 " steps without an answer to check", counts->unchecked);
+    }
+    putchar('\n');
+}
+
+static json_t *witness_json(const struct verify_witness *witness)
+{
+    json_t *points = json_array();
+    char text[64];
+    for (int i = 0; i < 24; i++) {
+        snprintf(text, sizeof(text), "%a", witness->p[i / 3][i % 3]);
+        json_array_append_new(points, json_string(text));
+    }
+    return json_pack("{s:I, s:s, s:b, s:I, s:I, s:I, s:I, s:I, s:b, s:f, s:f, s:o}",
+                     "step", (json_int_t)witness->step, "what", witness->what, "has_pair",
+                     witness->has_pair, "kind", (json_int_t)witness->pair.kind,
+                     "object_a", (json_int_t)witness->pair.object_a, "feature_a",
+                     (json_int_t)witness->pair.feature_a, "object_b",
+                     (json_int_t)witness->pair.object_b, "feature_b",
+                     (json_int_t)witness->pair.feature_b, "has_contact",
+                     witness->has_contact, "contact_lo", witness->lo, "contact_hi",
+                     witness->hi, "points", points);
+}
+
+static bool print_json(const struct verification *verification)
+{
+    const struct verify_counts *counts = &verification->counts;
+    json_t *all = json_pack(
+        "{s:b, s:I, s:I, s:I, s:I, s:I}", "pass", !verification->has_failed, "steps",
+        (json_int_t)counts->steps, "contacts", (json_int_t)counts->contacts, "possible",
+        (json_int_t)counts->possible, "non_contacts", (json_int_t)counts->non_contacts,
+        "unchecked", (json_int_t)counts->unchecked);
+    bool ok = all != NULL;
+    if (ok && verification->has_failed) {
+        ok = json_object_set_new(all, "witness", witness_json(&verification->witness)) ==
+             0;
+    }
+    ok = ok && json_dumpf(all, stdout, JSON_INDENT(2)) == 0 && putchar('\n') == '\n';
+    json_decref(all);
+    return ok;
+}
+
+int ctl_cmd_verify(int argc, char **argv)
+{
+    struct verification verification = {.settings = {.seed = 1, .sample = SAMPLE}};
+    struct play_summary summary;
+    struct ctl_error error = {.text = ""};
+    play_options_init(&verification.options, "steps");
+    verification.options.play.source = PLAY_RECORDS;
+    verification.options.play.needs_records = true;
+    if (argp_parse(&ctl_argp_verify, argc, argv, 0, NULL, &verification) != 0) {
+        return CTL_FAILED;
+    }
+    int status = play(&verification.options.play, check, &verification, &summary, &error);
+    if (status == PCCD_OK) {
+        play_options_warn(&verification.options.play, &summary);
+        if (verification.is_json && !print_json(&verification)) {
+            status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report cannot be written");
+        } else if (!verification.is_json) {
+            print_text(&verification);
+        }
+    }
+    if (status != PCCD_OK) {
+        play_complain(&error);
+    }
+    play_options_deinit(&verification.options);
+    return play_exit(status, !verification.has_failed);
+}

@@ -1,0 +1,320 @@
+/* client/ctl/export/gltf.c - a step as binary glTF 2.0.
+ *
+ * Room:     client/ctl.
+ * Does:     collect one buffer, describe it in JSON, write both as chunks.
+ * Does not: place contacts; see still.c.
+ * Threads:  one.
+ * Source:   gltf.h.
+ */
+#include "gltf.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "colour.h"
+
+#define GLB_MAGIC   0x46546c67u /* "glTF" */
+#define GLB_JSON    0x4e4f534au
+#define GLB_BIN     0x004e4942u
+#define FLOAT       5126 /* component types, targets and modes of the specification */
+#define UNSIGNED    5125
+#define ARRAY       34962
+#define INDICES     34963
+#define POINTS      0
+#define LINES       1
+#define TRIANGLES   4
+#define NORMAL_SIZE 0.02 /* of the extent */
+
+struct gltf {
+    uint8_t *bytes;
+    size_t count, room;
+    json_t *views, *accessors, *meshes, *nodes, *channels, *samplers, *materials;
+    int times, weights; /* accessors of the animation; -1: not made yet */
+    bool has_memory;
+};
+
+static void append(json_t *array, json_t *value, struct gltf *gltf)
+{
+    if (json_array_append_new(array, value) != 0) {
+        gltf->has_memory = false;
+    }
+}
+
+/* Bytes of the buffer, and a view of them: its number. */
+static int add_view(struct gltf *gltf, const void *bytes, size_t count, int target)
+{
+    size_t end = gltf->count + (count + 3) / 4 * 4;
+    if (end > gltf->room) {
+        size_t room = end + end / 2;
+        uint8_t *larger = realloc(gltf->bytes, room);
+        if (larger == NULL) {
+            gltf->has_memory = false;
+            return 0;
+        }
+        gltf->bytes = larger;
+        gltf->room = room;
+    }
+    memset(gltf->bytes + gltf->count, 0, end - gltf->count);
+    memcpy(gltf->bytes + gltf->count, bytes, count);
+    json_t *view = json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset",
+                             (json_int_t)gltf->count, "byteLength", (json_int_t)count);
+    if (target != 0) {
+        json_object_set_new(view, "target", json_integer(target));
+    }
+    append(gltf->views, view, gltf);
+    gltf->count = end;
+    return (int)json_array_size(gltf->views) - 1;
+}
+
+static int add_accessor(struct gltf *gltf, int view, int component, const char *type,
+                        size_t count)
+{
+    append(gltf->accessors,
+           json_pack("{s:i, s:i, s:s, s:I}", "bufferView", view, "componentType",
+                     component, "type", type, "count", (json_int_t)count),
+           gltf);
+    return (int)json_array_size(gltf->accessors) - 1;
+}
+
+/* Positions must tell their bounds. */
+static int add_vectors(struct gltf *gltf, const float (*x)[3], size_t count,
+                       bool has_bounds)
+{
+    int made = add_accessor(gltf, add_view(gltf, x, count * sizeof(*x), ARRAY), FLOAT,
+                            "VEC3", count);
+    float low[3] = {INFINITY, INFINITY, INFINITY};
+    float high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
+            low[k] = fminf(low[k], x[i][k]);
+            high[k] = fmaxf(high[k], x[i][k]);
+        }
+    }
+    json_t *accessor = json_array_get(gltf->accessors, (size_t)made);
+    if (has_bounds && count > 0) {
+        json_object_set_new(
+            accessor, "min",
+            json_pack("[f, f, f]", (double)low[0], (double)low[1], (double)low[2]));
+        json_object_set_new(
+            accessor, "max",
+            json_pack("[f, f, f]", (double)high[0], (double)high[1], (double)high[2]));
+    }
+    return made;
+}
+
+static void add_material(struct gltf *gltf, const float colour[3], bool is_surface)
+{
+    append(gltf->materials,
+           json_pack("{s:b, s:{s:[f, f, f, f], s:f, s:f}}", "doubleSided", is_surface,
+                     "pbrMetallicRoughness", "baseColorFactor", (double)colour[0],
+                     (double)colour[1], (double)colour[2], 1.0, "metallicFactor", 0.0,
+                     "roughnessFactor", 0.9),
+           gltf);
+}
+
+static void add_node(struct gltf *gltf, json_t *primitive, const char *name,
+                     json_t *weights)
+{
+    json_t *mesh = json_pack("{s:s, s:[o]}", "name", name, "primitives", primitive);
+    if (weights != NULL) {
+        json_object_set_new(mesh, "weights", weights);
+    }
+    append(gltf->meshes, mesh, gltf);
+    append(gltf->nodes,
+           json_pack("{s:s, s:I}", "name", name, "mesh",
+                     (json_int_t)json_array_size(gltf->meshes) - 1),
+           gltf);
+}
+
+/* From where it is to the end of the step, as the weight of the morph target says. */
+static void animate(struct gltf *gltf, size_t node)
+{
+    static const float times[2] = {0, 1}, weights[2] = {0, 1};
+    if (gltf->times < 0) {
+        gltf->times = add_accessor(gltf, add_view(gltf, times, sizeof(times), 0), FLOAT,
+                                   "SCALAR", 2);
+        json_t *accessor = json_array_get(gltf->accessors, (size_t)gltf->times);
+        json_object_set_new(accessor, "min", json_pack("[f]", 0.0));
+        json_object_set_new(accessor, "max", json_pack("[f]", 1.0));
+        gltf->weights = add_accessor(gltf, add_view(gltf, weights, sizeof(weights), 0),
+                                     FLOAT, "SCALAR", 2);
+        append(gltf->samplers,
+               json_pack("{s:i, s:i, s:s}", "input", gltf->times, "output", gltf->weights,
+                         "interpolation", "LINEAR"),
+               gltf);
+    }
+    append(gltf->channels,
+           json_pack("{s:i, s:{s:I, s:s}}", "sampler", 0, "target", "node",
+                     (json_int_t)node, "path", "weights"),
+           gltf);
+}
+
+/* The start of the step, so that the weight is the time. */
+static float (*start_of(const struct still_object *object, double t))[3]
+{
+    float(*x)[3] = malloc(object->vertex_count * sizeof(*x));
+    for (uint32_t i = 0; x != NULL && i < object->vertex_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            x[i][k] = object->x[i][k] - (float)t * object->motion[i][k];
+        }
+    }
+    return x;
+}
+
+static void add_object(struct gltf *gltf, const struct still_object *object, uint32_t i,
+                       double t)
+{
+    float front[3], back[3];
+    char name[32];
+    float(*x)[3] = start_of(object, t);
+    if (x == NULL) {
+        gltf->has_memory = false;
+        return;
+    }
+    colour_of_object(i, front, back);
+    add_material(gltf, front, true);
+    int positions = add_vectors(gltf, (const float(*)[3])x, object->vertex_count, true);
+    int motion =
+        add_vectors(gltf, (const float(*)[3])object->motion, object->vertex_count, true);
+    int indices = add_accessor(
+        gltf,
+        add_view(gltf, object->triangles,
+                 object->triangle_count * sizeof(*object->triangles), INDICES),
+        UNSIGNED, "SCALAR", 3 * (size_t)object->triangle_count);
+    snprintf(name, sizeof(name), "object 0x%x", object->handle);
+    add_node(gltf,
+             json_pack("{s:{s:i}, s:i, s:i, s:I, s:[{s:i}]}", "attributes", "POSITION",
+                       positions, "indices", indices, "mode", TRIANGLES, "material",
+                       (json_int_t)json_array_size(gltf->materials) - 1, "targets",
+                       "POSITION", motion),
+             name, json_pack("[f]", t));
+    animate(gltf, json_array_size(gltf->nodes) - 1);
+    free(x);
+}
+
+/* Points, or lines of the normals' direction, in the colours of their times. */
+static void add_marks(struct gltf *gltf, const struct still *still, bool has_lines)
+{
+    static const float white[3] = {1, 1, 1};
+    uint32_t each = has_lines ? 2 : 1;
+    size_t count = still->contact_count * each;
+    float(*x)[3] = malloc((count + 1) * sizeof(*x));
+    float(*colours)[3] = malloc((count + 1) * sizeof(*colours));
+    for (size_t i = 0; x != NULL && colours != NULL && i < count; i++) {
+        const struct still_contact *contact = &still->contacts[i / each];
+        float size = i % each == 0 ? 0 : (float)(NORMAL_SIZE * still->extent);
+        for (int k = 0; k < 3; k++) {
+            x[i][k] = contact->at[k] + size * contact->normal[k];
+        }
+        colour_of_time(contact->toi, colours[i]);
+    }
+    if (x == NULL || colours == NULL) {
+        gltf->has_memory = false;
+    } else {
+        add_material(gltf, white, false);
+        int positions = add_vectors(gltf, (const float(*)[3])x, count, true);
+        int tints = add_vectors(gltf, (const float(*)[3])colours, count, false);
+        add_node(gltf,
+                 json_pack("{s:{s:i, s:i}, s:i, s:I}", "attributes", "POSITION",
+                           positions, "COLOR_0", tints, "mode",
+                           has_lines ? LINES : POINTS, "material",
+                           (json_int_t)json_array_size(gltf->materials) - 1),
+                 has_lines ? "contact normals" : "contacts", NULL);
+    }
+    free(x);
+    free(colours);
+}
+
+static json_t *describe(struct gltf *gltf, const struct still *still)
+{
+    json_t *nodes = json_array();
+    for (size_t i = 0; i < json_array_size(gltf->nodes); i++) {
+        append(nodes, json_integer((json_int_t)i), gltf);
+    }
+    json_t *all = json_pack(
+        "{s:{s:s, s:s}, s:i, s:[{s:o}], s:O, s:O, s:O, s:O, s:O, s:[{s:I}], s:{s:I, s:f, "
+        "s:I}}",
+        "asset", "version", "2.0", "generator", "pccdctl export", "scene", 0, "scenes",
+        "nodes", nodes, "nodes", gltf->nodes, "meshes", gltf->meshes, "materials",
+        gltf->materials, "accessors", gltf->accessors, "bufferViews", gltf->views,
+        "buffers", "byteLength", (json_int_t)gltf->count, "extras", "step",
+        (json_int_t)still->step, "t", still->t, "contacts",
+        (json_int_t)still->contact_count);
+    if (json_array_size(gltf->channels) > 0) {
+        json_object_set_new(all, "animations",
+                            json_pack("[{s:s, s:O, s:O}]", "name", "step", "channels",
+                                      gltf->channels, "samplers", gltf->samplers));
+    }
+    return all;
+}
+
+static bool write_words(FILE *to, const uint32_t *words, size_t count)
+{
+    return fwrite(words, sizeof(*words), count, to) == count;
+}
+
+static bool write_all(struct gltf *gltf, const char *text, FILE *to)
+{
+    uint32_t text_bytes = (uint32_t)((strlen(text) + 3) / 4 * 4);
+    uint32_t all = 12 + 8 + text_bytes + 8 + (uint32_t)gltf->count;
+    bool ok = write_words(to, (const uint32_t[]){GLB_MAGIC, 2, all}, 3) &&
+              write_words(to, (const uint32_t[]){text_bytes, GLB_JSON}, 2) &&
+              fputs(text, to) >= 0;
+    for (size_t i = strlen(text); i < text_bytes; i++) {
+        ok = ok && putc(' ', to) != EOF;
+    }
+    return ok && write_words(to, (const uint32_t[]){(uint32_t)gltf->count, GLB_BIN}, 2) &&
+           fwrite(gltf->bytes, 1, gltf->count, to) == gltf->count;
+}
+
+static void deinit(struct gltf *gltf)
+{
+    json_decref(gltf->views);
+    json_decref(gltf->accessors);
+    json_decref(gltf->meshes);
+    json_decref(gltf->nodes);
+    json_decref(gltf->channels);
+    json_decref(gltf->samplers);
+    json_decref(gltf->materials);
+    free(gltf->bytes);
+}
+
+int gltf_write(const struct still *still, FILE *to, const char *path,
+               struct ctl_error *error)
+{
+    struct gltf gltf = {.views = json_array(),
+                        .accessors = json_array(),
+                        .meshes = json_array(),
+                        .nodes = json_array(),
+                        .channels = json_array(),
+                        .samplers = json_array(),
+                        .materials = json_array(),
+                        .times = -1,
+                        .weights = -1,
+                        .has_memory = true};
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < still->object_count; i++) {
+        add_object(&gltf, &still->objects[i], i, still->t);
+    }
+    if (still->contact_count > 0) {
+        add_marks(&gltf, still, false);
+        add_marks(&gltf, still, true);
+    }
+    json_t *all = describe(&gltf, still);
+    char *text = all != NULL ? json_dumps(all, JSON_COMPACT) : NULL;
+    if (text == NULL || !gltf.has_memory) {
+        status = ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
+    } else if (gltf.count + strlen(text) > UINT32_MAX - 64) {
+        status = ctl_error_set(error, PCCD_E_LIMIT, "%s: more than glTF can hold", path);
+    } else if (!write_all(&gltf, text, to)) {
+        status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
+                               strerror(errno));
+    }
+    free(text);
+    json_decref(all);
+    deinit(&gltf);
+    return status;
+}

@@ -1,0 +1,21 @@
+/* client/ctl/export/gltf.h - a step as binary glTF 2.0.
+ *
+ * Room:     client/ctl. May include: still.h.
+ * Does:     a mesh for each object, with its motion as a morph target and an animation of
+ *           one second; contacts as points coloured by time, their normals as lines.
+ * Does not: need a library.
+ * Threads:  one.
+ * Source:   the glTF 2.0 specification, registry.khronos.org.
+ */
+#ifndef CTL_GLTF_H
+#define CTL_GLTF_H
+
+#include <stdio.h>
+
+#include "still.h"
+
+/* PCCD_OK, PCCD_E_NOMEM, PCCD_E_LIMIT (4 GiB), PCCD_E_SYSTEM. */
+int gltf_write(const struct still *still, FILE *to, const char *path,
+               struct ctl_error *error);
+
+#endif

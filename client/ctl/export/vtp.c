@@ -1,0 +1,249 @@
+/* client/ctl/export/vtp.c - a step as VTK XML PolyData.
+ *
+ * Room:     client/ctl.
+ * Does:     points: vertices of all objects, then contacts; cells: contacts as vertices,
+ *           then triangles; arrays in base64, as text is rounded.
+ * Does not: place contacts; see still.c.
+ * Threads:  one.
+ * Source:   vtp.h.
+ */
+#include "vtp.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base64.h"
+
+#define TOI_NONE 2.0f /* of a triangle: later than any contact */
+
+/* Everything that is written, in the order of points and cells. */
+struct vtp {
+    const struct still *still;
+    FILE *to;
+    uint64_t vertices, triangles, contacts;
+    void *scratch; /* of an array: 12 bytes for each point or cell */
+    bool is_ok;
+};
+
+static void put_array(struct vtp *vtp, const char *type, const char *name,
+                      unsigned components, uint64_t bytes)
+{
+    fprintf(vtp->to,
+            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%u\" "
+            "format=\"binary\">",
+            type, name, components);
+    vtp->is_ok = vtp->is_ok && base64_write(&bytes, sizeof(bytes), vtp->to) &&
+                 base64_write(vtp->scratch, bytes, vtp->to);
+    fputs("</DataArray>\n", vtp->to);
+}
+
+static void put_points(struct vtp *vtp)
+{
+    float(*x)[3] = vtp->scratch;
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        const struct still_object *object = &vtp->still->objects[o];
+        memcpy(x, object->x, object->vertex_count * sizeof(*x));
+        x += object->vertex_count;
+    }
+    for (uint64_t i = 0; i < vtp->contacts; i++) {
+        memcpy(x[i], vtp->still->contacts[i].at, sizeof(*x));
+    }
+    fputs("<Points>\n", vtp->to);
+    put_array(vtp, "Float32", "Points", 3,
+              (vtp->vertices + vtp->contacts) * sizeof(float[3]));
+    fputs("</Points>\n", vtp->to);
+}
+
+static void put_point_data(struct vtp *vtp)
+{
+    float(*motion)[3] = vtp->scratch;
+    fputs("<PointData Vectors=\"motion\">\n", vtp->to);
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        const struct still_object *object = &vtp->still->objects[o];
+        memcpy(motion, object->motion, object->vertex_count * sizeof(*motion));
+        motion += object->vertex_count;
+    }
+    memset(motion, 0, vtp->contacts * sizeof(*motion));
+    put_array(vtp, "Float32", "motion", 3,
+              (vtp->vertices + vtp->contacts) * sizeof(float[3]));
+    fputs("</PointData>\n", vtp->to);
+}
+
+/* One word for each contact, then for each triangle. */
+typedef uint32_t (*contact_word)(const struct still_contact *contact);
+
+static uint32_t float_word(float value)
+{
+    uint32_t word;
+    memcpy(&word, &value, sizeof(word));
+    return word;
+}
+
+static uint32_t toi_word(const struct still_contact *contact)
+{
+    return float_word((float)contact->toi);
+}
+
+static uint32_t kind_word(const struct still_contact *contact)
+{
+    return contact->kind;
+}
+
+static uint32_t flags_word(const struct still_contact *contact)
+{
+    return contact->flags;
+}
+
+static uint32_t object_a_word(const struct still_contact *contact)
+{
+    return contact->object_a;
+}
+
+static uint32_t feature_a_word(const struct still_contact *contact)
+{
+    return contact->feature_a;
+}
+
+static uint32_t object_b_word(const struct still_contact *contact)
+{
+    return contact->object_b;
+}
+
+static uint32_t feature_b_word(const struct still_contact *contact)
+{
+    return contact->feature_b;
+}
+
+/* What a triangle has in the same array. */
+enum triangle_word {
+    TRIANGLE_NONE,
+    TRIANGLE_TOI,
+    TRIANGLE_KIND,
+    TRIANGLE_OBJECT,
+    TRIANGLE_INDEX,
+    TRIANGLE_HITS
+};
+
+static void put_cells(struct vtp *vtp, const char *type, const char *name,
+                      contact_word of_contact, enum triangle_word of_triangle)
+{
+    uint32_t *words = vtp->scratch;
+    for (uint64_t i = 0; i < vtp->contacts; i++) {
+        *words++ = of_contact != NULL ? of_contact(&vtp->still->contacts[i]) : 0;
+    }
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        const struct still_object *object = &vtp->still->objects[o];
+        for (uint32_t t = 0; t < object->triangle_count; t++) {
+            *words++ = of_triangle == TRIANGLE_TOI      ? float_word(TOI_NONE)
+                       : of_triangle == TRIANGLE_KIND   ? 2
+                       : of_triangle == TRIANGLE_OBJECT ? object->handle
+                       : of_triangle == TRIANGLE_INDEX  ? t
+                       : of_triangle == TRIANGLE_HITS   ? object->hits[t]
+                                                        : 0;
+        }
+    }
+    put_array(vtp, type, name, 1, (vtp->contacts + vtp->triangles) * sizeof(uint32_t));
+}
+
+static void put_cell_data(struct vtp *vtp)
+{
+    fputs("<CellData Scalars=\"toi\" Normals=\"normal\">\n", vtp->to);
+    put_cells(vtp, "Float32", "toi", toi_word, TRIANGLE_TOI);
+    put_cells(vtp, "UInt32", "kind", kind_word, TRIANGLE_KIND);
+    put_cells(vtp, "UInt32", "flags", flags_word, TRIANGLE_NONE);
+    put_cells(vtp, "UInt32", "object_a", object_a_word, TRIANGLE_OBJECT);
+    put_cells(vtp, "UInt32", "feature_a", feature_a_word, TRIANGLE_INDEX);
+    put_cells(vtp, "UInt32", "object_b", object_b_word, TRIANGLE_NONE);
+    put_cells(vtp, "UInt32", "feature_b", feature_b_word, TRIANGLE_NONE);
+    put_cells(vtp, "UInt32", "contacts", NULL, TRIANGLE_HITS);
+    float(*normal)[3] = vtp->scratch;
+    for (uint64_t i = 0; i < vtp->contacts; i++) {
+        memcpy(normal[i], vtp->still->contacts[i].normal, sizeof(*normal));
+    }
+    memset(normal + vtp->contacts, 0, vtp->triangles * sizeof(*normal));
+    put_array(vtp, "Float32", "normal", 3,
+              (vtp->contacts + vtp->triangles) * sizeof(float[3]));
+    fputs("</CellData>\n", vtp->to);
+}
+
+/* Ends of cells of `each` points. */
+static void put_offsets(struct vtp *vtp, uint64_t count, uint32_t each)
+{
+    uint32_t *ends = vtp->scratch;
+    for (uint64_t i = 0; i < count; i++) {
+        ends[i] = (uint32_t)(i + 1) * each;
+    }
+    put_array(vtp, "UInt32", "offsets", 1, count * sizeof(*ends));
+}
+
+static void put_contact_cells(struct vtp *vtp)
+{
+    uint32_t *points = vtp->scratch;
+    for (uint64_t i = 0; i < vtp->contacts; i++) {
+        points[i] = (uint32_t)(vtp->vertices + i);
+    }
+    fputs("<Verts>\n", vtp->to);
+    put_array(vtp, "UInt32", "connectivity", 1, vtp->contacts * sizeof(*points));
+    put_offsets(vtp, vtp->contacts, 1);
+    fputs("</Verts>\n", vtp->to);
+}
+
+static void put_triangle_cells(struct vtp *vtp)
+{
+    uint32_t(*corners)[3] = vtp->scratch;
+    uint32_t first = 0;
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        const struct still_object *object = &vtp->still->objects[o];
+        for (uint32_t t = 0; t < object->triangle_count; t++, corners++) {
+            for (int k = 0; k < 3; k++) {
+                (*corners)[k] = first + object->triangles[t][k];
+            }
+        }
+        first += object->vertex_count;
+    }
+    fputs("<Polys>\n", vtp->to);
+    put_array(vtp, "UInt32", "connectivity", 1, vtp->triangles * sizeof(*corners));
+    put_offsets(vtp, vtp->triangles, 3);
+    fputs("</Polys>\n", vtp->to);
+}
+
+int vtp_write(const struct still *still, FILE *to, const char *path,
+              struct ctl_error *error)
+{
+    struct vtp vtp = {
+        .still = still, .to = to, .contacts = still->contact_count, .is_ok = true};
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        vtp.vertices += still->objects[o].vertex_count;
+        vtp.triangles += still->objects[o].triangle_count;
+    }
+    uint64_t most = vtp.vertices + vtp.triangles + vtp.contacts;
+    if (most > UINT32_MAX / 3) {
+        return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than 32-bit indices name",
+                             path);
+    }
+    vtp.scratch = calloc(most + 1, sizeof(float[3]));
+    if (vtp.scratch == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
+    }
+    fprintf(to,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
+            "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<!-- pccdctl export, "
+            "step %" PRIu64 ", t = %g -->\n<PolyData>\n<Piece NumberOfPoints=\"%" PRIu64
+            "\" NumberOfVerts=\"%" PRIu64 "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+            "NumberOfPolys=\"%" PRIu64 "\">\n",
+            still->step, still->t, vtp.vertices + vtp.contacts, vtp.contacts,
+            vtp.triangles);
+    put_point_data(&vtp);
+    put_cell_data(&vtp);
+    put_points(&vtp);
+    put_contact_cells(&vtp);
+    put_triangle_cells(&vtp);
+    fputs("</Piece>\n</PolyData>\n</VTKFile>\n", to);
+    free(vtp.scratch);
+    return vtp.is_ok && ferror(to) == 0
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
+                               strerror(errno));
+}

@@ -1,0 +1,21 @@
+/* client/ctl/export/vtp.h - a step as VTK XML PolyData.
+ *
+ * Room:     client/ctl. May include: still.h.
+ * Does:     triangles and contacts with their numbers as data of points and cells, for
+ *           ParaView.
+ * Does not: need a library.
+ * Threads:  one.
+ * Source:   VTK file formats, docs.vtk.org.
+ */
+#ifndef CTL_VTP_H
+#define CTL_VTP_H
+
+#include <stdio.h>
+
+#include "still.h"
+
+/* PCCD_OK, PCCD_E_NOMEM, PCCD_E_SYSTEM. */
+int vtp_write(const struct still *still, FILE *to, const char *path,
+              struct ctl_error *error);
+
+#endif

@@ -1,0 +1,45 @@
+/* client/ctl/picture/picture_canvas.h - a picture before it becomes a file.
+ *
+ * Room:     client/ctl. May include: picture.h, raster.h.
+ * Does:     what the parts of a picture share: camera, canvas, measures.
+ * Does not: leave the room.
+ * Threads:  one at a time.
+ */
+#ifndef CTL_PICTURE_CANVAS_H
+#define CTL_PICTURE_CANVAS_H
+
+#include "picture.h"
+#include "raster.h"
+
+#define PICTURE_OVERSAMPLING 2     /* canvas pixels of one picture pixel, each way */
+#define PICTURE_DOT_RADIUS   2.1f  /* picture pixels */
+#define PICTURE_DOT_HIDDEN   0.30f /* opacity of marks behind a surface */
+
+struct picture_canvas {
+    uint32_t width, height; /* picture pixels */
+    struct raster raster;
+    float centre[3];
+    float axes[3][3]; /* right, up, away from the eye; unit */
+    float distance;   /* from the eye to the centre */
+    float focus;      /* canvas pixels per unit at distance 1 */
+};
+
+/* The meshes, without marks and legend. False without memory. */
+bool picture_draw(const struct picture *picture, struct picture_canvas *canvas);
+/* Where a point is on the canvas. */
+void picture_project(const struct picture_canvas *canvas, const float x[3],
+                     struct raster_corner *corner);
+/* Marks and legend onto the canvas. */
+void picture_draw_marks(const struct picture *picture, struct picture_canvas *canvas);
+void picture_draw_legend(const struct picture *picture, struct picture_canvas *canvas);
+/* Average its pixels, in place: rgb[height][width][3] of the picture's size. */
+void picture_halve(struct picture_canvas *canvas);
+
+/* picture_svg.c: the same as shapes; `png` is the picture of the meshes. False when the
+ * file cannot be written. */
+bool picture_write_svg(const struct picture *picture, const struct picture_canvas *canvas,
+                       const void *png, size_t png_bytes, FILE *file);
+
+extern const float picture_ink[3];
+
+#endif

@@ -1,0 +1,190 @@
+/* client/ctl/record/answers.c - what was answered, by step.
+ *
+ * Room:     client/ctl.
+ * Does:     one pass over a recording, then look-ups.
+ * Does not: follow the session (world.h).
+ * Threads:  one.
+ * Source:   answers.h.
+ */
+#include "answers.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int no_memory(struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what was answered");
+}
+
+/* Room for one more of `bytes` each. */
+static bool make_room(void **items, size_t count, size_t *room, size_t bytes)
+{
+    size_t larger = *room == 0 ? 256 : *room * 2;
+    if (count < *room) {
+        return true;
+    }
+    void *grown = realloc(*items, larger * bytes);
+    if (grown == NULL) {
+        return false;
+    }
+    *items = grown;
+    *room = larger;
+    return true;
+}
+
+static int compare_answers(const void *a, const void *b)
+{
+    const struct record_answer *x = a, *y = b;
+    return (x->step > y->step) - (x->step < y->step);
+}
+
+static int compare_pages(const void *a, const void *b)
+{
+    const struct answers_page *x = a, *y = b;
+    return x->step != y->step ? (x->step > y->step) - (x->step < y->step)
+                              : (x->first > y->first) - (x->first < y->first);
+}
+
+static bool take(struct answers *answers, const struct record_view *view)
+{
+    struct record_records head;
+    struct record_frame frame;
+    switch (view->kind) {
+    case RECORD_BEGIN:
+        memcpy(&answers->begin, view->payload, sizeof(answers->begin));
+        return true;
+    case RECORD_FRAME:
+        memcpy(&frame, view->payload, sizeof(frame));
+        answers->frames++;
+        answers->last_step = frame.step;
+        return true;
+    case RECORD_ANSWER:
+        if (!make_room((void **)&answers->items, answers->count, &answers->room,
+                       sizeof(*answers->items))) {
+            return false;
+        }
+        memcpy(&answers->items[answers->count++], view->payload, sizeof(*answers->items));
+        return true;
+    case RECORD_RECORDS:
+        if (!make_room((void **)&answers->pages, answers->page_count, &answers->page_room,
+                       sizeof(*answers->pages))) {
+            return false;
+        }
+        memcpy(&head, view->payload, sizeof(head));
+        answers->pages[answers->page_count++] =
+            (struct answers_page){head.step, head.first, head.count, view->offset};
+        return true;
+    default:
+        return true;
+    }
+}
+
+int answers_read(struct answers *answers, struct record_reader *reader,
+                 struct ctl_error *error)
+{
+    const uint32_t kinds = 1u << RECORD_BEGIN | 1u << RECORD_FRAME | 1u << RECORD_ANSWER |
+                           1u << RECORD_RECORDS | 1u << RECORD_END;
+    struct record_view view;
+    int got;
+    while ((got = record_reader_skim(reader, kinds, &view)) == 1) {
+        if (!take(answers, &view)) {
+            return no_memory(error);
+        }
+    }
+    if (answers->count > 0) {
+        qsort(answers->items, answers->count, sizeof(*answers->items), compare_answers);
+    }
+    if (answers->page_count > 0) {
+        qsort(answers->pages, answers->page_count, sizeof(*answers->pages),
+              compare_pages);
+    }
+    return got == 0 ? PCCD_OK : ctl_error_set(error, got, "%s", reader->text);
+}
+
+void answers_deinit(struct answers *answers)
+{
+    free(answers->items);
+    free(answers->pages);
+    memset(answers, 0, sizeof(*answers));
+}
+
+const struct record_answer *answers_find(const struct answers *answers, uint64_t step)
+{
+    const struct record_answer key = {.step = step};
+    return answers->count == 0 ? NULL
+                               : bsearch(&key, answers->items, answers->count,
+                                         sizeof(*answers->items), compare_answers);
+}
+
+/* The first page of a step, or where it would be. */
+static size_t first_page(const struct answers *answers, uint64_t step)
+{
+    size_t low = 0, high = answers->page_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (answers->pages[middle].step < step) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/* Append one page's records. */
+static int append(struct record_reader *reader, const struct answers_page *page,
+                  size_t record_bytes, void **to, size_t *room, uint64_t *count,
+                  struct ctl_error *error)
+{
+    struct record_view view;
+    struct record_records head;
+    record_reader_seek(reader, page->offset);
+    int got = record_reader_next(reader, &view);
+    if (got != 1 || view.kind != RECORD_RECORDS) {
+        return ctl_error_set(error, PCCD_E_FORMAT, "at byte %" PRIu64 ": %s",
+                             page->offset, got < 0 ? reader->text : "no records");
+    }
+    memcpy(&head, view.payload, sizeof(head));
+    if (head.record_bytes != record_bytes) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "at byte %" PRIu64 ": records of another mode",
+                             page->offset);
+    }
+    size_t bytes = (size_t)(*count + head.count) * head.record_bytes;
+    if (bytes > *room) {
+        void *grown = realloc(*to, bytes + bytes / 2);
+        if (grown == NULL) {
+            return no_memory(error);
+        }
+        *to = grown;
+        *room = bytes + bytes / 2;
+    }
+    memcpy((uint8_t *)*to + *count * head.record_bytes,
+           (const uint8_t *)view.payload + sizeof(head),
+           (size_t)head.count * head.record_bytes);
+    *count += head.count;
+    return PCCD_OK;
+}
+
+int answers_records(const struct answers *answers, struct record_reader *reader,
+                    uint64_t step, void **to, size_t *room, uint64_t *count,
+                    bool *is_whole, struct ctl_error *error)
+{
+    const struct record_answer *answer = answers_find(answers, step);
+    size_t each = answer != NULL && answer->mode == PCCD_MODE_PAIRS
+                      ? sizeof(struct pccd_pair)
+                      : sizeof(struct pccd_contact);
+    int status = PCCD_OK;
+    *count = 0;
+    for (size_t i = first_page(answers, step);
+         i < answers->page_count && answers->pages[i].step == step && status == PCCD_OK;
+         i++) {
+        /* Pages may have been fetched again; what is there already is not needed. */
+        if (answers->pages[i].first == *count) {
+            status = append(reader, &answers->pages[i], each, to, room, count, error);
+        }
+    }
+    *is_whole = answer != NULL && *count == answer->total;
+    return status;
+}

@@ -1,0 +1,46 @@
+/* client/ctl/record/answers.h - what was answered, by step.
+ *
+ * Room:     client/ctl. May include: error.h, client/record/reader.h.
+ * Does:     read a recording once, and keep its answers and where their records are.
+ * Does not: keep records.
+ * Threads:  one.
+ */
+#ifndef CTL_ANSWERS_H
+#define CTL_ANSWERS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "error.h"
+#include "pccd_types.h"
+#include "reader.h"
+
+struct answers_page {
+    uint64_t step, first, count;
+    uint64_t offset; /* of the chunk */
+};
+
+struct answers {
+    struct record_begin begin;
+    struct record_answer *items; /* by step */
+    size_t count, room;
+    struct answers_page *pages; /* by step and first */
+    size_t page_count, page_room;
+    uint64_t frames;
+    uint64_t last_step; /* of the frames */
+};
+
+/* All that the reader gives, from the beginning; it is at its end then. */
+int answers_read(struct answers *answers, struct record_reader *reader,
+                 struct ctl_error *error);
+void answers_deinit(struct answers *answers);
+/* NULL: it was not answered. */
+const struct record_answer *answers_find(const struct answers *answers, uint64_t step);
+/* The records of a step, into *to (grown by realloc, of *room bytes). *count = 0 without
+ * any; is_whole: they are all that the answer had. */
+int answers_records(const struct answers *answers, struct record_reader *reader,
+                    uint64_t step, void **to, size_t *room, uint64_t *count,
+                    bool *is_whole, struct ctl_error *error);
+
+#endif

@@ -1,0 +1,364 @@
+/* client/ctl/record/drive.c - a daemon that does what a recorded session did.
+ *
+ * Room:     client/ctl.
+ * Does:     the calls of pccd.h that a chunk stands for.
+ * Does not: guess: a daemon that gives another handle than the recorded one is an error,
+ *           because handles stand in the records and in their order.
+ * Threads:  one.
+ * Source:   drive.h.
+ */
+#include "drive.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failed(const struct drive *drive, int status, const char *what,
+                  struct ctl_error *error)
+{
+    const char *text = pccd_error_text(drive->client);
+    return ctl_error_set(error, status, "%s: %s", what,
+                         text[0] != '\0' ? text : pccd_status_text(status));
+}
+
+/* The next call makes something under this handle. */
+static int expect(uint32_t wanted, uint32_t given, const char *what,
+                  struct ctl_error *error)
+{
+    if (wanted == given) {
+        return PCCD_OK;
+    }
+    return ctl_error_set(error, PCCD_E_HANDLE,
+                         "the daemon gives %s 0x%" PRIx32 " for 0x%" PRIx32
+                         ": its answers cannot be compared",
+                         what, given, wanted);
+}
+
+/* ---- meshes, scenes, objects ------------------------------------------------------- */
+
+static int make_scene(struct drive *drive, const struct record_scene *scene,
+                      struct ctl_error *error)
+{
+    const struct pccd_scene_settings settings = {
+        .quality = (enum pccd_quality)scene->quality,
+        .rebuild_triangles_max = scene->rebuild_triangles_max,
+        .rebuild_ratio = scene->rebuild_ratio};
+    uint32_t made = 0;
+    pccd_want(drive->client, scene->scene);
+    int status = pccd_scene_create(drive->client, &settings, &made);
+    if (status != PCCD_OK) {
+        return failed(drive, status, "a recorded scene", error);
+    }
+    return expect(scene->scene, made, "scene", error);
+}
+
+/* A mesh of the world; want = 0: under any handle. */
+static int make_mesh(struct drive *drive, const struct world_mesh *mesh, uint32_t want,
+                     uint32_t *made, struct ctl_error *error)
+{
+    pccd_want(drive->client, want);
+    int status = pccd_mesh_create(
+        drive->client, mesh->x, PCCD_FORMAT_F64, mesh->vertex_count,
+        (const uint32_t(*)[3])mesh->triangles, mesh->triangle_count, made, NULL);
+    if (status != PCCD_OK) {
+        return failed(drive, status, "a recorded mesh", error);
+    }
+    return want != 0 ? expect(want, *made, "mesh", error) : PCCD_OK;
+}
+
+static int add_object(struct drive *drive, uint32_t scene, uint32_t mesh, uint32_t wanted,
+                      struct ctl_error *error)
+{
+    uint32_t made = 0;
+    pccd_want(drive->client, wanted);
+    int status = pccd_scene_add(drive->client, scene, mesh, &made);
+    if (status != PCCD_OK) {
+        return failed(drive, status, "a recorded object", error);
+    }
+    return expect(wanted, made, "object", error);
+}
+
+/* Move an object to where it is: a step of its own, from there to there. */
+static int place_object(struct drive *drive, uint32_t scene,
+                        const struct world_object *object, struct ctl_error *error)
+{
+    const struct pccd_step_settings settings = {.mode = PCCD_MODE_ANY};
+    struct pccd_answer answer;
+    int status =
+        pccd_step_x0x1(drive->client, scene, object->handle, object->x1, object->x1,
+                       PCCD_FORMAT_F64, object->mesh->vertex_count, &settings, &answer);
+    if (status != PCCD_OK) {
+        return failed(drive, status, "a recorded place", error);
+    }
+    pccd_answer_release(drive->client, &answer);
+    return PCCD_OK;
+}
+
+/* Objects of a mesh that is gone: of one that is made for them and destroyed again. */
+static int add_orphans(struct drive *drive, const struct world *world,
+                       const struct world_mesh *mesh, struct ctl_error *error)
+{
+    uint32_t made = 0;
+    int status = make_mesh(drive, mesh, 0, &made, error);
+    for (struct world_scene *scene = world->scenes; scene != NULL; scene = scene->next) {
+        for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+            if (scene->objects[i].mesh == mesh) {
+                status = add_object(drive, scene->handle, made, scene->objects[i].handle,
+                                    error);
+            }
+        }
+    }
+    if (status == PCCD_OK && pccd_mesh_destroy(drive->client, made) != PCCD_OK) {
+        status = failed(drive, PCCD_E_STATE, "a recorded mesh that is gone", error);
+    }
+    return status;
+}
+
+static int begin_meshes(struct drive *drive, const struct world *world,
+                        struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (struct world_mesh *mesh = world->meshes; mesh != NULL && status == PCCD_OK;
+         mesh = mesh->next) {
+        uint32_t made = 0;
+        status =
+            mesh->is_gone ? PCCD_OK : make_mesh(drive, mesh, mesh->handle, &made, error);
+    }
+    return status;
+}
+
+static int begin_objects(struct drive *drive, const struct world *world,
+                         struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (struct world_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
+         scene = scene->next) {
+        status = make_scene(drive, &scene->settings, error);
+        for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+            const struct world_object *object = &scene->objects[i];
+            if (!object->mesh->is_gone) {
+                status = add_object(drive, scene->handle, object->mesh->handle,
+                                    object->handle, error);
+            }
+        }
+    }
+    for (struct world_mesh *mesh = world->meshes; mesh != NULL && status == PCCD_OK;
+         mesh = mesh->next) {
+        status = mesh->is_gone ? add_orphans(drive, world, mesh, error) : PCCD_OK;
+    }
+    return status;
+}
+
+int drive_begin(struct drive *drive, const struct world *world, struct ctl_error *error)
+{
+    int status = begin_meshes(drive, world, error);
+    if (status == PCCD_OK) {
+        status = begin_objects(drive, world, error);
+    }
+    for (struct world_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
+         scene = scene->next) {
+        for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+            status = scene->objects[i].has_moved
+                         ? place_object(drive, scene->handle, &scene->objects[i], error)
+                         : PCCD_OK;
+        }
+    }
+    drive->is_begun = status == PCCD_OK;
+    return status;
+}
+
+/* ---- the log ----------------------------------------------------------------------- */
+
+static int follow_mesh(struct drive *drive, const struct world *world,
+                       const struct record_view *view, struct ctl_error *error)
+{
+    const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_mesh);
+    struct record_mesh head;
+    memcpy(&head, view->payload, sizeof(head));
+    size_t each = head.format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
+    const void *triangles = x + (head.vertex_count * each + 7) / 8 * 8;
+    uint32_t made = head.mesh;
+    int status;
+    if (world_mesh(world, head.mesh) != NULL) {
+        status =
+            pccd_mesh_replace(drive->client, head.mesh, x, (enum pccd_format)head.format,
+                              head.vertex_count, triangles, head.triangle_count, NULL);
+    } else {
+        pccd_want(drive->client, head.mesh);
+        status = pccd_mesh_create(drive->client, x, (enum pccd_format)head.format,
+                                  head.vertex_count, triangles, head.triangle_count,
+                                  &made, NULL);
+    }
+    if (status != PCCD_OK) {
+        return failed(drive, status, "a recorded mesh", error);
+    }
+    return expect(head.mesh, made, "mesh", error);
+}
+
+static int follow_gone(struct drive *drive, const struct record_view *view,
+                       struct ctl_error *error)
+{
+    struct record_gone gone;
+    memcpy(&gone, view->payload, sizeof(gone));
+    int status = view->kind == RECORD_MESH_GONE
+                     ? pccd_mesh_destroy(drive->client, gone.mesh)
+                 : view->kind == RECORD_SCENE_GONE
+                     ? pccd_scene_destroy(drive->client, gone.scene)
+                     : pccd_scene_remove(drive->client, gone.scene, gone.object);
+    return status == PCCD_OK ? status
+                             : failed(drive, status, "a recorded removal", error);
+}
+
+int drive_follow(struct drive *drive, const struct world *world,
+                 const struct record_view *view, struct ctl_error *error)
+{
+    struct record_scene scene;
+    struct record_object object;
+    switch (view->kind) {
+    case RECORD_MESH:
+        return follow_mesh(drive, world, view, error);
+    case RECORD_SCENE:
+        memcpy(&scene, view->payload, sizeof(scene));
+        return make_scene(drive, &scene, error);
+    case RECORD_OBJECT:
+        memcpy(&object, view->payload, sizeof(object));
+        return add_object(drive, object.scene, object.mesh, object.object, error);
+    case RECORD_SCENE_GONE:
+    case RECORD_MESH_GONE:
+    case RECORD_OBJECT_GONE:
+        return follow_gone(drive, view, error);
+    default:
+        return PCCD_OK;
+    }
+}
+
+/* ---- steps ------------------------------------------------------------------------- */
+
+static size_t range_bytes(const struct record_segment *segment)
+{
+    return segment->kind == RECORD_RIGID        ? 12 * sizeof(double)
+           : segment->format == PCCD_FORMAT_F64 ? segment->count * sizeof(double[3])
+                                                : segment->count * sizeof(float[3]);
+}
+
+static int add_segment(struct pccd_frame *frame, const struct record_segment *segment,
+                       const uint8_t *slot)
+{
+    enum pccd_format format = (enum pccd_format)segment->format;
+    void *to0 = NULL, *to1 = NULL;
+    int status;
+    if (segment->kind == RECORD_RIGID) {
+        double m0[12], m1[12];
+        memcpy(m0, slot + segment->offset0, sizeof(m0));
+        memcpy(m1, slot + segment->offset1, sizeof(m1));
+        return pccd_frame_rigid(frame, segment->object, segment->first, segment->count,
+                                m0, m1);
+    }
+    status = segment->kind == RECORD_X1
+                 ? pccd_frame_x1(frame, segment->object, format, segment->first,
+                                 segment->count, &to1)
+                 : pccd_frame_x0x1(frame, segment->object, format, segment->first,
+                                   segment->count, &to0, &to1);
+    if (status == PCCD_OK && segment->kind == RECORD_X0X1) {
+        memcpy(to0, slot + segment->offset0, range_bytes(segment));
+    }
+    if (status == PCCD_OK) {
+        memcpy(to1, slot + segment->offset1, range_bytes(segment));
+    }
+    return status;
+}
+
+static int submit(struct drive *drive, const struct record_frame *frame,
+                  const uint8_t *slot, uint64_t *step)
+{
+    const struct pccd_step_settings settings = {
+        .mode = (enum pccd_mode)frame->mode,
+        .method = (enum pccd_method)frame->method,
+        .threads = frame->threads,
+        .scheduler = (enum pccd_scheduler)frame->scheduler,
+        .high_level = (enum pccd_high_level)frame->high_level,
+        .refit = (enum pccd_refit)frame->refit,
+        .tolerance = frame->tolerance,
+        .deadline_ns = frame->deadline_ns};
+    struct record_segment segment;
+    struct pccd_frame made;
+    uint64_t bytes = 0;
+    if (frame->segment_count == 0) {
+        return pccd_submit_still(drive->client, frame->scene, &settings, step);
+    }
+    for (uint32_t i = 0; i < frame->segment_count; i++) {
+        memcpy(&segment, slot + i * sizeof(segment), sizeof(segment));
+        bytes += range_bytes(&segment) * (segment.kind == RECORD_X1 ? 1 : 2);
+    }
+    int status =
+        pccd_frame_begin(drive->client, frame->scene, frame->segment_count, bytes, &made);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    for (uint32_t i = 0; i < frame->segment_count && status == PCCD_OK; i++) {
+        memcpy(&segment, slot + i * sizeof(segment), sizeof(segment));
+        status = add_segment(&made, &segment, slot);
+    }
+    if (status != PCCD_OK) {
+        pccd_frame_abort(&made);
+        return status;
+    }
+    return pccd_frame_commit(&made, &settings, step);
+}
+
+static int collect(struct drive *drive, const struct pccd_answer *page,
+                   struct ctl_error *error)
+{
+    bool has_pairs = page->mode == PCCD_MODE_PAIRS;
+    size_t each = has_pairs ? sizeof(struct pccd_pair) : sizeof(struct pccd_contact);
+    size_t bytes = (drive->record_count + page->count) * each;
+    if (bytes > drive->record_room) {
+        void *larger = realloc(drive->records, bytes + bytes / 2);
+        if (larger == NULL) {
+            return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu64 " records",
+                                 page->total);
+        }
+        drive->records = larger;
+        drive->record_room = bytes + bytes / 2;
+    }
+    if (page->count > 0) {
+        memcpy((uint8_t *)drive->records + drive->record_count * each,
+               has_pairs ? (const void *)page->pairs : (const void *)page->contacts,
+               page->count * each);
+    }
+    drive->record_count += page->count;
+    return PCCD_OK;
+}
+
+int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
+               bool collects, struct ctl_error *error)
+{
+    struct pccd_answer page = {.step = 0};
+    uint64_t step = 0;
+    int status = submit(drive, frame, slot, &step);
+    drive->record_count = 0;
+    if (status == PCCD_OK) {
+        status = pccd_wait(drive->client, step, -1, &page);
+    }
+    drive->answer = page;
+    if (status != PCCD_OK) {
+        /* What the daemon says of the step is its answer; all else is our failure. */
+        return page.step == step && step != 0 ? PCCD_OK
+                                              : failed(drive, status, "a step", error);
+    }
+    status = collects ? collect(drive, &page, error) : PCCD_OK;
+    while (status == PCCD_OK && collects && page.cursor < page.total && page.count > 0) {
+        pccd_answer_release(drive->client, &page);
+        status = pccd_fetch(drive->client, frame->scene, step, page.cursor, &page);
+        status = status == PCCD_OK ? collect(drive, &page, error)
+                                   : failed(drive, status, "a page of records", error);
+    }
+    pccd_answer_release(drive->client, &page);
+    return status;
+}
+
+void drive_deinit(struct drive *drive)
+{
+    free(drive->records);
+    drive->records = NULL;
+}

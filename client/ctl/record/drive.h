@@ -1,0 +1,37 @@
+/* client/ctl/record/drive.h - a daemon that does what a recorded session did.
+ *
+ * Room:     client/ctl. May include: world.h, pccd.h.
+ * Does:     bring a daemon to where a world is, under the same handles, and keep it
+ *           there; submit recorded steps and collect their answers.
+ * Does not: read files, or compare.
+ * Threads:  one.
+ */
+#ifndef CTL_DRIVE_H
+#define CTL_DRIVE_H
+
+#include "pccd.h"
+#include "world.h"
+
+struct drive {
+    struct pccd_client *client; /* the caller's */
+    bool is_begun;
+    struct pccd_answer answer; /* of the last step: numbers; no records */
+    void *records;             /* ours: those that were collected */
+    uint64_t record_count;
+    size_t record_room; /* bytes */
+};
+
+/* Tell the daemon of everything in `world`. */
+int drive_begin(struct drive *drive, const struct world *world, struct ctl_error *error);
+/* Follow a chunk that is not a step, after drive_begin; `world` has not followed it
+ * yet. */
+int drive_follow(struct drive *drive, const struct world *world,
+                 const struct record_view *view, struct ctl_error *error);
+/* Submit a step with these settings, which the caller may have changed, and wait for its
+ * answer. A step that fails in the daemon is an answer: drive->answer.status. With
+ * `collects`, all its records, page by page. */
+int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
+               bool collects, struct ctl_error *error);
+void drive_deinit(struct drive *drive);
+
+#endif

@@ -1,0 +1,283 @@
+/* client/ctl/record/play.c - the steps of a recording, one after the other.
+ *
+ * Room:     client/ctl.
+ * Does:     two passes: the answers, because what to do with a step depends on what came
+ *           of it; then the log, with a daemon beside it from the first step that is
+ *           wanted on.
+ * Does not: repeat what was before that step: the daemon is told where things are.
+ * Threads:  one.
+ * Source:   play.h.
+ */
+#include "play.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "answers.h"
+#include "ctl.h"
+#include "drive.h"
+#include "progress.h"
+
+struct player {
+    struct play_settings settings;
+    struct play_summary *summary;
+    play_fn show;
+    void *context;
+    struct record_reader reader;
+    struct record_reader pages; /* the same file, at the records of answers */
+    struct answers answers;
+    struct world world;
+    struct drive drive;
+    struct progress progress;
+    void *records; /* recorded ones */
+    size_t record_room;
+    uint64_t begun_ns; /* now, and then, of the first step that is repeated */
+    uint64_t begun_then_ns;
+};
+
+static uint64_t now_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+bool play_is_repeatable(int status)
+{
+    return status == PCCD_OK || status == PCCD_E_INVAL || status == PCCD_E_HANDLE ||
+           status == PCCD_E_SEGMENT || status == PCCD_E_NOTFINITE ||
+           status == PCCD_E_INDEX;
+}
+
+/* Wait until as much time has passed as then. */
+static void keep_pace(struct player *player, uint64_t then_ns)
+{
+    if (player->begun_ns == 0) {
+        player->begun_ns = now_ns();
+        player->begun_then_ns = then_ns;
+        return;
+    }
+    uint64_t at_ns = player->begun_ns + (then_ns - player->begun_then_ns);
+    uint64_t now = now_ns();
+    if (then_ns > player->begun_then_ns && at_ns > now) {
+        const struct timespec pause = {(time_t)((at_ns - now) / 1000000000u),
+                                       (long)((at_ns - now) % 1000000000u)};
+        nanosleep(&pause, NULL);
+    }
+}
+
+static bool is_shown(const struct player *player, uint64_t step)
+{
+    return step >= player->settings.first &&
+           (player->settings.last == 0 || step <= player->settings.last);
+}
+
+/* A daemon that stands where the world stands, when the first step needs one. */
+static int begin_drive(struct player *player, struct ctl_error *error)
+{
+    if (player->drive.is_begun) {
+        return PCCD_OK;
+    }
+    if (ctl_link_open(player->settings.link, &player->drive.client) != CTL_DONE) {
+        return ctl_error_set(error, PCCD_E_NODAEMON, "%s", ""); /* it has been told */
+    }
+    player->summary->daemon_pid = pccd_daemon_pid(player->drive.client);
+    return drive_begin(&player->drive, &player->world, error);
+}
+
+/* The daemon's answer to a step. */
+static int repeat(struct player *player, const struct record_view *view,
+                  const struct record_frame *frame, const uint8_t *slot,
+                  struct play_step *step, struct ctl_error *error)
+{
+    struct record_frame asked = *frame;
+    bool collects = player->settings.needs_records;
+    asked.deadline_ns = 0; /* would end it anywhere */
+    if (player->settings.method != PCCD_METHOD_DEFAULT) {
+        asked.method = player->settings.method;
+        asked.scheduler = asked.high_level = asked.refit = 0;
+    }
+    if (player->settings.threads != 0) {
+        asked.threads = player->settings.threads;
+    }
+    if (player->settings.at_recorded_pace) {
+        keep_pace(player, view->time_ns);
+    }
+    uint64_t begin_ns = now_ns();
+    int status = drive_step(&player->drive, &asked, slot, collects, error);
+    player->summary->seconds += (double)(now_ns() - begin_ns) * 1e-9;
+    if (status != PCCD_OK) {
+        return status;
+    }
+    step->answer = &player->drive.answer;
+    if (collects && step->answer->status == PCCD_OK) {
+        bool has_pairs = step->answer->mode == PCCD_MODE_PAIRS;
+        step->count = player->drive.record_count;
+        step->is_whole = step->count == step->answer->total;
+        step->contacts = has_pairs ? NULL : player->drive.records;
+        step->pairs = has_pairs ? player->drive.records : NULL;
+    }
+    return PCCD_OK;
+}
+
+/* The records that were recorded. */
+static int recall(struct player *player, struct play_step *step, struct ctl_error *error)
+{
+    int status =
+        answers_records(&player->answers, &player->pages, step->number, &player->records,
+                        &player->record_room, &step->count, &step->is_whole, error);
+    if (status == PCCD_OK && step->recorded != NULL && step->count > 0) {
+        bool has_pairs = step->recorded->mode == PCCD_MODE_PAIRS;
+        step->contacts = has_pairs ? NULL : player->records;
+        step->pairs = has_pairs ? player->records : NULL;
+    }
+    return status;
+}
+
+static int show_step(struct player *player, const struct record_view *view,
+                     const struct record_frame *frame, const uint8_t *slot,
+                     bool asks_daemon, struct ctl_error *error)
+{
+    struct play_step step = {.number = frame->step,
+                             .time_ns = view->time_ns,
+                             .frame = frame,
+                             .recorded = answers_find(&player->answers, frame->step)};
+    int status = asks_daemon ? repeat(player, view, frame, slot, &step, error)
+                             : recall(player, &step, error);
+    int result = step.answer != NULL     ? step.answer->status
+                 : step.recorded != NULL ? step.recorded->status
+                                         : PCCD_OK;
+    if (status == PCCD_OK && result == PCCD_OK) {
+        status = world_step(&player->world, frame, slot, error);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    step.scene = world_scene(&player->world, frame->scene);
+    return player->show(player->context, &step, error);
+}
+
+static int follow_frame(struct player *player, const struct record_view *view,
+                        struct ctl_error *error)
+{
+    const uint8_t *slot = (const uint8_t *)view->payload + sizeof(struct record_frame);
+    struct record_frame frame;
+    memcpy(&frame, view->payload, sizeof(frame));
+    const struct record_answer *recorded = answers_find(&player->answers, frame.step);
+    bool asks_daemon =
+        player->settings.source == PLAY_DAEMON || (player->answers.begin.flags & 1u) == 0;
+    int status = PCCD_OK;
+    progress_update(&player->progress, frame.step);
+    if (recorded != NULL && !play_is_repeatable(recorded->status)) {
+        player->summary->skipped++;
+        return PCCD_OK;
+    }
+    if (!is_shown(player, frame.step)) {
+        return recorded == NULL || recorded->status == PCCD_OK
+                   ? world_step(&player->world, &frame, slot, error)
+                   : PCCD_OK;
+    }
+    if (asks_daemon) {
+        status = begin_drive(player, error);
+    }
+    return status == PCCD_OK ? show_step(player, view, &frame, slot, asks_daemon, error)
+                             : status;
+}
+
+static int follow(struct player *player, struct ctl_error *error)
+{
+    struct record_view view;
+    int got, status = PCCD_OK;
+    while (status == PCCD_OK && (got = record_reader_next(&player->reader, &view)) != 0) {
+        if (got < 0) {
+            return ctl_error_set(error, got, "%s: %s", player->settings.path,
+                                 player->reader.text);
+        }
+        if (view.kind == RECORD_FRAME) {
+            struct record_frame frame;
+            memcpy(&frame, view.payload, sizeof(frame));
+            if (player->settings.last != 0 && frame.step > player->settings.last) {
+                return PCCD_OK;
+            }
+            status = follow_frame(player, &view, error);
+            continue;
+        }
+        if (player->drive.is_begun) {
+            status = drive_follow(&player->drive, &player->world, &view, error);
+        }
+        if (status == PCCD_OK) {
+            status = world_follow(&player->world, &view, error);
+        }
+    }
+    return status == PCCD_E_CANCELLED ? PCCD_OK : status;
+}
+
+/* The range becomes its last step that was answered with success. */
+static void choose_last(struct player *player)
+{
+    struct play_settings *settings = &player->settings;
+    for (size_t i = player->answers.count; i > 0 && settings->only_last; i--) {
+        const struct record_answer *answer = &player->answers.items[i - 1];
+        if (answer->status == PCCD_OK && answer->step >= settings->first &&
+            (settings->last == 0 || answer->step <= settings->last)) {
+            settings->first = settings->last = answer->step;
+            return;
+        }
+    }
+}
+
+/* Both readers, and all answers. A damaged file is played up to the damage. */
+static int open_all(struct player *player, struct ctl_error *error)
+{
+    const char *path = player->settings.path;
+    struct ctl_error damage = {.text = ""};
+    int status = record_reader_open(&player->reader, path);
+    if (status == PCCD_OK) {
+        status = record_reader_open(&player->pages, path);
+    }
+    if (status != PCCD_OK) {
+        return ctl_error_set(error, status, "%s: %s", path, player->reader.text);
+    }
+    status = answers_read(&player->answers, &player->reader, &damage);
+    player->summary->begin = player->answers.begin;
+    player->summary->frames = player->answers.frames;
+    player->summary->answers = player->answers.count;
+    player->summary->last_step = player->answers.last_step;
+    player->summary->ending = player->reader.ending;
+    player->summary->end_reason = player->reader.end_reason;
+    player->summary->ending_offset = player->reader.offset;
+    record_reader_seek(&player->reader, RECORD_HEAD_BYTES);
+    choose_last(player);
+    return status == PCCD_E_NOMEM ? ctl_error_set(error, status, "%s", damage.text)
+                                  : PCCD_OK;
+}
+
+int play(const struct play_settings *settings, play_fn show, void *context,
+         struct play_summary *summary, struct ctl_error *error)
+{
+    struct player player = {.settings = *settings,
+                            .summary = summary,
+                            .show = show,
+                            .context = context,
+                            .reader = {.fd = -1},
+                            .pages = {.fd = -1}};
+    memset(summary, 0, sizeof(*summary));
+    int status = open_all(&player, error);
+    if (status == PCCD_OK) {
+        progress_begin(&player.progress, settings->label,
+                       player.settings.last != 0 ? player.settings.last
+                                                 : summary->last_step);
+        status = follow(&player, error);
+        progress_clear(&player.progress);
+    }
+    drive_deinit(&player.drive);
+    pccd_close(player.drive.client);
+    world_deinit(&player.world);
+    answers_deinit(&player.answers);
+    record_reader_deinit(&player.reader);
+    record_reader_deinit(&player.pages);
+    free(player.records);
+    return status;
+}

@@ -1,0 +1,70 @@
+/* client/ctl/record/play.h - the steps of a recording, one after the other.
+ *
+ * Room:     client/ctl. May include: world.h, link.h, pccd.h.
+ * Does:     read a recording, follow it, have a daemon repeat it where that is asked for,
+ *           and show each step with what was answered then and now.
+ * Does not: judge: that is who is shown the steps.
+ * Threads:  one.
+ */
+#ifndef CTL_PLAY_H
+#define CTL_PLAY_H
+
+#include "link.h"
+#include "pccd.h"
+#include "world.h"
+
+/* Who answers a step that is shown. */
+enum play_source {
+    PLAY_DAEMON,  /* a daemon, every step */
+    PLAY_RECORDS, /* a daemon, but for recordings that hold the records of answers */
+};
+
+struct play_step {
+    uint64_t number;  /* the client's, from 1 */
+    uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
+    const struct record_frame *frame;
+    const struct world_scene *scene;
+    const struct record_answer *recorded; /* NULL: there was none */
+    const struct pccd_answer *answer;    /* the daemon's, numbers only; NULL: not asked */
+    const struct pccd_contact *contacts; /* [count]; NULL: none, or not asked for */
+    const struct pccd_pair *pairs;       /* [count] */
+    uint64_t count;
+    bool is_whole; /* count is the answer's total */
+};
+
+/* Return PCCD_OK to go on, PCCD_E_CANCELLED to end well, else an error. */
+typedef int (*play_fn)(void *context, const struct play_step *step,
+                       struct ctl_error *error);
+
+struct play_settings {
+    const char *path;
+    const struct ctl_link *link;
+    enum play_source source;
+    bool needs_records;
+    bool at_recorded_pace;
+    bool only_last;          /* of these steps: the last that was answered */
+    uint64_t first, last;    /* steps to show and to repeat; last 0: to the end */
+    enum pccd_method method; /* 0: as recorded */
+    uint32_t threads;        /* 0: as recorded */
+    const char *label;       /* of the progress bar */
+};
+
+/* What the file held. */
+struct play_summary {
+    struct record_begin begin;
+    enum record_ending ending;
+    uint32_t end_reason;    /* enum record_reason */
+    uint64_t ending_offset; /* of the first byte that is not part of a whole chunk */
+    uint64_t frames, answers, skipped; /* skipped: steps that then failed by chance */
+    uint64_t last_step;
+    uint32_t daemon_pid; /* 0: none was asked */
+    double seconds;      /* spent by the daemon's answers */
+};
+
+int play(const struct play_settings *settings, play_fn show, void *context,
+         struct play_summary *summary, struct ctl_error *error);
+
+/* Whether a step that failed so fails again. */
+bool play_is_repeatable(int status);
+
+#endif

@@ -1,0 +1,144 @@
+/* client/ctl/record/play_options.c - options of the commands that read a recording.
+ *
+ * Room:     client/ctl.
+ * Does:     parse them.
+ * Does not: open the file.
+ * Threads:  one.
+ * Source:   play_options.h.
+ */
+#include "play_options.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "report.h"
+
+#define STEP_MAX    (1ull << 62)
+#define THREADS_MAX 1024u
+
+enum { OPTION_STEPS = 256 + 96, OPTION_METHOD, OPTION_THREADS };
+
+static const struct argp_option option_list[] = {
+    {"steps", OPTION_STEPS, "A..B", 0,
+     "From step A to step B, as the recorded program numbered them; A.. and ..B and A "
+     "alone are ranges too. What was before A is not repeated: the daemon is told where "
+     "things were",
+     0},
+    {"method", OPTION_METHOD, "paper|wide", 0,
+     "Have the steps computed by paper or wide (default: as recorded)", 0},
+    {"threads", OPTION_THREADS, "N", 0, "By at most N threads (default: as recorded)", 0},
+    {0},
+};
+
+/* A, A.., ..B or A..B */
+static void parse_steps(const struct argp_state *state, const char *text,
+                        struct play_settings *play)
+{
+    char *stop;
+    play->first = text[0] == '.' ? 1 : strtoull(text, &stop, 10);
+    stop = text[0] == '.' ? (char *)text : stop;
+    bool is_ok = stop != text || text[0] == '.';
+    if (*stop == '\0') {
+        play->last = play->first;
+    } else if (strncmp(stop, "..", 2) == 0) {
+        const char *rest = stop + 2;
+        play->last = *rest == '\0' ? 0 : strtoull(rest, &stop, 10);
+        is_ok = is_ok && (*rest == '\0' || (*stop == '\0' && play->last >= play->first));
+    } else {
+        is_ok = false;
+    }
+    if (!is_ok || play->first == 0 || play->first > STEP_MAX || play->last > STEP_MAX) {
+        argp_error(state, "--steps: \"%s\" is not A..B with 1 <= A <= B", text);
+    }
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct play_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case OPTION_STEPS:
+        parse_steps(state, text, &options->play);
+        return 0;
+    case OPTION_METHOD:
+        for (uint32_t i = 0; i < PCCD_METHOD_COUNT; i++) {
+            if (strcmp(report_method_name((enum pccd_method)i), text) == 0) {
+                options->play.method = (enum pccd_method)i;
+                return 0;
+            }
+        }
+        argp_error(state, "--method: \"%s\" is not paper or wide", text);
+        return EINVAL;
+    case OPTION_THREADS:
+        options->play.threads =
+            (uint32_t)ctl_option_count(state, "threads", text, 1, THREADS_MAX);
+        return 0;
+    case ARGP_KEY_ARG:
+        if (options->play.path != NULL) {
+            argp_error(state, "one recording at a time");
+        }
+        options->play.path = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (options->play.path == NULL) {
+            argp_error(state, "which recording?");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+const struct argp play_options_argp = {
+    .options = option_list, .parser = parse, .children = children};
+
+void play_options_init(struct play_options *options, const char *label)
+{
+    memset(options, 0, sizeof(*options));
+    options->link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
+    options->play.link = &options->link;
+    options->play.label = label;
+    options->play.first = 1;
+}
+
+void play_options_deinit(struct play_options *options)
+{
+    ctl_link_deinit(&options->link);
+}
+
+void play_options_warn(const struct play_settings *settings,
+                       const struct play_summary *summary)
+{
+    if (summary->ending == RECORD_ENDING_CUT) {
+        ctl_complain("%s is cut off after byte %" PRIu64
+                     ": what was being written then is lost",
+                     settings->path, summary->ending_offset);
+    } else if (summary->ending == RECORD_ENDING_OPEN) {
+        ctl_complain("%s has no end: its program was killed, or still runs",
+                     settings->path);
+    } else if (summary->end_reason == RECORD_FULL) {
+        ctl_complain("%s ends because it was full, or could not be written",
+                     settings->path);
+    }
+}
+
+void play_complain(const struct ctl_error *error)
+{
+    if (error->text[0] != '\0') { /* else it has been told where it was found */
+        ctl_complain("%s", error->text);
+    }
+}
+
+int play_exit(int status, bool is_right)
+{
+    return status == PCCD_E_NODAEMON ? CTL_NO_DAEMON
+           : status != PCCD_OK       ? CTL_FAILED
+           : is_right                ? CTL_DONE
+                                     : CTL_NEGATIVE;
+}

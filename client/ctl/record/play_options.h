@@ -1,0 +1,35 @@
+/* client/ctl/record/play_options.h - options of the commands that read a recording.
+ *
+ * Room:     client/ctl. May include: link.h, play.h.
+ * Does:     FILE, --steps, --method, --threads and the daemon's options.
+ * Does not: know what a command does with the steps.
+ * Threads:  one.
+ */
+#ifndef CTL_PLAY_OPTIONS_H
+#define CTL_PLAY_OPTIONS_H
+
+#include <argp.h>
+
+#include "link.h"
+#include "play.h"
+
+/* An argp child; its input is a struct play_options. It takes the one argument. */
+struct play_options {
+    struct ctl_link link;
+    struct play_settings play;
+};
+extern const struct argp play_options_argp;
+
+/* Before parsing, and after: a private daemon unless another one is named. */
+void play_options_init(struct play_options *options, const char *label);
+void play_options_deinit(struct play_options *options);
+
+/* How the file ended, when it did not end well; nothing otherwise. To stderr. */
+void play_options_warn(const struct play_settings *settings,
+                       const struct play_summary *summary);
+
+/* The error, and the exit status that a command ends with. */
+void play_complain(const struct ctl_error *error);
+int play_exit(int status, bool is_right);
+
+#endif

@@ -1,0 +1,181 @@
+/* client/ctl/record/still.c - one step of a recording, to be looked at.
+ *
+ * Room:     client/ctl.
+ * Does:     positions at a time between the ends, rounded to float; contacts by the
+ *           parameters of their records.
+ * Does not: trust a record's numbers: one that names what there is not is left out.
+ * Threads:  one.
+ * Source:   still.h; pccd_types.h for what a contact's parameters mean.
+ */
+#include "still.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct taking {
+    struct still *still;
+    double t;
+    bool is_taken;
+};
+
+static int no_memory(struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_NOMEM, "no memory for a step");
+}
+
+static bool take_object(const struct world_object *from, double t,
+                        struct still_object *object)
+{
+    const struct world_mesh *mesh = from->mesh;
+    *object = (struct still_object){
+        .handle = from->handle,
+        .vertex_count = mesh->vertex_count,
+        .triangle_count = mesh->triangle_count,
+        .x = malloc(mesh->vertex_count * sizeof(*object->x)),
+        .motion = malloc(mesh->vertex_count * sizeof(*object->motion)),
+        .triangles = malloc(mesh->triangle_count * sizeof(*object->triangles)),
+        .hits = calloc(mesh->triangle_count, sizeof(*object->hits))};
+    if (object->x == NULL || object->motion == NULL || object->triangles == NULL ||
+        object->hits == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            double a = from->x0[i][k], b = from->x1[i][k];
+            object->x[i][k] = (float)(a + t * (b - a));
+            object->motion[i][k] = (float)(b - a);
+        }
+    }
+    memcpy(object->triangles, mesh->triangles,
+           mesh->triangle_count * sizeof(*object->triangles));
+    return true;
+}
+
+static struct still_object *find_object(const struct still *still, uint32_t handle)
+{
+    for (uint32_t i = 0; i < still->object_count; i++) {
+        if (still->objects[i].handle == handle) {
+            return &still->objects[i];
+        }
+    }
+    return NULL;
+}
+
+/* Where the second feature is touched; false for a record that makes no sense. */
+static bool place_contact(const struct still *still, const struct world_scene *scene,
+                          const struct pccd_contact *from, struct still_contact *to)
+{
+    const struct still_object *b = find_object(still, from->object_b);
+    const struct world_object *known = world_object(scene, from->object_b);
+    float u = from->param[0], v = from->param[1];
+    if (b == NULL || known == NULL || find_object(still, from->object_a) == NULL) {
+        return false;
+    }
+    *to = (struct still_contact){.toi = from->toi,
+                                 .kind = from->kind,
+                                 .flags = from->flags,
+                                 .object_a = from->object_a,
+                                 .feature_a = from->feature_a,
+                                 .object_b = from->object_b,
+                                 .feature_b = from->feature_b};
+    memcpy(to->normal, from->normal, sizeof(to->normal));
+    if (from->kind == PCCD_VF && from->feature_b < b->triangle_count) {
+        const uint32_t *c = b->triangles[from->feature_b];
+        for (uint32_t k = 0; k < 3; k++) {
+            to->at[k] =
+                (1.0f - u - v) * b->x[c[0]][k] + u * b->x[c[1]][k] + v * b->x[c[2]][k];
+        }
+        b->hits[from->feature_b]++;
+        return true;
+    }
+    if (from->kind == PCCD_EE && from->feature_b < known->mesh->edge_count) {
+        const uint32_t *c = known->mesh->edges[from->feature_b];
+        for (uint32_t k = 0; k < 3; k++) {
+            to->at[k] = b->x[c[0]][k] + v * (b->x[c[1]][k] - b->x[c[0]][k]);
+        }
+        return true;
+    }
+    return false;
+}
+
+static void find_extent(struct still *still)
+{
+    float low[3] = {INFINITY, INFINITY, INFINITY};
+    float high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        for (uint32_t i = 0; i < still->objects[o].vertex_count; i++) {
+            for (uint32_t k = 0; k < 3; k++) {
+                low[k] = fminf(low[k], still->objects[o].x[i][k]);
+                high[k] = fmaxf(high[k], still->objects[o].x[i][k]);
+            }
+        }
+    }
+    still->extent = 0;
+    for (uint32_t k = 0; k < 3 && still->object_count > 0; k++) {
+        still->extent = fmax(still->extent, (double)high[k] - (double)low[k]);
+    }
+}
+
+static int take(void *context, const struct play_step *step, struct ctl_error *error)
+{
+    struct taking *taking = context;
+    struct still *still = taking->still;
+    if (step->scene == NULL) {
+        return PCCD_OK; /* it failed, in a scene that there was not */
+    }
+    still_deinit(still);
+    still->step = step->number;
+    still->t = taking->t;
+    still->objects = calloc(step->scene->object_count + 1, sizeof(*still->objects));
+    still->contacts = calloc(step->count + 1, sizeof(*still->contacts));
+    if (still->objects == NULL || still->contacts == NULL) {
+        return no_memory(error);
+    }
+    for (uint32_t i = 0; i < step->scene->object_count; i++) {
+        still->object_count++;
+        if (!take_object(&step->scene->objects[i], taking->t, &still->objects[i]) ||
+            world_edges(step->scene->objects[i].mesh, error) != PCCD_OK) {
+            return no_memory(error);
+        }
+    }
+    for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
+        still->contact_count += place_contact(still, step->scene, &step->contacts[i],
+                                              &still->contacts[still->contact_count]);
+    }
+    find_extent(still);
+    taking->is_taken = true;
+    return PCCD_OK;
+}
+
+int still_take(const struct play_settings *settings, double t, struct still *still,
+               struct play_summary *summary, struct ctl_error *error)
+{
+    struct taking taking = {.still = still, .t = t};
+    memset(still, 0, sizeof(*still));
+    int status = play(settings, take, &taking, summary, error);
+    if (status == PCCD_OK && !taking.is_taken) {
+        status =
+            ctl_error_set(error, PCCD_E_INVAL,
+                          "%s holds no such step; it has %" PRIu64 ", the last %" PRIu64,
+                          settings->path, summary->frames, summary->last_step);
+    }
+    if (status != PCCD_OK) {
+        still_deinit(still);
+    }
+    return status;
+}
+
+void still_deinit(struct still *still)
+{
+    for (uint32_t i = 0; i < still->object_count; i++) {
+        free(still->objects[i].x);
+        free(still->objects[i].motion);
+        free(still->objects[i].triangles);
+        free(still->objects[i].hits);
+    }
+    free(still->objects);
+    free(still->contacts);
+    memset(still, 0, sizeof(*still));
+}

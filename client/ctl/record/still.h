@@ -1,0 +1,46 @@
+/* client/ctl/record/still.h - one step of a recording, to be looked at.
+ *
+ * Room:     client/ctl. May include: play.h.
+ * Does:     copy the objects of a step as they are at one time, and place its contacts on
+ *           them.
+ * Does not: draw or write files.
+ * Threads:  one.
+ */
+#ifndef CTL_STILL_H
+#define CTL_STILL_H
+
+#include "play.h"
+
+struct still_object {
+    uint32_t handle;
+    uint32_t vertex_count, triangle_count;
+    float (*x)[3];      /* at the time that was asked for */
+    float (*motion)[3]; /* from t = 0 to t = 1 */
+    uint32_t (*triangles)[3];
+    uint32_t *hits; /* of each triangle: contacts of it, its edges and its corners */
+};
+
+struct still_contact {
+    float at[3]; /* where its second feature is touched, at the time asked for */
+    float normal[3];
+    double toi;
+    uint32_t kind, flags;
+    uint32_t object_a, feature_a, object_b, feature_b;
+};
+
+struct still {
+    uint64_t step;
+    double t;
+    struct still_object *objects;
+    uint32_t object_count;
+    struct still_contact *contacts;
+    uint64_t contact_count;
+    double extent; /* largest side of the box around everything */
+};
+
+/* The last answered step of `settings`, or the one it names, at time t. */
+int still_take(const struct play_settings *settings, double t, struct still *still,
+               struct play_summary *summary, struct ctl_error *error);
+void still_deinit(struct still *still);
+
+#endif

@@ -1,0 +1,356 @@
+/* client/ctl/record/verify.c - whether the answer to a step is right.
+ *
+ * Room:     client/ctl.
+ * Does:     order, counts and hash of the records; then each of them by exact arithmetic.
+ * Does not: look for what is missing (verify_near.c).
+ * Threads:  one.
+ * Source:   verify.h; proto/PROTOCOL.md, "Records".
+ */
+#include "verify.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "oracle_scene.h"
+
+#define TOLERANCE    1e-6
+#define BRACKET_BITS 60u
+#define SLACK        1e-5 /* of parameters and normals, which are floats */
+
+/* ---- the step's numbers ------------------------------------------------------------ */
+
+uint32_t verify_mode(const struct play_step *step)
+{
+    return step->answer != NULL ? (uint32_t)step->answer->mode : step->recorded->mode;
+}
+
+double verify_toi_first(const struct play_step *step)
+{
+    return step->answer != NULL ? step->answer->toi_first : step->recorded->toi_first;
+}
+
+uint32_t verify_verdict(const struct play_step *step)
+{
+    return step->answer != NULL ? (uint32_t)step->answer->verdict
+                                : step->recorded->verdict;
+}
+
+static struct pccd_pair pair_of(const struct play_step *step, uint64_t i)
+{
+    if (step->pairs != NULL) {
+        return step->pairs[i];
+    }
+    const struct pccd_contact *c = &step->contacts[i];
+    return (struct pccd_pair){c->kind, c->object_a, c->feature_a, c->object_b,
+                              c->feature_b};
+}
+
+static int compare_pairs(const struct pccd_pair *a, const struct pccd_pair *b)
+{
+    const uint32_t x[5] = {a->kind, a->object_a, a->feature_a, a->object_b, a->feature_b};
+    const uint32_t y[5] = {b->kind, b->object_a, b->feature_a, b->object_b, b->feature_b};
+    for (int i = 0; i < 5; i++) {
+        if (x[i] != y[i]) {
+            return x[i] < y[i] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+bool verify_has(const struct play_step *step, const struct pccd_pair *pair)
+{
+    uint64_t low = 0, high = step->count;
+    while (low < high) {
+        uint64_t middle = low + (high - low) / 2;
+        struct pccd_pair at = pair_of(step, middle);
+        int order = compare_pairs(&at, pair);
+        if (order == 0) {
+            return true;
+        }
+        if (order < 0) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return false;
+}
+
+/* ---- features ---------------------------------------------------------------------- */
+
+static struct oracle_object oracle_object(const struct world_object *object)
+{
+    return (struct oracle_object){.object_id = object->handle,
+                                  .vertex_count = object->mesh->vertex_count,
+                                  .triangle_count = object->mesh->triangle_count,
+                                  .x0 = (const double(*)[3])object->x0,
+                                  .x1 = (const double(*)[3])object->x1,
+                                  .triangles =
+                                      (const uint32_t(*)[3])object->mesh->triangles};
+}
+
+void verify_points(const struct world_scene *scene, const struct pccd_pair *pair,
+                   double p[8][3])
+{
+    const struct world_object *a = world_object(scene, pair->object_a);
+    const struct world_object *b = world_object(scene, pair->object_b);
+    const struct oracle_object oracle_a = oracle_object(a), oracle_b = oracle_object(b);
+    if (pair->kind == PCCD_VF) {
+        oracle_vf_points(&oracle_a, pair->feature_a, &oracle_b, pair->feature_b, p);
+    } else {
+        oracle_ee_points(&oracle_a, a->mesh->edges[pair->feature_a], &oracle_b,
+                         b->mesh->edges[pair->feature_b], p);
+    }
+}
+
+/* Whether a pair names two features that there are and that may touch; else why not. */
+static const char *misnamed(const struct world_scene *scene, const struct pccd_pair *pair)
+{
+    const struct world_object *a = world_object(scene, pair->object_a);
+    const struct world_object *b = world_object(scene, pair->object_b);
+    const uint32_t *va, *vb;
+    uint32_t count_a, count_b;
+    if (a == NULL || b == NULL) {
+        return "the record names an object that is not in the scene";
+    }
+    if (pair->kind == PCCD_VF) {
+        if (pair->feature_a >= a->mesh->vertex_count ||
+            pair->feature_b >= b->mesh->triangle_count) {
+            return "the record names a vertex or face that there is not";
+        }
+        va = &pair->feature_a;
+        vb = b->mesh->triangles[pair->feature_b];
+        count_a = 1;
+        count_b = 3;
+    } else if (pair->kind == PCCD_EE) {
+        if (pair->feature_a >= a->mesh->edge_count ||
+            pair->feature_b >= b->mesh->edge_count) {
+            return "the record names an edge that there is not";
+        }
+        if (pair->object_a > pair->object_b ||
+            (a == b && pair->feature_a >= pair->feature_b)) {
+            return "the record has its edges in the wrong order";
+        }
+        va = a->mesh->edges[pair->feature_a];
+        vb = b->mesh->edges[pair->feature_b];
+        count_a = count_b = 2;
+    } else {
+        return "the record has an unknown kind";
+    }
+    for (uint32_t i = 0; a == b && i < count_a * count_b; i++) {
+        if (va[i / count_b] == vb[i % count_b]) {
+            return "the record's features share a vertex";
+        }
+    }
+    return NULL;
+}
+
+bool verify_wrong(struct verify_witness *witness, const struct play_step *step,
+                  const struct pccd_pair *pair, const char *format, ...)
+{
+    va_list arguments;
+    memset(witness, 0, sizeof(*witness));
+    witness->step = step->number;
+    va_start(arguments, format);
+    (void)vsnprintf(witness->what, sizeof(witness->what), format, arguments);
+    va_end(arguments);
+    if (pair == NULL) {
+        return false;
+    }
+    witness->pair = *pair;
+    if (misnamed(step->scene, pair) != NULL) {
+        return false;
+    }
+    witness->has_pair = true;
+    verify_points(step->scene, pair, witness->p);
+    struct oracle_first *first =
+        oracle_first_new((enum oracle_kind)pair->kind, (const double(*)[3])witness->p);
+    if (first != NULL) {
+        mpq_t lo, hi;
+        mpq_inits(lo, hi, NULL);
+        oracle_first_bracket(first, BRACKET_BITS, lo, hi);
+        witness->has_contact = true;
+        witness->lo = mpq_get_d(lo);
+        witness->hi = mpq_get_d(hi);
+        mpq_clears(lo, hi, NULL);
+        oracle_first_free(first);
+    }
+    return false;
+}
+
+/* ---- one contact ------------------------------------------------------------------- */
+
+/* What its floats must be, whatever the rounding. */
+static const char *malformed(const struct pccd_contact *contact, double tolerance)
+{
+    double u = (double)contact->param[0], v = (double)contact->param[1];
+    double length = 0;
+    for (int k = 0; k < 3; k++) {
+        length += (double)contact->normal[k] * (double)contact->normal[k];
+    }
+    if (!(contact->toi >= 0 && contact->toi <= contact->toi_hi && contact->toi_hi <= 1)) {
+        return "the record's time is not within the step";
+    }
+    if ((contact->flags & PCCD_PROVED) != 0 &&
+        contact->toi_hi - contact->toi > tolerance) {
+        return "the record's time is wider than the tolerance";
+    }
+    if ((contact->flags & PCCD_PROVED) != 0 &&
+        !(u >= -SLACK && v >= -SLACK &&
+          (contact->kind == PCCD_VF ? u + v <= 1 + SLACK
+                                    : u <= 1 + SLACK && v <= 1 + SLACK))) {
+        return "the record's parameters are outside of its features";
+    }
+    if (!(length == 0 || fabs(sqrt(length) - 1) <= SLACK)) {
+        return "the record's normal is neither of unit length nor zero";
+    }
+    return NULL;
+}
+
+static bool check_exactly(const struct play_step *step,
+                          const struct pccd_contact *contact,
+                          const struct pccd_pair *pair, struct verify_counts *counts,
+                          struct verify_witness *witness)
+{
+    double p[8][3];
+    bool is_proved = (contact->flags & PCCD_PROVED) != 0;
+    const char *what = NULL;
+    verify_points(step->scene, pair, p);
+    struct oracle_first *first =
+        oracle_first_new((enum oracle_kind)pair->kind, (const double(*)[3])p);
+    if (first == NULL) {
+        what = is_proved ? "a contact is claimed to be proved, and there is none" : NULL;
+    } else if (oracle_first_compare(first, contact->toi) < 0) {
+        what = "the first contact is before the record's time";
+    } else if (is_proved && oracle_first_compare(first, contact->toi_hi) > 0) {
+        what = "the first contact is after the record's time";
+    } else if (is_proved && (oracle_first_compare(first, 0) == 0) !=
+                                ((contact->flags & PCCD_INITIAL) != 0)) {
+        what = "whether the features touch at t = 0 is claimed wrongly";
+    }
+    oracle_first_free(first);
+    if (what != NULL) {
+        return verify_wrong(witness, step, pair, "%s", what);
+    }
+    counts->contacts += is_proved;
+    counts->possible += !is_proved;
+    return true;
+}
+
+static uint64_t mix(uint64_t x)
+{
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+static bool check_contacts(const struct play_step *step,
+                           const struct verify_settings *settings,
+                           struct verify_counts *counts, struct verify_witness *witness)
+{
+    double tolerance = step->frame->tolerance > 0 ? step->frame->tolerance : TOLERANCE;
+    for (uint64_t i = 0; i < step->count; i++) {
+        const struct pccd_pair pair = pair_of(step, i);
+        const struct pccd_contact *contact = &step->contacts[i];
+        const char *what = misnamed(step->scene, &pair);
+        if (what == NULL && step->contacts != NULL) {
+            what = malformed(contact, tolerance);
+        }
+        if (what == NULL && i > 0) {
+            const struct pccd_pair before = pair_of(step, i - 1);
+            what = compare_pairs(&before, &pair) >= 0
+                       ? "the record does not come after the one before"
+                       : NULL;
+        }
+        if (what != NULL) {
+            return verify_wrong(witness, step, &pair, "record %" PRIu64 ": %s", i, what);
+        }
+        bool is_chosen = settings->contacts_max == 0 ||
+                         mix(settings->seed ^ mix(step->number) ^ i) % step->count <
+                             settings->contacts_max;
+        if (step->contacts == NULL || !is_chosen) {
+            continue;
+        }
+        if (!check_exactly(step, contact, &pair, counts, witness)) {
+            witness->has_claim = true;
+            witness->toi = contact->toi;
+            witness->toi_hi = contact->toi_hi;
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ---- the answer as a whole --------------------------------------------------------- */
+
+static bool check_sums(const struct play_step *step, struct verify_witness *witness)
+{
+    size_t each =
+        step->pairs != NULL ? sizeof(struct pccd_pair) : sizeof(struct pccd_contact);
+    const void *records =
+        step->pairs != NULL ? (const void *)step->pairs : (const void *)step->contacts;
+    const struct record_answer *then = step->recorded;
+    const struct pccd_answer *now = step->answer;
+    double first = 2;
+    XXH128_hash_t hash = XXH3_128bits(records, step->count * each);
+    for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
+        first = fmin(first, step->contacts[i].toi);
+    }
+    if (now != NULL && (now->hash[0] != hash.high64 || now->hash[1] != hash.low64)) {
+        return verify_wrong(witness, step, NULL,
+                            "the daemon's hash is not that of its records");
+    }
+    if (then != NULL && then->status == PCCD_OK && then->incomplete <= 1 &&
+        (then->hash[0] != hash.high64 || then->hash[1] != hash.low64)) {
+        return verify_wrong(witness, step, NULL, "the recorded hash is not that of %s",
+                            now != NULL ? "a daemon's records" : "the recorded records");
+    }
+    if (step->pairs == NULL && first != verify_toi_first(step)) {
+        return verify_wrong(witness, step, NULL,
+                            "the earliest time is not that of the records");
+    }
+    return true;
+}
+
+/* Whether nothing ended the step before it was done. */
+static bool is_complete(const struct play_step *step)
+{
+    uint32_t incomplete = step->answer != NULL ? (uint32_t)step->answer->incomplete
+                                               : step->recorded->incomplete;
+    return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
+}
+
+int verify_step(const struct play_step *step, const struct verify_settings *settings,
+                struct verify_counts *counts, struct verify_witness *witness,
+                bool *is_right, struct ctl_error *error)
+{
+    int answered = step->answer != NULL     ? step->answer->status
+                   : step->recorded != NULL ? step->recorded->status
+                                            : PCCD_E_STATE;
+    *is_right = true;
+    counts->steps++;
+    if (answered != PCCD_OK || step->scene == NULL) {
+        counts->unchecked++;
+        return PCCD_OK;
+    }
+    for (uint32_t i = 0; i < step->scene->object_count; i++) {
+        int status = world_edges(step->scene->objects[i].mesh, error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    bool has_all = is_complete(step) && step->is_whole;
+    *is_right =
+        check_contacts(step, settings, counts, witness) &&
+        (!has_all || verify_mode(step) == PCCD_MODE_ANY || check_sums(step, witness)) &&
+        (!has_all || verify_near(step, settings, counts, witness));
+    return PCCD_OK;
+}

@@ -1,0 +1,226 @@
+/* client/ctl/record/verify_near.c - pairs near each other that are not in an answer.
+ *
+ * Room:     client/ctl.
+ * Does:     draw vertices and edges, find all faces and edges whose motion comes near
+ *           theirs by trying every one, and put those that the answer leaves out to exact
+ *           arithmetic.
+ * Does not: use a hierarchy, which could leave out what it should find.
+ * Threads:  one.
+ * Source:   verify.h.
+ */
+#include <inttypes.h>
+#include <stddef.h>
+
+#include "oracle.h"
+#include "verify.h"
+
+#define NEAR      0.1  /* of the feature's own extent */
+#define DRAWS_MAX 400u /* of features, for one step */
+
+struct box {
+    double lo[3], hi[3];
+};
+
+/* A draw of a step's sample. */
+struct draw {
+    const struct play_step *step;
+    const struct verify_settings *settings;
+    struct verify_counts *counts;
+    struct verify_witness *witness;
+    uint64_t state; /* of the random numbers */
+    uint64_t left;  /* pairs */
+};
+
+/* splitmix64 */
+static uint64_t next(struct draw *draw)
+{
+    uint64_t x = draw->state += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+/* Of the motion of `count` vertices: exact, for it only compares. */
+static struct box box_of(const struct world_object *object, const uint32_t *v,
+                         uint32_t count)
+{
+    struct box box;
+    for (uint32_t k = 0; k < 3; k++) {
+        box.lo[k] = box.hi[k] = object->x0[v[0]][k];
+        for (uint32_t i = 0; i < count; i++) {
+            double a = object->x0[v[i]][k], b = object->x1[v[i]][k];
+            box.lo[k] = a < box.lo[k] ? a : box.lo[k];
+            box.lo[k] = b < box.lo[k] ? b : box.lo[k];
+            box.hi[k] = a > box.hi[k] ? a : box.hi[k];
+            box.hi[k] = b > box.hi[k] ? b : box.hi[k];
+        }
+    }
+    return box;
+}
+
+static void widen(struct box *box)
+{
+    double extent = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        double here = box->hi[k] - box->lo[k];
+        extent = here > extent ? here : extent;
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        box->lo[k] -= NEAR * extent;
+        box->hi[k] += NEAR * extent;
+    }
+}
+
+static bool meet(const struct box *a, const struct box *b)
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        if (a->lo[k] > b->hi[k] || b->lo[k] > a->hi[k]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool share(const uint32_t *a, uint32_t count_a, const uint32_t *b,
+                  uint32_t count_b)
+{
+    for (uint32_t i = 0; i < count_a * count_b; i++) {
+        if (a[i / count_b] == b[i % count_b]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether leaving a pair that touches out of the answer is right in its mode. */
+static bool may_be_left_out(const struct play_step *step, struct oracle_first *first)
+{
+    switch (verify_mode(step)) {
+    case PCCD_MODE_FIRST:
+        return oracle_first_compare(first, verify_toi_first(step)) >= 0 &&
+               step->count > 0;
+    case PCCD_MODE_ANY:
+        return verify_verdict(step) != PCCD_VERDICT_NO;
+    default:
+        return false;
+    }
+}
+
+/* A pair that is near and may not be in the answer. */
+static bool judge(struct draw *draw, const struct pccd_pair *pair)
+{
+    double p[8][3];
+    if (draw->left == 0 || verify_has(draw->step, pair)) {
+        return true;
+    }
+    draw->left--;
+    verify_points(draw->step->scene, pair, p);
+    struct oracle_first *first =
+        oracle_first_new((enum oracle_kind)pair->kind, (const double(*)[3])p);
+    bool is_right = first == NULL || may_be_left_out(draw->step, first);
+    oracle_first_free(first);
+    if (!is_right) {
+        return verify_wrong(draw->witness, draw->step, pair,
+                            "a contact is missing in the answer");
+    }
+    draw->counts->non_contacts++;
+    return true;
+}
+
+/* All faces near a vertex. */
+static bool try_vertex(struct draw *draw, const struct world_object *object,
+                       uint32_t vertex)
+{
+    const struct world_scene *scene = draw->step->scene;
+    struct box box = box_of(object, &vertex, 1);
+    widen(&box);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct world_object *other = &scene->objects[i];
+        for (uint32_t f = 0; f < other->mesh->triangle_count; f++) {
+            const uint32_t *v = other->mesh->triangles[f];
+            struct box near = box_of(other, v, 3);
+            if (!meet(&box, &near) || (other == object && share(&vertex, 1, v, 3))) {
+                continue;
+            }
+            const struct pccd_pair pair = {PCCD_VF, object->handle, vertex, other->handle,
+                                           f};
+            if (!judge(draw, &pair)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* All edges near an edge. */
+static bool try_edge(struct draw *draw, const struct world_object *object, uint32_t edge)
+{
+    const struct world_scene *scene = draw->step->scene;
+    const uint32_t *own = object->mesh->edges[edge];
+    struct box box = box_of(object, own, 2);
+    widen(&box);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct world_object *other = &scene->objects[i];
+        for (uint32_t e = 0; e < other->mesh->edge_count; e++) {
+            const uint32_t *v = other->mesh->edges[e];
+            struct box near = box_of(other, v, 2);
+            if (!meet(&box, &near) || (other == object && share(own, 2, v, 2))) {
+                continue;
+            }
+            bool is_first =
+                object->handle < other->handle || (object == other && edge < e);
+            const struct pccd_pair pair =
+                is_first
+                    ? (struct pccd_pair){PCCD_EE, object->handle, edge, other->handle, e}
+                    : (struct pccd_pair){PCCD_EE, other->handle, e, object->handle, edge};
+            if (!judge(draw, &pair)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* An object, by its share of all triangles. */
+static const struct world_object *draw_object(struct draw *draw, uint64_t *triangle)
+{
+    const struct world_scene *scene = draw->step->scene;
+    uint64_t all = 0;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        all += scene->objects[i].mesh->triangle_count;
+    }
+    *triangle = next(draw) % all;
+    for (uint32_t i = 0;; i++) {
+        uint32_t here = scene->objects[i].mesh->triangle_count;
+        if (*triangle < here) {
+            return &scene->objects[i];
+        }
+        *triangle -= here;
+    }
+}
+
+bool verify_near(const struct play_step *step, const struct verify_settings *settings,
+                 struct verify_counts *counts, struct verify_witness *witness)
+{
+    struct draw draw = {.step = step,
+                        .settings = settings,
+                        .counts = counts,
+                        .witness = witness,
+                        .state = settings->seed ^ step->number * 0x2545f4914f6cdd1du,
+                        .left = settings->sample};
+    bool is_right = true;
+    for (uint32_t i = 0;
+         i < DRAWS_MAX && draw.left > 0 && is_right && step->scene->object_count > 0;
+         i++) {
+        uint64_t triangle;
+        const struct world_object *object = draw_object(&draw, &triangle);
+        if (i % 2 == 0) {
+            const uint32_t *corners = object->mesh->triangles[triangle];
+            is_right = try_vertex(&draw, object, corners[next(&draw) % 3]);
+        } else if (object->mesh->edge_count > 0) {
+            is_right = try_edge(&draw, object,
+                                (uint32_t)(next(&draw) % object->mesh->edge_count));
+        }
+    }
+    return is_right;
+}

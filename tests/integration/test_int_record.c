@@ -1,0 +1,509 @@
+/* test_int_record.c - sessions that are recorded, and repeated by another daemon.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     record sessions of every kind of request, over the death of daemons and of
+ *           the program itself, and has `pccdctl replay` compare every answer.
+ * Threads:  one; children are forked to be killed.
+ */
+#include <fcntl.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "grid.h"
+
+static struct test_daemon daemon_;
+static char folder[] = "/tmp/pccd-test-record-XXXXXX";
+static char path[96];
+
+static int set_up(void **state)
+{
+    static const char *const options[] = {"--supervise", "--crashes-max", "1000", NULL};
+
+    (void)state;
+    if (mkdtemp(folder) == NULL || !test_daemon_start(&daemon_, options)) {
+        return -1;
+    }
+    (void)snprintf(path, sizeof(path), "%s/session.rec", folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    char command[128];
+
+    (void)state;
+    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
+    (void)test_daemon_end(&daemon_, SIGTERM, 10000);
+    (void)test_daemon_finish(&daemon_);
+    return system(command) == 0 ? 0 : -1;
+}
+
+static void remove_files(void)
+{
+    char command[128];
+
+    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
+    assert_int_equal(system(command), 0);
+}
+
+/* `pccdctl replay FILE` with a daemon of its own: its exit status; what it says, in
+ * `said`. */
+static int replay(const char *file, char *said, size_t room)
+{
+    char command[512];
+    size_t got;
+    FILE *from;
+    int status;
+
+    (void)snprintf(command, sizeof(command),
+                   "unset PCCD_URL PCCD_RECORD; timeout 120 \"$PCCDCTL\" replay --json "
+                   "%s 2>&1",
+                   file);
+    from = popen(command, "r");
+    assert_non_null(from);
+    got = fread(said, 1, room - 1, from);
+    said[got] = '\0';
+    status = pclose(from);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static uint64_t number_of(const char *said, const char *name)
+{
+    char key[64];
+    const char *at;
+
+    (void)snprintf(key, sizeof(key), "\"%s\": ", name);
+    at = strstr(said, key);
+    return at != NULL ? strtoull(at + strlen(key), NULL, 10) : UINT64_MAX;
+}
+
+/* Replayed with every answer the same, `least` of them or more. */
+static void assert_repeats(const char *file, uint64_t least)
+{
+    char said[4096];
+    int status = replay(file, said, sizeof(said));
+
+    if (status != 0 || number_of(said, "same") < least) {
+        print_message("%s: %s\n", file, said);
+    }
+    assert_int_equal(status, 0);
+    assert_int_equal(number_of(said, "differ"), 0);
+    assert_in_range(number_of(said, "same"), least, 1000000);
+}
+
+static struct pccd_client *open_client(void)
+{
+    struct pccd_client *client = test_connect(daemon_.url);
+
+    assert_non_null(client);
+    return client;
+}
+
+/* ---- a session with everything in it --------------------------------------------- */
+
+/* A body that is moved in every way that there is, and its scene. */
+struct stage {
+    struct pccd_client *client;
+    uint32_t scene, mesh, floor_mesh, floor, body, second;
+    uint64_t steps;
+};
+
+static void take(struct stage *stage, struct pccd_frame *frame)
+{
+    const struct pccd_step_settings settings = {
+        .mode = (enum pccd_mode)(stage->steps % PCCD_MODE_COUNT)};
+    struct pccd_answer answer;
+    uint64_t step = 0;
+
+    assert_int_equal(pccd_frame_commit(frame, &settings, &step), 0);
+    assert_int_equal(pccd_wait(stage->client, step, -1, &answer), 0);
+    pccd_answer_release(stage->client, &answer);
+    stage->steps++;
+}
+
+static void make_stage(struct pccd_client *client, struct stage *stage)
+{
+    const struct pccd_scene_settings settings = {.rebuild_ratio = 0.5};
+
+    *stage = (struct stage){.client = client};
+    assert_int_equal(pccd_scene_create(client, &settings, &stage->scene), 0);
+    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &stage->floor_mesh, NULL),
+                     0);
+    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &stage->mesh, NULL),
+                     0);
+    assert_int_equal(
+        pccd_scene_add(client, stage->scene, stage->floor_mesh, &stage->floor), 0);
+    assert_int_equal(pccd_scene_add(client, stage->scene, stage->mesh, &stage->body), 0);
+    assert_int_equal(pccd_scene_add(client, stage->scene, stage->mesh, &stage->second),
+                     0);
+}
+
+/* x1 in float, x0 and x1 in double, a part, a transform, all objects at once, nothing. */
+static void move_stage(struct stage *stage, float z)
+{
+    const double turned[12] = {0.8, -0.6, 0, 0.125, 0.6, 0.8, 0, 0, 0, 0, 1, -1.5};
+    const double as_it_was[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, (double)z};
+    struct pccd_frame frame;
+    float(*x1)[3];
+    double(*d0)[3], (*d1)[3];
+    float at[3][3];
+    struct pccd_answer answer;
+    uint64_t step = 0;
+
+    test_crossing_positions(at, z);
+    assert_int_equal(pccd_frame_begin(stage->client, stage->scene, 2, 512, &frame), 0);
+    assert_int_equal(
+        pccd_frame_x1(&frame, stage->body, PCCD_FORMAT_F32, 0, 3, (void **)&x1), 0);
+    memcpy(x1, at, sizeof(at));
+    assert_int_equal(pccd_frame_x0x1(&frame, stage->second, PCCD_FORMAT_F64, 0, 3,
+                                     (void **)&d0, (void **)&d1),
+                     0);
+    for (int i = 0; i < 9; i++) {
+        d0[i / 3][i % 3] = (double)at[i / 3][i % 3] + 0.1;
+        d1[i / 3][i % 3] = -(double)at[i / 3][i % 3] / 3;
+    }
+    take(stage, &frame);
+    assert_int_equal(pccd_frame_begin(stage->client, stage->scene, 2, 512, &frame), 0);
+    assert_int_equal(pccd_frame_rigid(&frame, stage->body, 0, 3, as_it_was, turned), 0);
+    assert_int_equal(
+        pccd_frame_x1(&frame, stage->second, PCCD_FORMAT_F32, 1, 1, (void **)&x1), 0);
+    x1[0][0] = 0.25f;
+    x1[0][1] = -0.25f;
+    x1[0][2] = z;
+    take(stage, &frame);
+    assert_int_equal(pccd_submit_still(stage->client, stage->scene, NULL, &step), 0);
+    assert_int_equal(pccd_wait(stage->client, step, -1, &answer), 0);
+    pccd_answer_release(stage->client, &answer);
+    stage->steps++;
+}
+
+/* Everything but steps: a mesh replaced, one destroyed under its objects, an object and a
+ * scene that go, one that comes. */
+static void change_stage(struct stage *stage)
+{
+    static const float larger[4][3] = {{-1, -1, 1}, {2, 0, 1}, {0, 2, 1}, {1, 1, 2}};
+    static const uint32_t two[2][3] = {{0, 1, 2}, {1, 2, 3}};
+    uint32_t scene = 0;
+
+    assert_int_equal(pccd_scene_create(stage->client, NULL, &scene), 0);
+    assert_int_equal(pccd_mesh_replace(stage->client, stage->mesh, larger,
+                                       PCCD_FORMAT_F32, 4, two, 2, NULL),
+                     0);
+    assert_int_equal(pccd_mesh_destroy(stage->client, stage->floor_mesh), 0);
+    assert_int_equal(pccd_scene_remove(stage->client, stage->scene, stage->second), 0);
+    assert_int_equal(
+        pccd_scene_add(stage->client, stage->scene, stage->mesh, &stage->second), 0);
+    assert_int_equal(pccd_scene_destroy(stage->client, scene), 0);
+}
+
+/* A step that the daemon must refuse leaves everything where it was. */
+static void fail_step(struct stage *stage)
+{
+    float at[3][3];
+    struct pccd_answer answer;
+
+    test_crossing_positions(at, 1);
+    at[2][1] = (float)(0.0 / (double)(at[0][0] - at[0][0]));
+    assert_int_equal(pccd_step_x1(stage->client, stage->scene, stage->body, at,
+                                  PCCD_FORMAT_F32, 3, NULL, &answer),
+                     PCCD_E_NOTFINITE);
+    stage->steps++;
+}
+
+/* If this failed, a kind of request would be missing in recordings, or mean something
+ * else when it is repeated. */
+static void record__holds_every_kind_of_request(void **state)
+{
+    struct pccd_client *client = open_client();
+    struct pccd_record_info info;
+    struct stage stage;
+
+    (void)state;
+    remove_files();
+    assert_int_equal(pccd_record_start(client, path, NULL), 0);
+    make_stage(client, &stage);
+    move_stage(&stage, -1);
+    fail_step(&stage);
+    move_stage(&stage, 1);
+    change_stage(&stage);
+    move_stage(&stage, -0.5f);
+    assert_int_equal(pccd_record_stop(client, &info), 0);
+    assert_int_equal(info.frames, stage.steps);
+    assert_int_equal(info.answers, stage.steps);
+    assert_int_equal(info.status, 0);
+    pccd_close(client);
+    assert_repeats(path, stage.steps);
+}
+
+/* If this failed, a recording could only be made from the beginning: what was there
+ * before, and where, would be missing. */
+static void record__begins_with_what_there_is(void **state)
+{
+    struct pccd_client *client = open_client();
+    struct stage stage;
+    uint64_t before;
+
+    (void)state;
+    remove_files();
+    make_stage(client, &stage);
+    move_stage(&stage, -1);
+    change_stage(&stage);
+    move_stage(&stage, 1);
+    before = stage.steps;
+    assert_int_equal(pccd_record_start(client, path, NULL), 0);
+    move_stage(&stage, -0.5f);
+    move_stage(&stage, 0.25f);
+    assert_int_equal(pccd_record_stop(client, NULL), 0);
+    move_stage(&stage, 1);
+    pccd_close(client);
+    assert_repeats(path, stage.steps - 3 - before);
+}
+
+/* If this failed, the death of a daemon would end a recording, or leave a gap in it. */
+static void record__goes_on_when_the_daemon_is_killed(void **state)
+{
+    struct pccd_client *client = open_client();
+    struct stage stage;
+
+    (void)state;
+    remove_files();
+    assert_int_equal(pccd_record_start(client, path, NULL), 0);
+    make_stage(client, &stage);
+    for (int round = 0; round < 3; round++) {
+        move_stage(&stage, round % 2 == 0 ? -1.0f : 1.0f);
+        assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+    }
+    change_stage(&stage);
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+    move_stage(&stage, 0.5f);
+    pccd_close(client);
+    assert_repeats(path, stage.steps);
+}
+
+/* ---- a program that is killed ---------------------------------------------------- */
+
+/* Steps for ever, several in flight, with the records of their answers. */
+static void run_for_ever(int ready)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    struct pccd_client *client = test_connect(daemon_.url);
+    struct test_grid grid;
+    uint64_t last = 0;
+
+    test_end_with_parent();
+    if (client == NULL || pccd_record_start(client, path, &settings) != 0 ||
+        test_grid_make(client, 12, &grid) != 0) {
+        _exit(1);
+    }
+    for (uint64_t i = 0;; i++) {
+        struct pccd_answer answer;
+        uint64_t step = 0;
+
+        if (test_grid_submit(&grid, NULL, &step) != 0) {
+            _exit(1);
+        }
+        if (last != 0 && pccd_wait(client, last, -1, &answer) == 0) {
+            pccd_answer_release(client, &answer);
+        }
+        last = step;
+        if (i == 5 && write(ready, "", 1) != 1) {
+            _exit(1);
+        }
+    }
+}
+
+/* If this failed, the recording of a program that crashes could not be read, and that is
+ * the one that somebody wants. */
+static void record__survives_its_program(void **state)
+{
+    (void)state;
+    for (unsigned round = 0; round < 4; round++) {
+        int ready[2];
+        char byte;
+        char said[4096];
+        pid_t child;
+
+        remove_files();
+        assert_int_equal(pipe(ready), 0);
+        child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            run_for_ever(ready[1]);
+        }
+        assert_int_equal(read(ready[0], &byte, 1), 1);
+        test_sleep_ms(3 * round);
+        assert_int_equal(kill(child, SIGKILL), 0);
+        assert_int_equal(waitpid(child, NULL, 0), child);
+        (void)close(ready[0]);
+        (void)close(ready[1]);
+        assert_int_equal(replay(path, said, sizeof(said)), 0);
+        assert_in_range(number_of(said, "same"), 4, 1000000);
+        assert_int_equal(number_of(said, "differ"), 0);
+        assert_in_range(number_of(said, "unanswered"), 0, 2);
+    }
+}
+
+/* ---- bounds ---------------------------------------------------------------------- */
+
+static void turn_grid(struct test_grid *grid, unsigned times)
+{
+    for (unsigned i = 0; i < times; i++) {
+        struct pccd_answer answer;
+        uint64_t step = 0;
+
+        assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
+        assert_int_equal(pccd_wait(grid->client, step, -1, &answer), 0);
+        pccd_answer_release(grid->client, &answer);
+    }
+}
+
+static uint64_t bytes_of(const char *file)
+{
+    struct stat info;
+
+    return stat(file, &info) == 0 ? (uint64_t)info.st_size : 0;
+}
+
+/* If this failed, a recording could fill a disk, or a call would fail because its
+ * recording is full. */
+static void record__keeps_its_bound(void **state)
+{
+    const struct pccd_record_settings settings = {.max_bytes = 65536, .level = -1};
+    struct pccd_client *client = open_client();
+    struct pccd_record_info info;
+    struct test_grid grid;
+
+    (void)state;
+    remove_files();
+    assert_int_equal(pccd_record_start(client, path, &settings), 0);
+    assert_int_equal(test_grid_make(client, 16, &grid), 0);
+    turn_grid(&grid, 40);
+    assert_int_equal(pccd_record(client, &info), 0);
+    assert_int_equal(info.status, PCCD_E_LIMIT);
+    assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_LIMIT);
+    assert_in_range(bytes_of(path), 32768, 65536);
+    test_grid_free(&grid);
+    pccd_close(client);
+    assert_repeats(path, 8);
+}
+
+/* If this failed, the newest part of a long session could not be had without the rest. */
+static void record__keeps_the_newest_segments(void **state)
+{
+    const struct pccd_record_settings settings = {
+        .max_bytes = 3 * 65536, .segments = 3, .level = -1};
+    struct pccd_client *client = open_client();
+    struct pccd_record_info info;
+    struct test_grid grid;
+    char name[128];
+
+    (void)state;
+    remove_files();
+    assert_int_equal(pccd_record_start(client, path, &settings), 0);
+    assert_int_equal(test_grid_make(client, 16, &grid), 0);
+    turn_grid(&grid, 200);
+    assert_int_equal(pccd_record_stop(client, &info), 0);
+    assert_in_range(info.segments, 4, 100);
+    assert_int_equal(info.frames, 200);
+    assert_repeats(path, 1);
+    for (int age = 1; age <= 2; age++) {
+        (void)snprintf(name, sizeof(name), "%s.%d", path, age);
+        assert_in_range(bytes_of(name), 65536, 65536 + 8192);
+        assert_repeats(name, 8);
+    }
+    (void)snprintf(name, sizeof(name), "%s.3", path);
+    assert_int_equal(bytes_of(name), 0);
+    test_grid_free(&grid);
+    pccd_close(client);
+}
+
+/* If this failed, somebody would lose an older recording, or get one with a hole. */
+static void record__is_refused_where_it_could_not_be_whole(void **state)
+{
+    const struct pccd_record_settings too_small = {.max_bytes = 100};
+    const struct pccd_record_settings unbounded = {.segments = 2};
+    struct pccd_client *client = open_client();
+    struct pccd_client *careless = NULL;
+    struct pccd_options options;
+
+    (void)state;
+    remove_files();
+    assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_STATE);
+    assert_int_equal(pccd_record_start(client, path, &too_small), PCCD_E_INVAL);
+    assert_int_equal(pccd_record_start(client, path, &unbounded), PCCD_E_INVAL);
+    assert_int_equal(pccd_record_start(client, path, NULL), 0);
+    assert_int_equal(pccd_record_start(client, path, NULL), PCCD_E_STATE);
+    assert_int_equal(pccd_record_stop(client, NULL), 0);
+    assert_int_equal(pccd_record_start(client, path, NULL), PCCD_E_SYSTEM);
+    pccd_options_init(&options);
+    options.url = daemon_.url;
+    options.no_keep = true;
+    assert_int_equal(pccd_connect(&options, &careless), 0);
+    assert_int_equal(pccd_record_start(careless, path, NULL), PCCD_E_STATE);
+    pccd_close(careless);
+    pccd_close(client);
+}
+
+/* If this failed, a program would have to be changed to be recorded, or two of its
+ * clients would write into one file. */
+static void environment__records_every_client(void **state)
+{
+    struct pccd_client *clients[2];
+    struct pccd_options options;
+    struct stage stages[2];
+    char name[128];
+
+    (void)state;
+    remove_files();
+    pccd_options_init(&options);
+    options.url = daemon_.url;
+    options.no_keep = true; /* from the beginning on nothing else is needed */
+    assert_int_equal(setenv("PCCD_RECORD", path, 1), 0);
+    assert_int_equal(setenv("PCCD_RECORD_OPTIONS", "level=-2", 1), 0);
+    assert_int_equal(pccd_connect(&options, &clients[0]), PCCD_E_INVAL);
+    assert_int_equal(setenv("PCCD_RECORD_OPTIONS", "contacts=1,level=3", 1), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pccd_connect(&options, &clients[i]), 0);
+    }
+    assert_int_equal(unsetenv("PCCD_RECORD"), 0);
+    for (int i = 0; i < 2; i++) {
+        make_stage(clients[i], &stages[i]);
+        move_stage(&stages[i], i == 0 ? -1.0f : 0.5f);
+        pccd_close(clients[i]);
+    }
+    (void)snprintf(name, sizeof(name), "%s-2", path);
+    assert_repeats(path, stages[0].steps);
+    assert_repeats(name, stages[1].steps);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(record__holds_every_kind_of_request),
+        cmocka_unit_test(record__begins_with_what_there_is),
+        cmocka_unit_test(record__goes_on_when_the_daemon_is_killed),
+        cmocka_unit_test(record__survives_its_program),
+        cmocka_unit_test(record__keeps_its_bound),
+        cmocka_unit_test(record__keeps_the_newest_segments),
+        cmocka_unit_test(record__is_refused_where_it_could_not_be_whole),
+        cmocka_unit_test(environment__records_every_client),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

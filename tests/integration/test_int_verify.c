@@ -1,0 +1,364 @@
+/* test_int_verify.c - answers that are wrong, and whether pccdctl verify finds that.
+ *
+ * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
+ * Does:     record a session with its contacts, forge the recording in ways that leave it
+ *           whole, and have each judged by exact arithmetic.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <xxhash.h>
+
+#include "daemon.h"
+#include "fixture.h"
+#include "grid.h"
+#include "reader.h"
+
+#define STEPS 6u
+
+static char folder[] = "/tmp/pccd-test-verify-XXXXXX";
+static char honest[96], forged[96];
+
+static int set_up(void **state)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    struct pccd_client *client = NULL;
+    struct test_grid grid;
+
+    if (mkdtemp(folder) == NULL) {
+        return -1;
+    }
+    (void)snprintf(honest, sizeof(honest), "%s/honest.rec", folder);
+    (void)snprintf(forged, sizeof(forged), "%s/forged.rec", folder);
+    if (test_shared_connect(state, 0, &client) != 0 ||
+        pccd_record_start(client, honest, &settings) != 0 ||
+        test_grid_make(client, 8, &grid) != 0) {
+        return -1;
+    }
+    for (uint32_t i = 0; i < STEPS; i++) {
+        const struct pccd_step_settings step_settings = {
+            .mode = i % 2 == 0 ? PCCD_MODE_ALL : PCCD_MODE_PAIRS};
+        struct pccd_answer answer;
+        uint64_t step = 0;
+
+        if (test_grid_submit(&grid, &step_settings, &step) != 0 ||
+            pccd_wait(client, step, -1, &answer) != 0 || answer.total == 0) {
+            return -1;
+        }
+        pccd_answer_release(client, &answer);
+    }
+    test_grid_free(&grid);
+    pccd_close(client);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)unlink(honest);
+    (void)unlink(forged);
+    (void)rmdir(folder);
+    return test_shared_stop(state);
+}
+
+/* ---- forging ----------------------------------------------------------------------- */
+
+enum forgery {
+    FORGE_NOTHING,
+    FORGE_MISSING,  /* a contact left out, with all sums right */
+    FORGE_INVENTED, /* one of a vertex with another face */
+    FORGE_LATE,     /* its time after the first contact */
+    FORGE_EARLY,    /* and before */
+    FORGE_INITIAL,  /* claimed to touch at t = 0 */
+    FORGE_HASH,
+    FORGE_MOTION, /* positions under which the answers are wrong */
+    FORGE_COUNT
+};
+
+/* The answer is written after its records have been forged, so it waits here. */
+struct forger {
+    struct record_writer writer;
+    enum forgery forgery;
+    struct record_answer answer;
+    uint64_t answer_ns;
+    bool has_answer;
+    bool is_done;
+};
+
+static void put(struct forger *forger, uint16_t kind, uint64_t time_ns, const void *head,
+                size_t head_bytes, const void *rest, size_t rest_bytes)
+{
+    const struct record_part parts[2] = {{head, head_bytes}, {rest, rest_bytes}};
+
+    assert_int_equal(record_writer_add(&forger->writer, (enum record_kind)kind, time_ns,
+                                       parts, rest_bytes > 0 ? 2 : 1),
+                     0);
+}
+
+static void put_answer(struct forger *forger)
+{
+    if (forger->has_answer) {
+        put(forger, RECORD_ANSWER, forger->answer_ns, &forger->answer,
+            sizeof(forger->answer), NULL, 0);
+    }
+    forger->has_answer = false;
+}
+
+/* Sums and hash that fit the records. */
+static void settle(struct record_answer *answer, const struct pccd_contact *contacts,
+                   uint64_t count)
+{
+    XXH128_hash_t hash = XXH3_128bits(contacts, count * sizeof(*contacts));
+
+    answer->hash[0] = hash.high64;
+    answer->hash[1] = hash.low64;
+    answer->total = count;
+    answer->toi_first = 2;
+    answer->vf = answer->ee = answer->initial = 0;
+    for (uint64_t i = 0; i < count; i++) {
+        answer->vf += contacts[i].kind == PCCD_VF;
+        answer->ee += contacts[i].kind == PCCD_EE;
+        answer->initial += (contacts[i].flags & PCCD_INITIAL) != 0;
+        if (contacts[i].toi < answer->toi_first) {
+            answer->toi_first = contacts[i].toi;
+        }
+    }
+}
+
+static void forge_contacts(struct forger *forger, struct pccd_contact *contacts,
+                           uint64_t *count)
+{
+    struct pccd_contact *one = &contacts[*count / 2];
+
+    switch (forger->forgery) {
+    case FORGE_MISSING:
+        memmove(one, one + 1, (size_t)(contacts + *count - one - 1) * sizeof(*one));
+        --*count;
+        break;
+    case FORGE_INVENTED:
+        contacts[*count] = contacts[*count - 1];
+        contacts[*count].kind = PCCD_EE;
+        contacts[*count].object_b = contacts[*count].object_a;
+        contacts[*count].feature_a = 0;
+        contacts[*count].feature_b = 100;
+        ++*count;
+        break;
+    case FORGE_LATE:
+        one->toi += 1e-5;
+        one->toi_hi += 1e-5;
+        break;
+    case FORGE_EARLY:
+        one->toi -= 1e-5;
+        one->toi_hi -= 1e-5;
+        break;
+    case FORGE_INITIAL:
+        one->flags |= PCCD_INITIAL;
+        break;
+    default:
+        return;
+    }
+    settle(&forger->answer, contacts, *count);
+    forger->is_done = true;
+}
+
+static void forge_records(struct forger *forger, const struct record_view *view)
+{
+    static struct pccd_contact contacts[4096];
+    const uint8_t *body = (const uint8_t *)view->payload + sizeof(struct record_records);
+    struct record_records head;
+
+    memcpy(&head, view->payload, sizeof(head));
+    if (head.record_bytes != sizeof(struct pccd_contact) || forger->is_done) {
+        put_answer(forger);
+        put(forger, RECORD_RECORDS, view->time_ns, view->payload, view->bytes, NULL, 0);
+        return;
+    }
+    assert_in_range(head.count, 3, 4095);
+    memcpy(contacts, body, head.count * sizeof(*contacts));
+    forge_contacts(forger, contacts, &head.count);
+    put_answer(forger);
+    put(forger, RECORD_RECORDS, view->time_ns, &head, sizeof(head), contacts,
+        head.count * sizeof(*contacts));
+}
+
+/* Every end position of the frame mirrored: nothing goes through the floor any more. */
+static void forge_frame(struct forger *forger, const struct record_view *view)
+{
+    uint8_t *copy = malloc(view->bytes);
+    struct record_segment segment;
+
+    assert_non_null(copy);
+    memcpy(copy, view->payload, view->bytes);
+    if (forger->forgery == FORGE_MOTION && !forger->is_done) {
+        memcpy(&segment, copy + sizeof(struct record_frame), sizeof(segment));
+        assert_int_equal(segment.format, PCCD_FORMAT_F32);
+        for (uint32_t i = 0; i < segment.count; i++) {
+            uint8_t *at = copy + sizeof(struct record_frame) + segment.offset1 + i * 12;
+            float x[3];
+
+            memcpy(x, at, sizeof(x));
+            for (int k = 0; k < 3; k++) {
+                x[k] = -x[k];
+            }
+            memcpy(at, x, sizeof(x));
+        }
+        forger->is_done = true;
+    }
+    put(forger, RECORD_FRAME, view->time_ns, copy, view->bytes, NULL, 0);
+    free(copy);
+}
+
+static void forge(enum forgery forgery)
+{
+    struct forger forger = {.writer = {.fd = -1}, .forgery = forgery};
+    struct record_reader reader;
+    struct record_view view;
+    int got;
+
+    (void)unlink(forged);
+    assert_int_equal(record_writer_open(&forger.writer, forged), 0);
+    assert_int_equal(record_reader_open(&reader, honest), 0);
+    while ((got = record_reader_next(&reader, &view)) == 1) {
+        if (view.kind == RECORD_ANSWER) {
+            put_answer(&forger);
+            memcpy(&forger.answer, view.payload, sizeof(forger.answer));
+            forger.answer_ns = view.time_ns;
+            forger.has_answer = true;
+            if (forgery == FORGE_HASH && !forger.is_done) {
+                forger.answer.hash[1] ^= 1;
+                forger.is_done = true;
+            }
+        } else if (view.kind == RECORD_RECORDS) {
+            forge_records(&forger, &view);
+        } else if (view.kind == RECORD_FRAME) {
+            put_answer(&forger);
+            forge_frame(&forger, &view);
+        } else {
+            put_answer(&forger);
+            put(&forger, view.kind, view.time_ns, view.payload, view.bytes, NULL, 0);
+        }
+    }
+    assert_int_equal(got, 0);
+    assert_int_equal(reader.ending, RECORD_ENDING_WHOLE);
+    assert_true(forger.is_done || forgery == FORGE_NOTHING);
+    record_reader_deinit(&reader);
+    record_writer_deinit(&forger.writer);
+}
+
+/* ---- judging ----------------------------------------------------------------------- */
+
+static int run_ctl(const char *command, const char *options, const char *file,
+                   char said[4096])
+{
+    char line[512];
+    FILE *from;
+    size_t got;
+    int status;
+
+    (void)snprintf(line, sizeof(line),
+                   "unset PCCD_URL PCCD_RECORD; timeout 120 \"$PCCDCTL\" %s %s %s 2>&1",
+                   command, options, file);
+    from = popen(line, "r");
+    assert_non_null(from);
+    got = fread(said, 1, 4095, from);
+    said[got] = '\0';
+    status = pclose(from);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+/* If this failed, right answers would be called wrong, or nothing would be checked. */
+static void verify__passes_what_is_right(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    forge(FORGE_NOTHING);
+    assert_int_equal(run_ctl("verify", "", honest, said), 0);
+    assert_non_null(strstr(said, "PASS: 6 steps"));
+    assert_int_equal(run_ctl("verify", "--repeat --method paper", honest, said), 0);
+    assert_non_null(strstr(said, "PASS: 6 steps"));
+    assert_int_equal(run_ctl("verify", "--json --sample 100000 --seed 7", forged, said),
+                     0);
+    assert_non_null(strstr(said, "\"pass\": true"));
+}
+
+/* If this failed, a daemon with a wrong answer would be trusted. */
+static void verify__shows_what_is_wrong(void **state)
+{
+    static const char *const says[FORGE_COUNT] = {
+        [FORGE_MISSING] = "a contact is missing in the answer",
+        [FORGE_INVENTED] = "a contact is claimed to be proved, and there is none",
+        [FORGE_LATE] = "the first contact is before the record's time",
+        [FORGE_EARLY] = "the first contact is after the record's time",
+        [FORGE_INITIAL] = "touch at t = 0 is claimed wrongly",
+        [FORGE_HASH] = "the recorded hash is not that of the recorded records",
+        [FORGE_MOTION] = "there is none"};
+    char said[4096];
+
+    (void)state;
+    for (enum forgery forgery = FORGE_NOTHING + 1; forgery < FORGE_COUNT; forgery++) {
+        int status;
+
+        forge(forgery);
+        status = run_ctl("verify", "--sample 100000", forged, said);
+        if (status != 1 || strstr(said, says[forgery]) == NULL) {
+            print_message("forgery %d: %s\n", (int)forgery, said);
+        }
+        assert_int_equal(status, 1);
+        assert_non_null(strstr(said, "FAIL: step"));
+        assert_non_null(strstr(said, says[forgery]));
+    }
+}
+
+/* If this failed, the witness could not be tried by somebody else. */
+static void verify__names_the_features_and_where_they_are(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    forge(FORGE_MISSING);
+    assert_int_equal(run_ctl("verify", "--sample 100000", forged, said), 1);
+    assert_non_null(strstr(said, "exact:   first contact in [0x"));
+    assert_non_null(strstr(said, "at t = 0: "));
+    assert_non_null(strstr(said, "at t = 1: "));
+    assert_int_equal(run_ctl("verify", "--json --sample 100000", forged, said), 1);
+    assert_non_null(strstr(said, "\"witness\": {"));
+}
+
+/* If this failed, a daemon that answers otherwise than one before would not be
+ * noticed. */
+static void replay__shows_the_first_difference(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    forge(FORGE_HASH);
+    assert_int_equal(run_ctl("replay", "", forged, said), 1);
+    assert_non_null(strstr(said, "step 1 has another hash"));
+    assert_non_null(strstr(said, "expected"));
+    assert_int_equal(run_ctl("replay", "--keep-going --json", forged, said), 1);
+    assert_non_null(strstr(said, "\"differ\": 1"));
+    assert_non_null(strstr(said, "\"same\": 5"));
+    assert_int_equal(run_ctl("replay", "--steps 2..", forged, said), 0);
+    assert_int_equal(run_ctl("replay", "", honest, said), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(verify__passes_what_is_right),
+        cmocka_unit_test(verify__shows_what_is_wrong),
+        cmocka_unit_test(verify__names_the_features_and_where_they_are),
+        cmocka_unit_test(replay__shows_the_first_difference),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
