@@ -22,7 +22,8 @@
     X(slot)                                                                              \
     X(mesh)                                                                              \
     X(reader)                                                                            \
-    X(query)
+    X(query)                                                                             \
+    X(record)
 
 #define FUZZ_DECLARE(name) void fuzz_##name(const uint8_t *data, size_t bytes);
 FUZZ_TARGETS(FUZZ_DECLARE)

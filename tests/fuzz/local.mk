@@ -66,13 +66,13 @@ libfuzztargets_la_CPPFLAGS = $(server_cppflags) $(MSGPACK_CFLAGS) \
 libfuzztargets_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
 # By itself: two rooms have a step.h.
 check_LTLIBRARIES += libfuzzreader.la
-libfuzzreader_la_SOURCES = tests/fuzz/target_reader.c
-libfuzzreader_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) \
+libfuzzreader_la_SOURCES = tests/fuzz/target_reader.c tests/fuzz/target_record.c
+libfuzzreader_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(XXHASH_CFLAGS) \
     -iquote $(top_srcdir)/tests/fault -iquote $(top_srcdir)/tests/fuzz
 # Allocations of all that is linked in can fail; the fuzzer's own are not counted.
 target_ldflags = $(AM_LDFLAGS) $(FAULT_WRAP_MEMORY) $(FAULT_WRAP_CALLS)
 target_ldadd = $(MSGPACK_ARCHIVE) libfuzzreader.la libfuzztargets.la libserver.la \
-    libengine.la libctl.la \
+    libengine.la libctl.la librecord.la \
     liboracle.la libtestraw.la libproto.la $(UV_ARCHIVE) $(GMP_LIBS) $(JANSSON_LIBS) \
     $(PNG_LIBS) $(LIBM)
 
@@ -127,6 +127,12 @@ tests_fuzz_fuzz_query_SOURCES = tests/fuzz/entry.c
 tests_fuzz_fuzz_query_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_query
 tests_fuzz_fuzz_query_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
 tests_fuzz_fuzz_query_LDADD = $(target_ldadd)
+fuzz_programs += tests/fuzz/fuzz_record
+EXTRA_PROGRAMS += tests/fuzz/fuzz_record
+tests_fuzz_fuzz_record_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_record_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_record
+tests_fuzz_fuzz_record_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_record_LDADD = $(target_ldadd)
 fuzz: fuzz-here
 else
 # In a build of its own, by clang and with its sanitisers.
@@ -143,7 +149,8 @@ fuzz-here: $(fuzz_programs)
 # The first inputs; `make fuzz-seeds` writes them anew after the manifest has changed.
 EXTRA_PROGRAMS += tests/fuzz/seeds
 tests_fuzz_seeds_SOURCES = tests/fuzz/seeds.c
-tests_fuzz_seeds_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto
+tests_fuzz_seeds_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
+    -iquote $(top_srcdir)/client/record
 tests_fuzz_seeds_LDADD = libproto.la
 .PHONY: fuzz-seeds
 fuzz-seeds: tests/fuzz/seeds

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "codec.h"
+#include "format.h"
 #include "messages.h"
 
 static const char *root;
@@ -353,6 +354,63 @@ static void make_reader_seeds(void)
               "many.ply");
 }
 
+/* ---- record ------------------------------------------------------------------------ */
+
+static void put_chunk(unsigned kind, const void *head, size_t head_bytes,
+                      const void *rest, size_t rest_bytes)
+{
+    put_u8(kind);
+    put_u16((unsigned)(head_bytes + rest_bytes));
+    put(head, head_bytes);
+    put(rest, rest_bytes);
+}
+
+/* A triangle that is added, moved in three ways, replaced, and removed. */
+static void make_record_seeds(void)
+{
+    const struct record_begin hello = {.pid = 1};
+    const struct record_scene scene = {.scene = 5};
+    const struct record_object object = {5, 1, 9, 0};
+    const struct record_gone gone = {5, 1, 9, 0};
+    const struct record_answer answer = {.step = 1};
+    const struct {
+        struct record_mesh head;
+        float x[4][3];
+        uint32_t triangle[3];
+    } mesh = {{1, PCCD_FORMAT_F32, 4, 1}, {{1, 2, 3}}, {0, 1, 3}};
+    const struct {
+        struct record_place head;
+        double m[12];
+    } place = {{5, 9, RECORD_PLACED_RIGID, 1}, {1, 0, 0, 2}};
+    struct {
+        struct record_frame head;
+        struct record_segment segment;
+        double m[24];
+    } frame = {{.step = 1, .scene = 5, .segment_count = 1},
+               {9, RECORD_X1, PCCD_FORMAT_F32, 1, 3, 0, 32},
+               {1}};
+    begin();
+    put_u8(2);
+    put_chunk(RECORD_BEGIN, &hello, sizeof(hello), "", 0);
+    put_chunk(RECORD_SCENE, &scene, sizeof(scene), "", 0);
+    put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
+    put_chunk(RECORD_OBJECT, &object, sizeof(object), "", 0);
+    put_chunk(RECORD_PLACE, &place.head, 16, place.m, 96);
+    put_chunk(RECORD_FRAME, &frame.head, sizeof(frame.head), &frame.segment, 224);
+    frame.segment =
+        (struct record_segment){9, RECORD_X0X1, PCCD_FORMAT_F64, 0, 2, 32, 80};
+    put_chunk(RECORD_FRAME, &frame.head, sizeof(frame.head), &frame.segment, 224);
+    frame.segment =
+        (struct record_segment){9, RECORD_RIGID, PCCD_FORMAT_F64, 0, 4, 32, 128};
+    put_chunk(RECORD_FRAME, &frame.head, sizeof(frame.head), &frame.segment, 224);
+    put_chunk(RECORD_ANSWER, &answer, sizeof(answer), "", 0);
+    put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
+    put_chunk(RECORD_MESH_GONE, &gone, sizeof(gone), "", 0);
+    put_chunk(RECORD_OBJECT_GONE, &gone, sizeof(gone), "", 0);
+    put_chunk(RECORD_SCENE_GONE, &gone, sizeof(gone), "", 0);
+    save("record", "session");
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -367,5 +425,6 @@ int main(int argc, char **argv)
     make_mesh_seeds();
     make_query_seeds();
     make_reader_seeds();
+    make_record_seeds();
     return 0;
 }
