@@ -213,8 +213,9 @@ static void add_counters(const struct eng_team *team, struct eng_step_counters *
     }
 }
 
-/* Bring the answer together, and what the workers did; detection ended at `detect_ns`. */
-static void merge(struct eng_team *team, struct eng_step_memory *memory,
+/* Bring the answer together, and what the workers did; the step began at `step_ns`, and
+ * detection ended at `detect_ns`. */
+static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_t step_ns,
                   uint64_t detect_ns, struct eng_step_result *result)
 {
     struct eng_worker *worker = team->workers[0];
@@ -234,7 +235,9 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory,
         memory->records[i] = *record;
     }
     if (result->incomplete == ENG_COMPLETE) {
-        eng_effort_learn(&memory->effort[result->method], result->mode, work_ns);
+        struct eng_effort *effort = &memory->effort[result->method];
+        eng_effort_learn(effort, result->mode, work_ns);
+        eng_effort_time(effort, result->mode, team->count > 1, end_ns - step_ns);
     }
     result->thread_records = memory->records;
     result->threads = team->count;
@@ -275,7 +278,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     assert(!PCCD_VALIDATE || r.method != ENG_METHOD_PAPER || eng_tree_validate(scene));
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
-    merge(&team, scene->memory, detect_ns, &r);
+    merge(&team, scene->memory, begin_ns, detect_ns, &r);
     eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns, size_of(scene),
                      team.count);
     r.times.step = eng_now_ns() - begin_ns + staged_ns;

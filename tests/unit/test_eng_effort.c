@@ -101,6 +101,44 @@ static void effort__one_odd_step_changes_little(void **state)
     assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
 }
 
+/* The answers to so many steps in a row, each of which takes that long. Returns how many
+ * a team had. */
+static uint32_t run_steps(struct eng_effort *effort, uint64_t alone_ns, uint64_t team_ns,
+                          uint32_t count)
+{
+    uint32_t teams = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        bool by_team = eng_effort_pays(effort, ENG_MODE_ALL, 2);
+        teams += by_team;
+        eng_effort_learn(effort, ENG_MODE_ALL, 400000);
+        eng_effort_time(effort, ENG_MODE_ALL, by_team, by_team ? team_ns : alone_ns);
+    }
+    return teams;
+}
+
+/* If it failed: steps of some hundred microseconds would wait for a thread whose processor
+ * another process has, or not take a team where nothing is in its way. */
+static void effort__near_the_border_the_clock_decides(void **state)
+{
+    struct eng_effort effort;
+    (void)state;
+    eng_effort_forget(&effort);
+    eng_effort_learn(&effort, ENG_MODE_ALL, 400000);
+    assert_in_range(run_steps(&effort, 400000, 250000, 320), 300, 319);
+    /* others come: the team waits for milliseconds */
+    assert_in_range(run_steps(&effort, 400000, 4000000, 320), 8, 20);
+    /* and go */
+    (void)run_steps(&effort, 400000, 250000, 1600);
+    assert_in_range(run_steps(&effort, 400000, 250000, 320), 300, 319);
+    eng_effort_forget(&effort); /* much work: whatever the clock says */
+    eng_effort_time(&effort, ENG_MODE_ALL, true, 50 * MS);
+    eng_effort_time(&effort, ENG_MODE_ALL, false, 10 * MS);
+    eng_effort_learn(&effort, ENG_MODE_ALL, 10 * MS);
+    for (int i = 0; i < 100; i++) {
+        assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    }
+}
+
 /* If it failed: steps would not ask, or would go on with what they knew of objects that
  * are gone. */
 static void effort__steps_go_by_it(void **state)
@@ -138,6 +176,7 @@ int main(void)
         cmocka_unit_test(effort__unknown_scenes_go_by_their_size),
         cmocka_unit_test(effort__known_scenes_go_by_their_work),
         cmocka_unit_test(effort__border_scenes_stay_with_the_last_answer),
+        cmocka_unit_test(effort__near_the_border_the_clock_decides),
         cmocka_unit_test(effort__one_odd_step_changes_little),
         cmocka_unit_test(effort__steps_go_by_it),
     };

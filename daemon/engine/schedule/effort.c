@@ -1,7 +1,9 @@
 /* daemon/engine/schedule/effort.c - does a team pay for a step?
  *
  * Room:     engine.
- * Does:     compare the expected work with what it costs to wake a team.
+ * Does:     compare the expected work with what it costs to wake a team; where that is
+ *           near, go by the clock: beside other processes a team waits for a thread that
+ *           has lost its processor, and what it saves is less than that.
  * Threads:  [compute].
  */
 #include "effort.h"
@@ -13,9 +15,29 @@
 #define PAYS_FROM_NS          300000u
 #define PAYS_NO_MORE_BELOW_NS 150000u
 
+/* Work from which a team is woken whatever the clock says: one that must wait now and then
+ * is lucky again soon, and has much to save. */
+#define PAYS_SURELY_FROM_NS 2000000u
+
+/* Between these the other way is tried again, every so many steps, and believed by so
+ * much. */
+#define TRY_EVERY 32u
+#define SMOOTH    8u
+
 /* Work of a triangle in a scene of which nothing is known yet: that of a mesh that is
  * near nothing but itself. */
 #define TRIANGLE_NS 500u
+
+/* Is the team, by the clock? Each way is tried first. */
+static bool is_quicker(struct eng_effort *effort, enum eng_mode mode)
+{
+    struct eng_effort_took *took = &effort->took[mode];
+    if (took->team_ns == 0 || took->alone_ns == 0) {
+        return took->team_ns == 0;
+    }
+    bool quicker = took->team_ns < took->alone_ns;
+    return ++took->turns % TRY_EVERY == 0 ? !quicker : quicker;
+}
 
 bool eng_effort_pays(struct eng_effort *effort, enum eng_mode mode, uint32_t triangles)
 {
@@ -24,7 +46,7 @@ bool eng_effort_pays(struct eng_effort *effort, enum eng_mode mode, uint32_t tri
         return (uint64_t)triangles * TRIANGLE_NS >= PAYS_FROM_NS;
     }
     effort->paid = work_ns >= (effort->paid ? PAYS_NO_MORE_BELOW_NS : PAYS_FROM_NS);
-    return effort->paid;
+    return effort->paid && (work_ns >= PAYS_SURELY_FROM_NS || is_quicker(effort, mode));
 }
 
 void eng_effort_learn(struct eng_effort *effort, enum eng_mode mode, uint64_t work_ns)
@@ -38,6 +60,18 @@ void eng_effort_learn(struct eng_effort *effort, enum eng_mode mode, uint64_t wo
         work_ns = old_ns / 2;
     }
     effort->work_ns[mode] = work_ns > 0 ? work_ns : 1;
+}
+
+void eng_effort_time(struct eng_effort *effort, enum eng_mode mode, bool by_team,
+                     uint64_t took_ns)
+{
+    struct eng_effort_took *took = &effort->took[mode];
+    uint64_t *smooth_ns = by_team ? &took->team_ns : &took->alone_ns;
+    uint64_t most_ns = *smooth_ns > 0 ? SMOOTH * *smooth_ns : took_ns;
+    uint64_t believed_ns = took_ns < most_ns ? took_ns : most_ns;
+    *smooth_ns = *smooth_ns == 0 ? believed_ns
+                                 : (*smooth_ns * (SMOOTH - 1) + believed_ns) / SMOOTH;
+    *smooth_ns += *smooth_ns == 0; /* it is known now */
 }
 
 void eng_effort_forget(struct eng_effort *effort)
