@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "actor.h"
@@ -175,16 +176,29 @@ static int go_round(const struct load *load, uint32_t number, bool sheet_first,
     return rc;
 }
 
-int load_crowd_find_truth(struct load *load, uint64_t *records)
+static int go_rounds(struct load *load)
 {
-    struct load_tally tally = {0};
+    struct load_tally *tally = calloc(1, sizeof *tally);
     uint32_t count = load->settings.clients + load->settings.victims;
-    int rc = 0;
+    int rc = tally ? 0 : PCCD_E_NOMEM;
     for (uint32_t i = 0; i < count && rc == 0; i++) {
         for (int order = 0; order < (int)LOAD_ORDERS && rc == 0; order++) {
-            rc = go_round(load, i, order == 1, &tally);
+            rc = go_round(load, i, order == 1, tally);
         }
     }
-    *records = tally.records;
+    atomic_store(&load->shared->truth_records, tally ? tally->records : 0);
+    free(tally);
     return rc;
+}
+
+bool load_crowd_find_truth(struct load *load)
+{
+    int status = -1;
+    pid_t parent = getpid();
+    pid_t pid = fork();
+    if (pid == 0) {
+        bool is_orphan = prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent;
+        _exit(is_orphan || go_rounds(load) != 0 ? 1 : 0);
+    }
+    return pid > 0 && waitpid(pid, &status, 0) == pid && status == 0;
 }

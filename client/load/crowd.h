@@ -16,8 +16,9 @@
  * with its parent. */
 pid_t load_crowd_start(struct load *load, uint32_t index);
 
-/* Every client, and those that will be killed, alone for one round, in this process: the
- * truth, and its number of records. Returns 0 or a status. */
-int load_crowd_find_truth(struct load *load, uint64_t *records);
+/* Every client, and those that will be killed, alone for one round, in a process of its
+ * own, as the engine may be in it (direct:) and its threads do not outlive a fork. Sets
+ * truth and truth_records of what is shared. False: it did not work. */
+bool load_crowd_find_truth(struct load *load);
 
 #endif

@@ -97,7 +97,7 @@ void load_find(struct load_findings *f, const struct load *load,
     judge_counts(f);
     judge_memory(f, watch);
     /* A round without contacts would prove little, where there should be some. */
-    bool is_telling = outcome->truth_records > settings->clients ||
+    bool is_telling = atomic_load(&load->shared->truth_records) > settings->clients ||
                       settings->scene == LOAD_SCENE_apart || settings->mode >= 0;
     f->is_good = f->adds_up && f->is_right && f->is_back && f->is_flat && f->is_quick &&
                  is_telling && outcome->ended && outcome->bad_processes == 0 &&

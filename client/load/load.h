@@ -71,11 +71,12 @@ struct load_truth {
 };
 
 struct load_shared {
-    atomic_uint ready;   /* processes whose clients are connected */
-    atomic_bool go;      /* .. may begin */
-    atomic_ullong go_ns; /* since when; set before `go` */
-    atomic_bool enough;  /* nothing is left to wait for but the requests */
-    atomic_bool failed;  /* a process could not do its part */
+    atomic_uint ready;           /* processes whose clients are connected */
+    atomic_bool go;              /* .. may begin */
+    atomic_ullong go_ns;         /* since when; set before `go` */
+    atomic_bool enough;          /* nothing is left to wait for but the requests */
+    atomic_bool failed;          /* a process could not do its part */
+    atomic_ullong truth_records; /* of a round of every client, alone */
     struct load_tally crowd[LOAD_PROCESS_MAX];
     struct load_tally victims[LOAD_VICTIM_MAX];
     struct load_truth truth[]; /* [clients + victims][LOAD_ORDERS][LOAD_FRAMES] */

@@ -40,7 +40,20 @@ LOAD_REQUESTS = 1000
 KILL_CLIENTS = 10000
 KILL_WORKERS = 1000
 SOAK_MINUTES = 30
-.PHONY: load kills soak
+GAMES = 64
+GAME_TRIANGLES = 1k
+GAME_HZ = 60
+GAME_SECONDS = 60
+GAME_PROCESSES = 4
+GAME_OPTIONS =
+.PHONY: load kills soak games
+# Games that ask at each of their frames, whatever the answers do: 99 of a hundred answers
+# within the frame. GAME_OPTIONS='--url direct:' for the engine in each process.
+games: pccd-load$(EXEEXT) pccdd$(EXEEXT)
+	./pccd-load --daemon ./pccdd --clients $(GAMES) --processes $(GAME_PROCESSES) \
+	    --triangles $(GAME_TRIANGLES) --scene wave --kinds follow --hz $(GAME_HZ) \
+	    --warm-up 2 --seconds $(GAME_SECONDS) \
+	    --p99-ms $$(awk 'BEGIN { print 1000 / $(GAME_HZ) }') $(GAME_OPTIONS)
 load: pccd-load$(EXEEXT) pccdd$(EXEEXT)
 	./pccd-load --daemon ./pccdd --clients $(LOAD_CLIENTS) --requests $(LOAD_REQUESTS) \
 	    --processes 8

@@ -124,7 +124,7 @@ static int64_t idle_memory(const struct load *load)
 static void prepare(struct load *load, struct load_outcome *outcome)
 {
     if ((!load_is_direct(load) && !load_target_holdings(load, &outcome->before)) ||
-        load_crowd_find_truth(load, &outcome->truth_records) != 0) {
+        !load_crowd_find_truth(load)) {
         atomic_store(&load->shared->failed, true);
     }
     outcome->idle_before_kib = load_is_direct(load) ? -1 : idle_memory(load);

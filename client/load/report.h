@@ -13,7 +13,6 @@
 
 struct load_outcome {
     double seconds;         /* from the start of the load to its end */
-    uint64_t truth_records; /* of a round of every client, alone */
     uint32_t bad_processes; /* of the crowd, that did not end in order */
     bool ended;             /* the daemon ended in order, if it was ours */
     struct load_holdings before, after;
