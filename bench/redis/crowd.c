@@ -37,6 +37,19 @@ static void fail(const char *what)
     exit(2);
 }
 
+/* Who does not is closed after ten seconds. */
+static void say_hello(int fd)
+{
+    static struct proto_encoder message;
+    struct proto_HELLO_request hello = {.version_min = 1, .version_max = UINT32_MAX};
+    char got[4096];
+    if (proto_encode_request(&message, 1, PROTO_METHOD_HELLO, &hello) != 0 ||
+        send(fd, message.data, message.bytes, MSG_NOSIGNAL) != (ssize_t)message.bytes ||
+        recv(fd, got, sizeof got, 0) <= 0) {
+        fail("hello");
+    }
+}
+
 static int connect_daemon(const char *url)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -45,6 +58,7 @@ static int connect_daemon(const char *url)
     if (fd < 0 || connect(fd, (struct sockaddr *)&address, sizeof address) != 0) {
         fail(url);
     }
+    say_hello(fd);
     return fd;
 }
 
