@@ -116,8 +116,8 @@ static uint32_t run_steps(struct eng_effort *effort, uint64_t alone_ns, uint64_t
     return teams;
 }
 
-/* If it failed: steps of some hundred microseconds would wait for a thread whose processor
- * another process has, or not take a team where nothing is in its way. */
+/* If it failed: steps of some hundred microseconds would wait for a thread whose
+ * processor another process has, or not take a team where nothing is in its way. */
 static void effort__near_the_border_the_clock_decides(void **state)
 {
     struct eng_effort effort;

@@ -15,8 +15,8 @@
 #define PAYS_FROM_NS          300000u
 #define PAYS_NO_MORE_BELOW_NS 150000u
 
-/* Work from which a team is woken whatever the clock says: one that must wait now and then
- * is lucky again soon, and has much to save. */
+/* Work from which a team is woken whatever the clock says: one that must wait now and
+ * then is lucky again soon, and has much to save. */
 #define PAYS_SURELY_FROM_NS 2000000u
 
 /* Between these the other way is tried again, every so many steps, and believed by so
@@ -28,14 +28,14 @@
  * near nothing but itself. */
 #define TRIANGLE_NS 500u
 
-/* Is the team, by the clock? Each way is tried first. */
+/* Is the team, by the clock? It is, until one thread has been tried. */
 static bool is_quicker(struct eng_effort *effort, enum eng_mode mode)
 {
     struct eng_effort_took *took = &effort->took[mode];
-    if (took->team_ns == 0 || took->alone_ns == 0) {
-        return took->team_ns == 0;
+    if (took->team_ns == 0) {
+        return true;
     }
-    bool quicker = took->team_ns < took->alone_ns;
+    bool quicker = took->alone_ns == 0 || took->team_ns < took->alone_ns;
     return ++took->turns % TRY_EVERY == 0 ? !quicker : quicker;
 }
 
