@@ -139,9 +139,11 @@ class Losses(Case):
 
     @staticmethod
     def kill(client):
-        """The worker that the client has last talked to."""
+        """The worker that the client has last talked to; it is gone afterwards."""
+        pid = client.daemon_pid
         with contextlib.suppress(ProcessLookupError):  # it is dead, and not known to be
-            os.kill(client.daemon_pid, signal.SIGKILL)
+            os.kill(pid, signal.SIGKILL)
+        ends(pid)
 
     # If this failed, positions, or the order of steps, would be others after a crash.
     def test_steps__have_the_same_bytes_when_daemons_die(self):
@@ -159,7 +161,7 @@ class Losses(Case):
             if round_ % 4 == 3:
                 self.kill(client)
             self.assertEqual([client.wait(number).hash for number in numbers], want)
-        client.ping()  # all answers may have been sent before the last kill
+            client.ping()  # all answers may have been sent before the kill
         self.assertEqual(client.link_info.reconnects, 6)
         self.assertEqual(client.link_info.resumed, 0)
         self.assertGreater(client.link_info.restore_ns, 0)
@@ -357,7 +359,7 @@ class Liar:
     def serve(self):
         for answer in self.answers:
             connection, _ = self.listener.accept()
-            with connection, contextlib.suppress(ConnectionResetError):
+            with connection, contextlib.suppress(ConnectionError):
                 while True:
                     data = connection.recv(1 << 16)
                     if not data:
