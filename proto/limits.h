@@ -6,7 +6,7 @@
  * Does not: decide what happens at the bound; PROTOCOL.md says so, the server does it.
  */
 #ifdef _GCC_NEXT_LIMITS_H
-/* gcc's own <limits.h> asks for the C library's, and finds this one even behind -iquote. */
+/* gcc's own <limits.h> asks for the C library's, and finds this one despite -iquote. */
 #include_next <limits.h>
 #endif
 
