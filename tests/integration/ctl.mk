@@ -10,3 +10,6 @@ dist_check_SCRIPTS += tests/integration/ctl_observe.sh
 # pccd-load, for seconds.
 TESTS += tests/integration/load_check.sh
 dist_check_SCRIPTS += tests/integration/load_check.sh
+
+TESTS += tests/integration/ctl_record.sh
+dist_check_SCRIPTS += tests/integration/ctl_record.sh

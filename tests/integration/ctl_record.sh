@@ -1,0 +1,191 @@
+#!/bin/bash
+# tests/integration/ctl_record.sh - pccdctl record, replay, verify, render, export (TAP).
+#
+# Room:     tests/integration.
+# Does:     records a program that plays two frames, kills its daemon for good, and looks at
+#           what is left with every command; reads the files that they write.
+# Does not: forge recordings; test_int_verify does.
+# Source:   man/pccdctl.1.scd says what is promised.
+
+set -u
+: "${top_srcdir:?is set by make check}" "${PCCDCTL:?}" "${PCCDD:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-record-XXXXXX") || exit 99
+daemon=
+finish() {
+    [ -z "$daemon" ] || kill -9 "$daemon" 2>/dev/null
+    rm -rf "$work"
+}
+trap finish EXIT
+cd "$work" || exit 99
+log=$work/log
+unset PCCD_URL PCCD_RECORD PCCD_RECORD_OPTIONS
+
+# A strip of triangles that goes through another one, standing across.
+frame() { # HEIGHT
+    printf 'ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n'
+    printf 'property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n'
+    printf '%s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" "0.75 0.25 $((3 + $1))" \
+        "0.25 0.75 $((3 + $1))" '3 0 1 2' '3 3 4 5'
+}
+frame 1 >frame0.ply
+frame -1 >frame1.ply
+
+start() {
+    "$PCCDD" --socket "$work/s" 2>>"$log" &
+    daemon=$!
+    for _ in $(seq 100); do
+        "$PCCDCTL" ping -c 1 -q --socket "$work/s" >/dev/null 2>&1 && return 0
+        sleep 0.1
+    done
+    return 1
+}
+# report NAME: the status of the command before it decides.
+report() { tap_result $? "$1" "$log"; }
+
+# If it failed, a session could not be recorded from outside, or its program's end would be lost.
+start && timeout 60 "$PCCDCTL" record -o session.rec --contacts -- \
+    "$PCCDCTL" load --times 5 --socket "$work/s" frame0.ply frame1.ply >"$log" 2>&1 &&
+    timeout 60 "$PCCDCTL" record -o other.rec -- bash -c 'exit 7' >>"$log" 2>&1
+[ $? -eq 7 ] && [ -s session.rec ] && [ ! -e other.rec ]
+report record__keeps_what_a_program_asks_and_its_exit_status
+
+# If it failed, the death of daemon and program together would cost more than the last event.
+timeout 60 "$PCCDCTL" record -o killed.rec -- \
+    "$PCCDCTL" load --times 1000000 --socket "$work/s" frame0.ply frame1.ply >"$log" 2>&1 &
+recorder=$!
+for _ in $(seq 100); do
+    [ -s killed.rec ] && [ "$(wc -c <killed.rec)" -gt 8192 ] && break
+    sleep 0.1
+done
+kill -9 "$daemon"
+wait "$daemon" 2>/dev/null
+daemon=
+for child in $(pgrep -P "$recorder"); do
+    for program in $(pgrep -P "$child") $child; do
+        kill -9 "$program" 2>/dev/null
+    done
+done
+wait "$recorder" 2>/dev/null
+timeout 60 "$PCCDCTL" replay --json killed.rec >said 2>>"$log" &&
+    grep -q '"differ": 0' said && ! grep -q '"same": 0,' said
+report replay__gets_the_same_hashes_from_another_daemon
+
+# If it failed, a file that is cut anywhere would be of no use.
+bytes=$(wc -c <session.rec)
+status=0
+for cut in 16 17 100 $((bytes / 2)) $((bytes - 9)) $((bytes - 1)); do
+    head -c "$cut" session.rec >cut.rec
+    timeout 60 "$PCCDCTL" replay cut.rec >"$log" 2>&1 || status=1
+done
+[ $status -eq 0 ]
+report replay__reads_a_file_that_is_cut
+
+# If it failed, a damaged file would be trusted, or nobody would know where it is damaged.
+{ head -c $((bytes / 2)) session.rec; printf 'damage'; tail -c +$((bytes / 2 + 7)) session.rec; } >bad.rec
+timeout 60 "$PCCDCTL" replay bad.rec >"$log" 2>&1
+[ $? -eq 4 ] && grep -q 'at byte [0-9]*' "$log"
+report replay__says_where_a_file_is_damaged
+
+# If it failed, right answers would not be called right, or by a daemon that is not there.
+timeout 60 "$PCCDCTL" verify session.rec >"$log" 2>&1 && grep -q '^PASS: ' "$log"
+report verify__passes_right_answers
+
+# If it failed, a picture could not be opened, or would have another size.
+timeout 60 "$PCCDCTL" render session.rec --steps 1 --size 320x200 -o a.png >"$log" 2>&1 &&
+    timeout 60 "$PCCDCTL" render session.rec --steps 1 --at contacts --up z --view 60,40 \
+        --zoom 0.5 -o a.svg >>"$log" 2>&1 &&
+    python3 - >>"$log" 2>&1 <<'EOF'
+import base64, struct, xml.dom.minidom
+png = open('a.png', 'rb').read()
+assert png[:8] == b'\x89PNG\r\n\x1a\n' and struct.unpack('>II', png[16:24]) == (320, 200)
+svg = xml.dom.minidom.parse('a.svg')
+image = svg.getElementsByTagName('image')[0].getAttribute('xlink:href')
+assert base64.b64decode(image.split(',')[1])[:4] == b'\x89PNG'
+assert any('contacts' in text.firstChild.data for text in svg.getElementsByTagName('text'))
+assert len(svg.getElementsByTagName('circle')) > 0
+EOF
+report render__writes_png_and_svg
+
+# If it failed, Blender would not open the file, or show another scene.
+timeout 60 "$PCCDCTL" export session.rec --steps 1 --time 0.5 -o a.glb >"$log" 2>&1 &&
+    python3 - >>"$log" 2>&1 <<'EOF'
+import json, struct
+data = open('a.glb', 'rb').read()
+magic, version, length, text_bytes, kind = struct.unpack('<IIIII', data[:20])
+assert (magic, version, length, kind) == (0x46546c67, 2, len(data), 0x4e4f534a)
+doc = json.loads(data[20:20 + text_bytes])
+binary = data[20 + text_bytes:]
+bin_bytes, kind = struct.unpack('<II', binary[:8])
+assert kind == 0x004e4942 and bin_bytes == len(binary) - 8 == doc['buffers'][0]['byteLength']
+binary = binary[8:]
+sizes = {'SCALAR': 1, 'VEC3': 3}
+def read(index):
+    accessor = doc['accessors'][index]
+    view = doc['bufferViews'][accessor['bufferView']]
+    words = accessor['count'] * sizes[accessor['type']]
+    assert words * 4 == view['byteLength'] and view['byteOffset'] % 4 == 0
+    assert view['byteOffset'] + view['byteLength'] <= bin_bytes
+    form = {5126: 'f', 5125: 'I'}[accessor['componentType']]
+    return struct.unpack_from('<%d%s' % (words, form), binary, view['byteOffset'])
+mesh, points, lines = [m['primitives'][0] for m in doc['meshes']]
+x, motion = read(mesh['attributes']['POSITION']), read(mesh['targets'][0]['POSITION'])
+assert x[9:12] == (0.25, 0.25, 1.0) and motion[9:12] == (0, 0, -2), (x, motion)
+assert read(mesh['indices']) == (0, 1, 2, 3, 4, 5) and doc['meshes'][0]['weights'] == [0.5]
+bounds = doc['accessors'][mesh['attributes']['POSITION']]
+assert bounds['min'] == [0, 0, 0] and bounds['max'] == [1, 1, 4]
+assert points['mode'] == 0 and lines['mode'] == 1 and doc['extras']['contacts'] > 0
+assert len(read(points['attributes']['POSITION'])) == 3 * doc['extras']['contacts']
+assert len(read(lines['attributes']['POSITION'])) == 6 * doc['extras']['contacts']
+assert max(abs(v) for v in read(points['attributes']['POSITION'])[:3]) <= 1
+assert doc['animations'][0]['channels'][0]['target'] == {'node': 0, 'path': 'weights'}
+for accessor in range(len(doc['accessors'])):
+    read(accessor)
+EOF
+report export__writes_gltf
+
+# If it failed, ParaView would not open the file, or show other numbers.
+timeout 60 "$PCCDCTL" export session.rec --steps 1 -o a.vtp >"$log" 2>&1 &&
+    python3 - >>"$log" 2>&1 <<'EOF'
+import base64, struct, xml.etree.ElementTree as tree
+root = tree.parse('a.vtp').getroot()
+assert root.get('type') == 'PolyData' and root.get('header_type') == 'UInt64'
+piece = root.find('PolyData/Piece')
+forms = {'Float32': 'f', 'UInt32': 'I'}
+def read(array):
+    text = array.text
+    count, = struct.unpack('<Q', base64.b64decode(text[:12]))
+    data = base64.b64decode(text[12:])
+    assert len(data) == count
+    return struct.unpack('<%d%s' % (count // 4, forms[array.get('type')]), data)
+points, verts, polys = [int(piece.get('NumberOf' + n)) for n in ('Points', 'Verts', 'Polys')]
+assert polys == 2 and verts > 0 and points == 6 + verts
+x = read(piece.find('Points/DataArray'))
+assert len(x) == 3 * points and x[9:12] == (0.25, 0.25, -1.0)
+cells = {a.get('Name'): read(a) for a in piece.find('CellData')}
+assert all(len(v) == (verts + polys) * (3 if n == 'normal' else 1) for n, v in cells.items())
+assert all(0 <= t <= 1 for t in cells['toi'][:verts]) and cells['toi'][verts:] == (2, 2)
+assert set(cells['kind'][:verts]) <= {0, 1} and cells['kind'][verts:] == (2, 2)
+for cell, each, count in (('Verts', 1, verts), ('Polys', 3, polys)):
+    of = {a.get('Name'): read(a) for a in piece.find(cell)}
+    assert len(of['connectivity']) == each * count and max(of['connectivity']) < points
+    assert of['offsets'] == tuple(each * (i + 1) for i in range(count))
+EOF
+report export__writes_vtk
+
+# If it failed, a wrong use would end in something else than a sentence.
+status=0
+for wrong in "replay" "replay a b" "replay --steps 3..2 session.rec" "replay --steps 0 session.rec" \
+    "replay --pace slow session.rec" "render session.rec" "render session.rec -o a.jpg" \
+    "render session.rec -o a.png --size 10x10" "export session.rec -o a.obj" "record -o x" \
+    "record -- true" "verify --sample x session.rec"; do
+    # shellcheck disable=SC2086 # words
+    "$PCCDCTL" $wrong >"$log" 2>&1
+    [ $? -eq 2 ] && [ -s "$log" ] || { echo "$wrong" >>"$log"; status=1; break; }
+done
+[ $status -eq 0 ]
+report options__are_refused_when_they_are_wrong
+
+tap_end
