@@ -29,6 +29,7 @@
 /* Bits of hello's `features`. */
 #define PROTO_FEATURE_RESUME 1u
 #define PROTO_FEATURE_OBSERVE 4u /* list, stats.histogram, config, watch */
+#define PROTO_FEATURE_SHARED 8u /* scenes that sessions share */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u

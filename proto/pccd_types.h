@@ -121,6 +121,14 @@ enum pccd_contact_flag {
     PCCD_INITIAL = 2u  /* the features already touch at t = 0 (then toi = toi_hi = 0) */
 };
 
+/* Whether a named scene is made. */
+enum pccd_share {
+    PCCD_SHARE_CREATE = 0, /* there must be none of that name */
+    PCCD_SHARE_OPEN = 1,   /* made unless there is one */
+    PCCD_SHARE_ATTACH = 2, /* there must be one */
+    PCCD_SHARE_COUNT = 3
+};
+
 /* Why an answer is not complete. */
 enum pccd_incomplete {
     PCCD_COMPLETE = 0,

@@ -25,6 +25,7 @@
 #include "records.h" /* asserts that the records have the layout of the wire */
 #include "rpc.h"
 #include "seqpacket.h"
+#include "shared.h"
 #include "watch.h"
 
 #define CLI_TIMEOUT_MS     30000
@@ -305,6 +306,7 @@ void pccd_close(struct pccd_client *client)
     cli_page_deinit(client);
     cli_ring_deinit(&client->ring);
     cli_keep_deinit(client);
+    cli_shared_forget(client, 0);
     cli_watch_deinit(client);
     if (client->owner == getpid()) {
         cli_launch_stop(&client->child);

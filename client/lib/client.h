@@ -140,8 +140,6 @@ struct cli_link {
     struct pccd_link_info info;
 };
 
-struct cli_kept_scene;
-struct cli_kept_mesh;
 struct pccd_client {
     int socket;
     struct cli_link link;
@@ -151,14 +149,15 @@ struct pccd_client {
     struct cli_recorder *recorder; /* NULL: nothing is recorded (recorder.h) */
     uint32_t want;                 /* handle of what is made next; 0: any */
     struct cli_retired *retired;   /* oldest first */
+    struct cli_shared *shared;     /* by scene; NULL: nothing was heard (shared.h) */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid;
     char cpu[PROTO_STR_MAX + 1];
     char daemon[PROTO_STR_MAX + 1]; /* its name and release */
     uint32_t version, threads_max;  /* of the protocol; of a step */
-    uint64_t session;        /* number */
-    struct cli_watch *watch; /* NULL: it does not watch (watch.c) */
-    bool slots_chosen; /* the user set slot_count: never take fewer */
+    uint64_t session;               /* number */
+    struct cli_watch *watch;        /* NULL: it does not watch (watch.c) */
+    bool slots_chosen;              /* the user set slot_count: never take fewer */
     bool dead;
     int goaway; /* status of the daemon's last words, 0: none */
     int timeout_ms;

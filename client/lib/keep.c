@@ -178,6 +178,9 @@ static void add_scene(struct pccd_client *client, const struct cli_call *call)
     }
     made->handle = result->scene;
     made->settings = call->params.SCENE_CREATE;
+    if (made->settings.name[0] != '\0' && made->settings.share == PCCD_SHARE_CREATE) {
+        made->settings.share = PCCD_SHARE_OPEN; /* others may be faster next time */
+    }
     *find_scene(client, result->scene) = made;
 }
 

@@ -37,6 +37,8 @@ libpccd_la_SOURCES = \
     client/lib/rpc.c \
     client/lib/rpc.h \
     client/lib/scene.c \
+    client/lib/shared.c \
+    client/lib/shared.h \
     client/lib/stats.c \
     client/lib/step.c \
     client/lib/step.h \

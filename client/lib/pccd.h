@@ -255,12 +255,18 @@ struct pccd_scene_settings {
     enum pccd_quality quality;      /* 0 = median */
     uint32_t rebuild_triangles_max; /* a subtree of up to so many is built anew at once;
                                        larger ones aside, a share a step; 0 = 1024 */
-    double rebuild_ratio; /* a subtree is built anew when the volume of its box is less
+    double rebuild_ratio;  /* a subtree is built anew when the volume of its box is less
                              than so much of its two halves', which overlap then;
                              up to 1; 0 = 0.9; negative: never */
+    const char *name;      /* to share the scene with other clients (below), 1 .. 255
+                               bytes; NULL: it is this client's alone */
+    enum pccd_share share; /* of a named one: make it, or take part */
+    uint32_t rights;       /* of one that is made: as a file's, of 0666; 0 = 0600 */
 };
 
-/* An empty scene; `settings` NULL: the defaults. Errors: E_INVAL, E_LIMIT, E_BUSY. */
+/* An empty scene; `settings` NULL: the defaults. Errors: E_INVAL, E_LIMIT, E_BUSY; of
+ * a named scene E_STATE (there is one), E_AGAIN (there is none yet, to take part in),
+ * E_ACCESS, E_VERSION (the daemon knows no such scenes). */
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene);
 int pccd_scene_destroy(struct pccd_client *client, uint32_t scene);
@@ -269,6 +275,22 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
                    uint32_t *object);
 int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t object);
 
+/* Scenes that clients share. Whoever makes one says who else may take part, by the user
+ * and the groups of their processes: to read, which is to know of its steps and to fetch
+ * their answers, or also to write, which is to add objects and to step. An object is
+ * moved and removed by the client that added it alone, and goes with it; the scene goes
+ * with the last client. Steps of one client move its own objects, while those of the
+ * others stand still: to move objects of several clients over the same time, all but one
+ * submit frames with `hold` (struct pccd_step_settings), which wait for a step of the
+ * scene, go along with it, and are answered with its numbers. After a crash of the daemon
+ * each client brings its own objects back when it has found the next one. */
+struct pccd_scene_news {
+    uint64_t number; /* of the step among those of the scene, from 1 */
+    enum pccd_mode mode;
+    enum pccd_incomplete incomplete;
+    uint64_t total;
+    uint64_t hash[2]; /* as in struct pccd_answer */
+};
 /* ---- steps ------------------------------------------------------------------------- */
 
 struct pccd_step_settings {
@@ -279,8 +301,13 @@ struct pccd_step_settings {
     enum pccd_scheduler scheduler;   /* how threads share the work; 0 = the daemon's */
     enum pccd_high_level high_level; /* default, as the next one */
     enum pccd_refit refit;
-    double tolerance;        /* of toi_hi - toi, 1e-12 .. 1; 0 = 1e-6 */
-    uint64_t deadline_ns;    /* after it the answer is incomplete; 0 = none */
+    double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; 0 = 1e-6 */
+    uint64_t deadline_ns; /* after it the answer is incomplete; 0 = none */
+    bool hold;            /* in a shared scene: move with the next step of another
+                             client. One frame of a client and scene waits at a time
+                             (E_BUSY). Answered by that step, without records, which
+                             pccd_scene_read has; or at its deadline, or cancelled: then
+                             it goes along nevertheless */
 };
 
 /* Nanoseconds. `low` and `high` divide traversal + tests between low-level and high-level
@@ -301,31 +328,43 @@ struct pccd_step_counters {
 /* The answer to one step. `contacts` (or `pairs`) lie in memory that the daemon shares:
  * read-only, valid until pccd_answer_release. */
 struct pccd_answer {
-    uint64_t step;                  /* as returned by pccd_submit */
-    int status;                     /* 0, or why the step failed: then nothing else is set
+    uint64_t step; /* as returned by pccd_submit */
+    int status;    /* 0, or why the step failed: then nothing else is set
                                        and positions are as before; pccd_error_text says
                                        more */
     enum pccd_mode mode;
     enum pccd_method method;
-    enum pccd_incomplete incomplete; /* 0: complete */
-    enum pccd_verdict verdict;       /* mode any */
+    enum pccd_incomplete incomplete;     /* 0: complete */
+    enum pccd_verdict verdict;           /* mode any */
     const struct pccd_contact *contacts; /* [count]; NULL in mode pairs or without any */
     const struct pccd_pair *pairs;       /* [count]; NULL in other modes or without any */
-    uint64_t count;                 /* records of this page */
-    uint64_t first;                 /* index of the page's first record */
-    uint64_t cursor;                /* next page begins here; = total on the last page */
-    uint64_t total;                 /* records of the whole answer */
+    uint64_t count;                      /* records of this page */
+    uint64_t first;                      /* index of the page's first record */
+    uint64_t cursor; /* next page begins here; = total on the last page */
+    uint64_t total;  /* records of the whole answer */
     uint64_t vf, ee, possible, initial;
-    double toi_first;               /* smallest toi; 2 without any record */
-    uint64_t hash[2];               /* XXH3-128 over all records: high, low */
+    double toi_first; /* smallest toi; 2 without any record */
+    uint64_t hash[2]; /* XXH3-128 over all records: high, low */
+    uint64_t number;  /* of the step among all of its scene, from 1 */
     uint32_t threads;
     enum pccd_scheduler scheduler;   /* what was used; 0: one thread had nothing to */
     enum pccd_high_level high_level; /* share, or there was no such phase */
     enum pccd_refit refit;
     struct pccd_step_times times;
     struct pccd_step_counters counters;
-    uint64_t reserved[2];           /* the library's */
+    uint64_t reserved[2]; /* the library's */
 };
+
+/* The last step that another client has made in a shared scene; steps may be left out,
+ * the last never is. Waits for one that has not been told yet, up to timeout_ms; < 0: the
+ * client's default; 0: does not wait. pccd_fd is readable when there may be one. Errors:
+ * E_AGAIN (timeout_ms = 0), E_TIMEOUT. */
+int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
+                    struct pccd_scene_news *news);
+/* A page of the answer to step `number` of a shared scene, whoever made it, as long as it
+ * is the last one (else E_STATE); to be released as any other. */
+int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
+                    uint64_t cursor, struct pccd_answer *answer);
 
 /* A step being written: a slot of the upload ring. */
 struct pccd_frame {

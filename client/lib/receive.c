@@ -14,6 +14,7 @@
 #include "page.h"
 #include "recorder.h"
 #include "rpc.h"
+#include "shared.h"
 #include "watch.h"
 
 /* The call that an answer is for. */
@@ -152,20 +153,14 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
                    text[0] != '\0' ? text : proto_status_text(call->status));
 }
 
-static void take_notification(struct pccd_client *client,
-                              const struct proto_envelope *envelope)
+static void take_goaway(struct pccd_client *client, const struct proto_envelope *envelope)
 {
     struct proto_GOAWAY_request goaway;
     struct proto_error error;
 
-    if (envelope->method == PROTO_NOTE_STEP) {
-        cli_watch_take(client, envelope);
-        return;
-    }
-    if (envelope->method != PROTO_NOTE_GOAWAY ||
-        proto_decode_body(envelope, &proto_messages[PROTO_NOTE_GOAWAY].request, &goaway,
+    if (proto_decode_body(envelope, &proto_messages[PROTO_NOTE_GOAWAY].request, &goaway,
                           &error) != 0) {
-        return; /* of a newer protocol */
+        return;
     }
     client->goaway = goaway.code == 0 || goaway.code > INT32_MAX ? PCCD_E_DISCONNECTED
                                                                  : -(int)goaway.code;
@@ -173,6 +168,18 @@ static void take_notification(struct pccd_client *client,
                    "the daemon at %s says: %s", client->url,
                    goaway.text[0] != '\0' ? goaway.text
                                           : proto_status_text(client->goaway));
+}
+
+static void take_notification(struct pccd_client *client,
+                              const struct proto_envelope *envelope)
+{
+    if (envelope->method == PROTO_NOTE_GOAWAY) {
+        take_goaway(client, envelope);
+    } else if (envelope->method == PROTO_NOTE_SCENE_STEP) {
+        cli_shared_note(client, envelope);
+    } else if (envelope->method == PROTO_NOTE_STEP) {
+        cli_watch_take(client, envelope);
+    } /* else of a newer protocol */
 }
 
 /* Nothing more comes, now or for ever. */

@@ -82,6 +82,7 @@ static int restore_scene(struct cli_flight *flight, const struct cli_kept_scene 
 struct batch {
     struct cli_flight *flight;
     uint32_t scene;
+    bool is_shared;
     uint32_t slot; /* CLI_SLOT_NONE: none is begun */
     uint32_t segment_count;
     uint64_t used;
@@ -94,6 +95,7 @@ static int flush(struct batch *batch)
                                                  .slot = batch->slot,
                                                  .segments = batch->segment_count,
                                                  .mode = PCCD_MODE_ANY,
+                                                 .place = batch->is_shared,
                                                  .deadline_ns = AT_ONCE};
     int rc;
 
@@ -171,8 +173,10 @@ static int add_vertices(struct batch *batch, const struct cli_kept_object *objec
 static int restore_positions(struct cli_flight *flight,
                              const struct cli_kept_scene *scene)
 {
-    struct batch batch = {
-        .flight = flight, .scene = scene->handle, .slot = CLI_SLOT_NONE};
+    struct batch batch = {.flight = flight,
+                          .scene = scene->handle,
+                          .slot = CLI_SLOT_NONE,
+                          .is_shared = scene->settings.name[0] != '\0'};
     int rc = 0;
 
     for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {

@@ -4,8 +4,40 @@
  * Does:     one request each; nothing about scenes is kept on this side.
  * Threads:  [owner].
  */
+#include <string.h>
+
 #include "client.h"
 #include "rpc.h"
+#include "shared.h"
+
+/* What a scene is shared as. */
+static int share(struct pccd_client *client, const struct pccd_scene_settings *settings,
+                 struct proto_SCENE_CREATE_request *request)
+{
+    size_t bytes = settings->name != NULL ? strlen(settings->name) : 0;
+
+    if (settings->name == NULL) {
+        return settings->share == 0 && settings->rights == 0
+                   ? 0
+                   : cli_fail(client, PCCD_E_INVAL,
+                              "scene.create: only a scene with a "
+                              "name has share and rights");
+    }
+    if (bytes == 0 || bytes > PROTO_STR_MAX) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "scene.create: a name of %zu bytes, not of 1 to %u", bytes,
+                        PROTO_STR_MAX);
+    }
+    if ((client->link.features & PROTO_FEATURE_SHARED) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "the daemon at %s is too old for scenes that clients share",
+                        client->url);
+    }
+    memcpy(request->name, settings->name, bytes + 1);
+    request->share = (uint32_t)settings->share;
+    request->rights = settings->rights;
+    return 0;
+}
 
 int pccd_want(struct pccd_client *client, uint32_t handle)
 {
@@ -29,7 +61,7 @@ int pccd_scene_create(struct pccd_client *client,
 {
     struct proto_SCENE_CREATE_request request = {.rebuild_ratio = 0};
     struct proto_SCENE_CREATE_result result;
-    int rc;
+    int rc = 0;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -41,6 +73,10 @@ int pccd_scene_create(struct pccd_client *client,
         request.rebuild_ratio = settings->rebuild_ratio;
         request.quality = (uint32_t)settings->quality;
         request.rebuild_triangles_max = settings->rebuild_triangles_max;
+        rc = share(client, settings, &request);
+    }
+    if (rc != 0) {
+        return rc;
     }
     request.want = cli_take_want(client);
     rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, &request, &result,
@@ -58,6 +94,7 @@ int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
+    cli_shared_forget(client, scene);
     return cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
                          cli_deadline(client, -1));
 }

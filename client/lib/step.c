@@ -62,6 +62,7 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot, uin
         request.refit = (uint32_t)settings->refit;
         request.tolerance = settings->tolerance;
         request.deadline_ns = settings->deadline_ns;
+        request.hold = settings->hold;
     }
     if (rc == 0) {
         rc = cli_call_send(client, PROTO_METHOD_FRAME_SUBMIT, &request, slot,
@@ -127,6 +128,7 @@ static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
     answer->toi_first = result->toi_first;
     answer->hash[0] = result->hash_hi;
     answer->hash[1] = result->hash_lo;
+    answer->number = result->number;
     answer->threads = result->threads;
     answer->scheduler = (enum pccd_scheduler)result->scheduler;
     answer->high_level = (enum pccd_high_level)result->high_level;
@@ -216,7 +218,7 @@ static struct cli_call *find_oldest_done(struct pccd_client *client)
 
 /* Take in what has arrived, without waiting; more than the table's calls cannot
  * matter. */
-static void drain(struct pccd_client *client)
+void cli_step_drain(struct pccd_client *client)
 {
     for (uint32_t i = 0; i < CLI_CALLS && !client->dead; i++) {
         if (cli_receive(client) != 0) {
@@ -238,7 +240,7 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
     if (answer == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
     }
-    drain(client);
+    cli_step_drain(client);
     call = find_oldest_done(client);
     if (call == NULL) {
         return client->dead ? cli_alive(client)
@@ -267,7 +269,7 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
                                        (unsigned long long)step);
     }
     if (timeout_ms == 0) {
-        drain(client);
+        cli_step_drain(client);
         if (call->state == CLI_CALL_SENT) {
             return cli_fail(client, PCCD_E_AGAIN, "step %llu has not been answered",
                             (unsigned long long)step);
@@ -277,25 +279,16 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
     return rc != 0 ? rc : take_answer(client, call, answer);
 }
 
-int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
-               struct pccd_answer *answer)
+int cli_step_fetch(struct pccd_client *client,
+                   const struct proto_FRAME_FETCH_request *request,
+                   struct pccd_answer *answer)
 {
-    struct proto_FRAME_FETCH_request request = {
-        .scene = scene, .step = step, .cursor = cursor};
     struct cli_call *call = NULL;
-    uint64_t deadline_ns;
-    int rc;
+    uint64_t deadline_ns = cli_deadline(client, -1);
+    int rc = cli_step_check(client);
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
-    if (answer == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
-    }
-    deadline_ns = cli_deadline(client, -1);
-    rc = cli_step_check(client);
     if (rc == 0) {
-        rc = cli_call_send(client, PROTO_METHOD_FRAME_FETCH, &request, CLI_SLOT_NONE,
+        rc = cli_call_send(client, PROTO_METHOD_FRAME_FETCH, request, CLI_SLOT_NONE,
                            deadline_ns, &call);
     }
     if (rc != 0) {
@@ -310,6 +303,21 @@ int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64
         return cli_call_finish(client, call);
     }
     return take_answer(client, call, answer);
+}
+
+int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
+               struct pccd_answer *answer)
+{
+    struct proto_FRAME_FETCH_request request = {
+        .scene = scene, .step = step, .cursor = cursor};
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (answer == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
+    }
+    return cli_step_fetch(client, &request, answer);
 }
 
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)

@@ -19,4 +19,12 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot, uin
                   uint32_t segment_count, const struct pccd_step_settings *settings,
                   uint64_t *step);
 
+/* Take in what has arrived, without waiting. */
+void cli_step_drain(struct pccd_client *client);
+
+/* A page of an answer, into *answer. */
+int cli_step_fetch(struct pccd_client *client,
+                   const struct proto_FRAME_FETCH_request *request,
+                   struct pccd_answer *answer);
+
 #endif

@@ -104,3 +104,18 @@ bool srv_allow_peer(const struct srv_allow *allow, int socket, const struct ucre
     return allow->gid_count > 0 &&
            (has_group(allow, peer->gid) || has_further_group(allow, socket));
 }
+
+gid_t srv_peer_group(int socket)
+{
+    struct ucred peer;
+    socklen_t bytes = sizeof peer;
+    return getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) == 0 ? peer.gid
+                                                                           : (gid_t)-1;
+}
+
+bool srv_peer_has_group(int socket, gid_t gid)
+{
+    const struct srv_allow allow = {.gid_count = 1, .gids = {gid}};
+    return gid != (gid_t)-1 &&
+           (srv_peer_group(socket) == gid || has_further_group(&allow, socket));
+}

@@ -24,6 +24,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "allow.h"
 #include "closer.h"
 #include "dispatch.h"
 #include "invariant.h"
@@ -34,6 +35,7 @@
 #include "reactor.h"
 #include "seqpacket.h"
 #include "session.h"
+#include "shared.h"
 #include "watch.h"
 
 #define HELLO_MS  10000u /* for a client to say hello */
@@ -342,6 +344,16 @@ bool srv_conn_is_free(const struct srv_conn *conn)
     return conn->state == SRV_CONN_OPEN && conn->reply_count == 0;
 }
 
+gid_t srv_conn_group(const struct srv_conn *conn)
+{
+    return srv_peer_group(conn->fd);
+}
+
+bool srv_conn_has_group(const struct srv_conn *conn, gid_t gid)
+{
+    return srv_peer_has_group(conn->fd, gid);
+}
+
 /* Send what is queued, as far as the socket takes it. */
 static void flush(struct srv_conn *conn)
 {
@@ -359,6 +371,9 @@ static void flush(struct srv_conn *conn)
         drop_reply(conn);
     }
     linger_if_flushed(conn);
+    if (conn->state == SRV_CONN_OPEN && conn->session != NULL) {
+        srv_shared_catch_up(conn->session);
+    }
 }
 
 /* ---- receiving --------------------------------------------------------------------- */
@@ -414,6 +429,9 @@ static bool read_one(struct srv_conn *conn)
            conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
 }
 
+/* Messages of a client that has gone: all that its session may have had in flight. */
+#define LAST_WORDS_MAX 64u
+
 /* Turns of a client until it is asked again whether it sends ahead. */
 #define ASK_AHEAD_EVERY 8u
 
@@ -465,11 +483,27 @@ static void discard(struct srv_conn *conn)
     }
 }
 
+/* A client that closed with something unread: libuv calls that an error. What it had said
+ * before, as that it goes for good, is still there. */
+static void read_last_words(struct srv_conn *conn)
+{
+    uint32_t count = 0;
+    while (conn->fd >= 0 && conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
+           count < LAST_WORDS_MAX && read_one(conn)) {
+        count++;
+    }
+}
+
 static void on_poll(uv_poll_t *poll, int status, int events)
 {
     struct srv_conn *conn = poll->data;
+    if (status < 0) {
+        read_last_words(conn);
+    }
     if (status < 0 || conn->state == SRV_CONN_BROKEN) {
-        srv_conn_close(conn);
+        if (conn->fd >= 0) {
+            srv_conn_close(conn);
+        }
         return;
     }
     if ((events & UV_WRITABLE) != 0) {

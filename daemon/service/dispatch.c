@@ -18,6 +18,7 @@
 #include "now.h"
 #include "replies.h"
 #include "session.h"
+#include "shared.h"
 
 /* ---- the table --------------------------------------------------------------------- */
 
@@ -351,6 +352,7 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
         PCCD_ASSERT(call.error.code == status);
         answer(session, &question, NULL, &call.error, NULL, 0);
     }
+    srv_shared_catch_up(session);
     srv_tracing_add(loop, PCCD_TRACE_RECEIVE, session, call.arrival_ns, call.method,
                     call.id);
 }

@@ -9,11 +9,14 @@
 #include <string.h>
 
 #include "call.h"
+#include "frame.h"
+#include "held.h"
 #include "invariant.h"
 #include "loop.h"
 #include "now.h"
 #include "request.h"
 #include "session.h"
+#include "shared.h"
 #include "wire.h"
 
 #define TOLERANCE_DEFAULT 1e-6
@@ -211,6 +214,10 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     describe(&step, &scene->answer);
     describe_sharing(&settings, step.threads, &scene->answer);
     scene->answer.step = request->params.FRAME_SUBMIT.step;
+    if (!request->params.FRAME_SUBMIT.place) {
+        scene->answer.number = ++scene->number;
+    }
+    scene->stepper = request->session->id;
     request->last_step = srv_laststep_new(&step);
     scene->records = step.records;
     scene->has_answer = true;
@@ -227,29 +234,52 @@ static int check_head(struct srv_request *request)
     return srv_ring_reserve(request->plan.ring, 1, 0, &page, &data, &request->error);
 }
 
+/* Stage what others hold for this step, and what the step itself moves, out of its slot
+ * or of the copy of it; then run it. [compute] */
+static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
+{
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_scene *scene = request->plan.scene;
+    struct proto_segment *table = request->session->loop->segments;
+    int status = 0;
+    if (!submit->place) {
+        srv_held_check(request);
+    }
+    begin_staging(request, engine);
+    if (!submit->place) {
+        status = srv_held_stage(request);
+    }
+    if (status == 0 && submit->segments > 0) {
+        status = request->is_answered
+                     ? srv_ring_stage_copy(request->copy, request->copy_bytes, submit,
+                                           request->session, scene, table,
+                                           &request->upload_bytes, &request->error)
+                     : srv_ring_stage(request->plan.ring, submit, scene, table,
+                                      &request->upload_bytes, &request->error);
+    }
+    srv_request_return_slot(request);
+    if (status == 0) {
+        status = compute_step(request, engine);
+    }
+    if (status != 0) {
+        eng_stage_abort(engine);
+    } else if (!submit->place) {
+        srv_held_take(request);
+    }
+    return status;
+}
+
 /* A step that was answered before its turn: it only moves what it moves. What goes wrong
  * is what the next step of its scene is answered. [compute] */
 static int move_early(struct srv_request *request)
 {
-    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_scene *scene = request->plan.scene;
     struct eng_scene *engine = NULL;
     int status = srv_scene_engine(scene, &engine);
     if (status != 0) {
         status = proto_error_set(&request->error, status, "no memory for the scene");
     } else {
-        begin_staging(request, engine);
-        if (submit->segments > 0) {
-            status = srv_ring_stage_copy(request->copy, request->copy_bytes, submit,
-                                         scene, request->session->loop->segments,
-                                         &request->upload_bytes, &request->error);
-        }
-        if (status == 0) {
-            status = compute_step(request, engine);
-        }
-        if (status != 0) {
-            eng_stage_abort(engine);
-        }
+        status = stage_and_step(request, engine);
     }
     if (status != 0) {
         scene->owed = request->error;
@@ -274,7 +304,6 @@ static int take_owed(struct srv_request *request)
 
 static int work_submit(struct srv_request *request)
 {
-    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_scene *scene = request->plan.scene;
     struct eng_scene *engine = NULL;
     uint64_t start_ns = srv_now_ns();
@@ -292,18 +321,8 @@ static int work_submit(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status, "no memory for the scene");
     }
-    begin_staging(request, engine);
-    if (submit->segments > 0) {
-        status = srv_ring_stage(request->plan.ring, submit, scene,
-                                request->session->loop->segments, &request->upload_bytes,
-                                &request->error);
-        srv_request_return_slot(request);
-    }
-    if (status == 0) {
-        status = compute_step(request, engine);
-    }
+    status = stage_and_step(request, engine);
     if (status != 0) {
-        eng_stage_abort(engine);
         return status;
     }
     struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
@@ -316,15 +335,28 @@ static int work_submit(struct srv_request *request)
     return status;
 }
 
+void srv_frame_nothing(const struct proto_FRAME_SUBMIT_request *submit,
+                       enum pccd_incomplete why, struct proto_FRAME_SUBMIT_result *answer)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result nothing;
+    choose(submit, &settings);
+    eng_step_nothing(&settings, &nothing);
+    describe(&nothing, answer);
+    answer->incomplete = why;
+    answer->step = submit->step;
+}
+
 /* It is to end, and others are still before it: the answer is known. [loop] */
 static void answer_submit_early(struct srv_request *request, enum pccd_incomplete why)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_session *session = request->session;
     struct srv_quota *quota = &session->loop->quota;
-    const struct srv_ring *ring = request->plan.ring;
+    struct srv_ring *ring = request->plan.ring;
     struct proto_error error = {0};
     uint64_t bytes = 0;
+    uint64_t copy_bytes = 0;
     uint8_t *copy = NULL;
     if (submit->segments > 0) {
         bytes = ring->slot_stride < EARLY_BYTES_MAX ? ring->slot_stride : EARLY_BYTES_MAX;
@@ -332,16 +364,11 @@ static void answer_submit_early(struct srv_request *request, enum pccd_incomplet
             0) {
             return;
         }
-        copy = srv_ring_copy_slot(ring, submit, bytes);
+        /* If it cannot be: whoever stages it in its turn says why. */
+        (void)srv_ring_copy_slot(ring, submit, bytes, &copy, &copy_bytes, &error);
     }
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    struct eng_step_result nothing;
     struct proto_FRAME_SUBMIT_result answer;
-    choose(submit, &settings);
-    eng_step_nothing(&settings, &nothing);
-    describe(&nothing, &answer);
-    answer.incomplete = why;
-    answer.step = submit->step;
+    srv_frame_nothing(submit, why, &answer);
     answer.ns_queue = srv_now_ns() - request->arrival_ns;
     /* Storing it changes nothing. */
     answer.release =
@@ -384,10 +411,16 @@ static void finish_submit(struct srv_request *request)
     struct srv_loop *loop = request->session->loop;
     struct srv_laststep *last = request->last_step;
     uint64_t number = 0;
+    srv_held_answer(request);
     if (request->status == 0) {
         number = ++loop->step_last;
         srv_metrics_add_step(&loop->metrics, &request->result.FRAME_SUBMIT);
         tell_step(request, number);
+    }
+    if (request->status == 0 && request->plan.scene->shared != NULL &&
+        !request->params.FRAME_SUBMIT.place) {
+        srv_shared_stepped(request->plan.scene, request->session,
+                           &request->result.FRAME_SUBMIT);
     }
     if (last != NULL) {
         last->answer = request->result.FRAME_SUBMIT;
@@ -447,6 +480,23 @@ static int check_settings(struct srv_call *call)
     return 0;
 }
 
+/* It waits for a step of another session. */
+static int hold(struct srv_call *call, struct srv_plan *plan)
+{
+    plan->work = srv_held_work;
+    plan->finish = srv_held_finish;
+    plan->answer_early = NULL; /* it is copied in its turn */
+    int status = srv_held_admit(call, plan->scene, plan->ring, &plan->held_bytes);
+    if (status != 0) {
+        return status;
+    }
+    status = srv_request_start(call, plan);
+    if (status < 0) {
+        srv_held_refund(plan->scene, call->session, plan->held_bytes);
+    }
+    return status;
+}
+
 int srv_on_FRAME_SUBMIT(struct srv_call *call)
 {
     struct srv_session *session = call->session;
@@ -464,8 +514,14 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
     if (status == 0 && submit->segments > 0) {
         status = srv_request_slot(call, ring, submit->slot, submit->seq);
     }
+    if (status == 0) {
+        status = srv_shared_refuse_reader(session, scene, &call->error);
+    }
     if (status != 0) {
         return status;
+    }
+    if (submit->place && scene->shared == NULL) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "place is of shared scenes");
     }
     if (session->submit_count >= ring->inflight_max) {
         return proto_error_set(&call->error, PCCD_E_BUSY,
@@ -480,7 +536,7 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
                             .answer_early = answer_submit_early,
                             .deadline_ns =
                                 deadline_of(submit->deadline_ns, call->arrival_ns)};
-    return srv_request_start(call, &plan);
+    return submit->hold ? hold(call, &plan) : srv_request_start(call, &plan);
 }
 
 /* ---- fetch ------------------------------------------------------------------------- */
@@ -495,11 +551,16 @@ static int work_fetch(struct srv_request *request)
                                "scene 0x%x has no answer: no step since it changed",
                                fetch->scene);
     }
-    if (fetch->step != scene->answer.step) {
-        return proto_error_set(&request->error, PCCD_E_STATE,
-                               "the answer to step %llu is gone, step %llu has run since",
-                               (unsigned long long)fetch->step,
-                               (unsigned long long)scene->answer.step);
+    bool is_own = scene->stepper == request->session->id;
+    if (fetch->number != 0 ? fetch->number != scene->answer.number
+                           : !is_own || fetch->step != scene->answer.step) {
+        return proto_error_set(
+            &request->error, PCCD_E_STATE,
+            "the answer to step %llu is gone, %s step %llu has run "
+            "since",
+            (unsigned long long)(fetch->number != 0 ? fetch->number : fetch->step),
+            is_own ? "this session's" : "another session's",
+            (unsigned long long)scene->answer.step);
     }
     if (fetch->cursor > scene->answer.total) {
         return proto_error_set(&request->error, PCCD_E_INVAL,

@@ -71,10 +71,9 @@ int srv_on_HELLO(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    struct srv_session *older =
-        call->session->is_stranger
-            ? NULL
-            : srv_linger_find(loop, request, call->session->user);
+    struct srv_session *older = call->session->is_stranger
+                                    ? NULL
+                                    : srv_linger_find(loop, request, call->session->user);
     if (older != NULL) {
         srv_linger_resume(older, call->session);
         call->session = older;
@@ -88,7 +87,7 @@ int srv_on_HELLO(struct srv_call *call)
     }
     call->result.HELLO = (struct proto_HELLO_result){
         .version = version,
-        .features = PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE,
+        .features = PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE | PROTO_FEATURE_SHARED,
         .epoch = loop->epoch,
         .session = call->session->id,
         .pid = (uint32_t)getpid(),

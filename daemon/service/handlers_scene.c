@@ -12,6 +12,7 @@
 #include "now.h"
 #include "request.h"
 #include "session.h"
+#include "shared.h"
 #include "wire.h"
 
 /* The scene of a handle; NULL with the error set. */
@@ -61,10 +62,18 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
     if (status != 0) {
         return status;
     }
+    const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
+    if (request->name[0] == '\0' && (request->share != 0 || request->rights != 0)) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "share and rights are of scenes that have a name");
+    }
     if (session->scene_count >= SRV_SCENES_MAX) {
         return proto_error_set(&call->error, PCCD_E_BUSY,
                                "%u scenes wait to be freed behind what is computed now",
                                session->scene_count - session->scenes.count);
+    }
+    if (request->name[0] != '\0') {
+        return srv_shared_open(call, &settings);
     }
     struct srv_scene *scene = srv_scene_new(session, &settings);
     if (scene == NULL) {
@@ -94,8 +103,12 @@ int srv_on_SCENE_DESTROY(struct srv_call *call)
         return PCCD_E_HANDLE;
     }
     srv_handles_remove(&call->session->scenes, handle);
-    srv_scene_unlink(scene);
-    srv_resource_drop(&scene->resource);
+    if (scene->shared != NULL) {
+        srv_shared_leave(call->session, scene);
+    } else {
+        srv_scene_unlink_of(scene, call->session);
+        srv_resource_drop(&scene->resource);
+    }
     call->result.SCENE_DESTROY.done = true;
     return 0;
 }
@@ -133,7 +146,8 @@ static int work_add(struct srv_request *request)
                             .engine_idx = idx,
                             .vertex_count = request->plan.shape->vertex_count,
                             .generation = request->plan.generation,
-                            .mesh_number = request->plan.mesh_number};
+                            .mesh_number = request->plan.mesh_number,
+                            .owner = request->session->id};
     request->result.SCENE_ADD.object = handle;
     request->result.SCENE_ADD.build_ns = srv_now_ns() - start_ns;
     return 0;
@@ -162,6 +176,9 @@ int srv_on_SCENE_ADD(struct srv_call *call)
                                mesh_handle);
     }
     int status = srv_mesh_refuse_busy(mesh, mesh_handle, &call->error);
+    if (status == 0) {
+        status = srv_shared_refuse_reader(session, scene, &call->error);
+    }
     if (status != 0) {
         return status;
     }
@@ -173,7 +190,7 @@ int srv_on_SCENE_ADD(struct srv_call *call)
                             .generation = mesh->generation,
                             .scene = scene,
                             .object = call->params.SCENE_ADD.want};
-    status = srv_scene_admit(scene, mesh, &plan.object, &call->error);
+    status = srv_scene_admit(scene, session, mesh, &plan.object, &call->error);
     if (status != 0) {
         return status;
     }
@@ -195,10 +212,7 @@ static int work_remove(struct srv_request *request)
                                "object 0x%x is not in the scene any more",
                                request->plan.object);
     }
-    scene->has_answer = false;
-    int status = srv_wire_status(eng_scene_remove(scene->engine, placed->engine_idx));
-    PCCD_ASSERT(status == 0); /* the engine has every object that is placed */
-    *placed = (struct srv_placed){0};
+    srv_scene_displace(scene, placed);
     request->result.SCENE_REMOVE.done = true;
     return 0;
 }
@@ -217,10 +231,15 @@ int srv_on_SCENE_REMOVE(struct srv_call *call)
     if (scene == NULL) {
         return PCCD_E_HANDLE;
     }
-    if (srv_handles_get(&scene->objects, object) == NULL) {
+    const struct srv_object *item = srv_handles_get(&scene->objects, object);
+    if (item == NULL) {
         return proto_error_set(&call->error, PCCD_E_HANDLE,
                                "scene 0x%x has no object 0x%x",
                                call->params.SCENE_REMOVE.scene, object);
+    }
+    if (item->owner != call->session) {
+        return proto_error_set(&call->error, PCCD_E_ACCESS,
+                               "object 0x%x is another session's", object);
     }
     struct srv_plan plan = {.work = work_remove,
                             .finish = finish_remove,

@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 #include "codec.h"
 
@@ -34,6 +35,11 @@ void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *messag
 
 /* No more messages either way: send what is queued, let the peer read it, close. */
 void srv_conn_finish(struct srv_conn *conn);
+
+/* The group of the client's process, (gid_t)-1: not known, and whether another one is
+ * among its groups. */
+gid_t srv_conn_group(const struct srv_conn *conn);
+bool srv_conn_has_group(const struct srv_conn *conn, gid_t gid);
 
 /* The client has said hello: it may be silent now. */
 void srv_conn_established(struct srv_conn *conn);

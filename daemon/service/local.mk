@@ -17,7 +17,9 @@ libservice_la_SOURCES = \
     daemon/service/handlers_mesh.c \
     daemon/service/handlers_scene.c \
     daemon/service/handlers_watch.c \
+    daemon/service/frame.h \
     daemon/service/handles.c daemon/service/handles.h \
+    daemon/service/held.c daemon/service/held.h \
     daemon/service/host.h \
     daemon/service/invariant.c daemon/service/invariant.h \
     daemon/service/laststep.c daemon/service/laststep.h \
@@ -37,6 +39,7 @@ libservice_la_SOURCES = \
     daemon/service/resource.c daemon/service/resource.h \
     daemon/service/ringio.c daemon/service/ringio.h \
     daemon/service/session.c daemon/service/session.h \
+    daemon/service/shared.c daemon/service/shared.h \
     daemon/service/tracing.c daemon/service/tracing.h \
     daemon/service/wire.c daemon/service/wire.h
 # -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.

@@ -54,6 +54,7 @@ struct srv_loop {
     struct proto_segment *segments; /* [compute] PROTO_SEGMENTS_MAX: the step's table */
     struct srv_monitor *monitors;   /* of the sessions that watch; NULL: none does */
     struct srv_session *sessions;   /* newest first, closed ones included */
+    struct srv_shared *shared;      /* scenes that sessions share, newest first */
     uint32_t client_count;          /* open sessions */
     uint32_t refused_count;         /* sessions that wait to hear they are refused */
     uint32_t request_count;         /* in flight, of all sessions */

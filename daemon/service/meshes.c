@@ -96,6 +96,15 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
 {
     srv_assert_loop();
     PCCD_ASSERT(mesh->next != NULL && !mesh->is_busy);
+    for (const struct srv_object *object = mesh->objects; object != NULL;
+         object = object->next) {
+        if (object->lent != NULL) {
+            return proto_error_set(error, PCCD_E_STATE,
+                                   "object 0x%x is in a scene of another user; the mesh "
+                                   "cannot be replaced",
+                                   object->handle);
+        }
+    }
     /* Every object of the mesh is charged as its current shape; what the new one adds is
      * charged before it is built. At most 2^26 objects and 2^31 triangles each. */
     uint64_t now = charge_of(mesh->current);
@@ -157,6 +166,7 @@ static void settle_scene(const struct srv_replacement *replacement,
                          struct srv_scene *scene, uint32_t vertex_count)
 {
     eng_scene_settle(scene->engine);
+    scene->changes++;
     for (uint32_t i = 0; i < scene->placed_count; i++) {
         struct srv_placed *placed = &scene->placed[i];
         if (placed->handle != 0 && placed->mesh_number == replacement->mesh_number) {

@@ -12,6 +12,7 @@
 #include "crashnote.h"
 #include "dispatch.h"
 #include "enginemem.h"
+#include "held.h"
 #include "invariant.h"
 #include "linger.h"
 #include "loop.h"
@@ -81,8 +82,10 @@ static void run(struct srv_job *job)
     srv_crash_note(proto_messages[request->method].name, request->session->id,
                    request->id);
     struct srv_enginemem memory;
-    srv_enginemem_begin(&memory, request->session->user,
-                        request->session->loop->options->engine_bytes_max);
+    const struct srv_scene *scene = request->plan.scene; /* may be another user's */
+    srv_enginemem_begin(
+        &memory, scene != NULL ? scene->resource.session->user : request->session->user,
+        request->session->loop->options->engine_bytes_max);
     request->status =
         srv_enginemem_explain(&memory, request->plan.work(request), &request->error);
     srv_crash_note(NULL, 0, 0);
@@ -136,10 +139,8 @@ static void drop_copy(struct srv_request *request)
     }
 }
 
-/* Answer, and let go of everything. [loop] */
-static void done(struct srv_job *job)
+void srv_request_conclude(struct srv_request *request)
 {
-    struct srv_request *request = (struct srv_request *)job;
     struct srv_session *session = request->session;
     srv_assert_loop();
     srv_overdue_remove(&session->loop->overdue, request);
@@ -158,6 +159,15 @@ static void done(struct srv_job *job)
     srv_session_unlist(session, request);
     free(request);
     srv_session_settle(session);
+}
+
+/* [loop] */
+static void done(struct srv_job *job)
+{
+    struct srv_request *request = (struct srv_request *)job;
+    if (!srv_held_waits(request)) {
+        srv_request_conclude(request);
+    }
 }
 
 static int enqueue(struct srv_request *request)
@@ -280,6 +290,10 @@ static void try_early(struct srv_request *request, enum pccd_incomplete why)
 void srv_request_overdue(struct srv_request *request)
 {
     srv_assert_loop();
+    if (request->is_waiting) {
+        srv_held_end(request, PCCD_INCOMPLETE_DEADLINE);
+        return;
+    }
     try_early(request, PCCD_INCOMPLETE_DEADLINE);
 }
 
@@ -287,6 +301,10 @@ void srv_request_cancel(struct srv_request *request)
 {
     srv_assert_loop();
     atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
+    if (request->is_waiting) {
+        srv_held_end(request, PCCD_INCOMPLETE_CANCELLED);
+        return;
+    }
     try_early(request, PCCD_INCOMPLETE_CANCELLED);
     if (request->method != PROTO_METHOD_FRAME_SUBMIT && dequeue(request)) {
         take_back(request);
@@ -298,7 +316,9 @@ void srv_request_abandon(struct srv_request *request)
     srv_assert_loop();
     PCCD_ASSERT(request->session->conn == NULL);
     atomic_store_explicit(&request->job.cancel, true, memory_order_relaxed);
-    if (dequeue(request)) {
+    if (request->is_waiting) {
+        srv_held_end(request, PCCD_INCOMPLETE_CANCELLED);
+    } else if (dequeue(request)) {
         take_back(request);
     }
 }

@@ -15,6 +15,7 @@
 
 #define SRV_OVERDUE_NOWHERE UINT32_MAX
 
+struct srv_held;
 struct srv_laststep;
 struct srv_replacement;
 struct srv_request;
@@ -38,7 +39,8 @@ struct srv_plan {
     uint64_t mesh_number;                /* of the mesh that `shape` serves */
     uint32_t generation;                 /* likewise */
     uint32_t object;                     /* handle in `scene` */
-    bool takes_slot; /* a slot of the ring, to be returned exactly once */
+    uint64_t held_bytes; /* charged for a frame that is held (held.h); 0: none */
+    bool takes_slot;     /* a slot of the ring, to be returned exactly once */
     /* [loop] It still waits for its turn, and its deadline has come or it was cancelled:
      * answer it (srv_request_answer_early), or leave it to its turn. NULL: it is left. */
     void (*answer_early)(struct srv_request *request, enum pccd_incomplete why);
@@ -67,8 +69,11 @@ struct srv_request {
     uint64_t deadline_ns;           /* [loop] as the plan's */
     uint32_t overdue_at;            /* [loop] its place in overdue.h */
     bool is_answered;               /* before its turn; changes only while it is queued */
-    uint8_t *copy;       /* likewise: of its slot, charged to its user; NULL: none */
-    uint64_t copy_bytes; /* likewise */
+    uint8_t *copy;          /* likewise: of its slot, charged to its user; NULL: none */
+    uint64_t copy_bytes;    /* likewise */
+    struct srv_held *held;  /* that it has brought; NULL: none, or it was answered */
+    struct srv_held *taken; /* [compute] then [loop]: by its step */
+    bool is_waiting;        /* for a step of another session (held.h) */
 };
 
 /* Admission: the session's ring, or PCCD_E_STATE with call->error set. [loop] */
@@ -76,6 +81,9 @@ int srv_request_ring(struct srv_call *call, struct srv_ring **ring);
 /* Admission: whether slot and sequence number can be those of a written slot. [loop] */
 int srv_request_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t slot,
                      uint64_t seq);
+
+/* Answer one that waits, and let go of everything. [loop] */
+void srv_request_conclude(struct srv_request *request);
 
 /* Its deadline has come. [loop] */
 void srv_request_overdue(struct srv_request *request);

@@ -178,14 +178,18 @@ static void scene_free_engine(struct srv_job *job)
 }
 
 /* Refund an object that has left its table already. */
-static void object_free(struct srv_session *session, struct srv_object *object)
+static void object_free(struct srv_object *object)
 {
-    struct srv_loop *loop = session->loop;
+    struct srv_session *owner = object->owner;
+    struct srv_loop *loop = owner->loop;
     srv_object_unlink(object);
-    srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, object->charge);
+    srv_quota_refund(&loop->quota, owner->user, SRV_QUOTA_TRIANGLES, object->charge);
+    if (object->lent != NULL) {
+        srv_resource_drop(&object->lent->resource);
+    }
     loop->metrics.counters.objects_now--;
-    session->told.objects--;
-    session->told.triangles -= object->charge;
+    owner->told.objects--;
+    owner->told.triangles -= object->charge;
     free(object);
 }
 
@@ -196,7 +200,7 @@ static void scene_free_rest(struct srv_job *job)
     uint32_t cursor = 0;
     for (struct srv_object *object;
          (object = srv_handles_pop(&scene->objects, &cursor));) {
-        object_free(session, object);
+        object_free(object);
     }
     srv_handles_deinit(&scene->objects);
     session->loop->metrics.counters.scenes_now--;
@@ -272,15 +276,24 @@ struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle)
     return &scene->placed[index];
 }
 
-int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *object,
-                    struct proto_error *error)
+void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
+{
+    srv_assert_compute();
+    scene->has_answer = false;
+    scene->changes++;
+    int status = srv_wire_status(eng_scene_remove(scene->engine, placed->engine_idx));
+    PCCD_ASSERT(status == 0); /* the engine has every object that is placed */
+    *placed = (struct srv_placed){0};
+}
+
+int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
+                    struct srv_mesh *mesh, uint32_t *object, struct proto_error *error)
 {
     srv_assert_loop();
-    struct srv_session *session = scene->resource.session;
     struct srv_loop *loop = session->loop;
     uint64_t charge =
         srv_triangle_charge(mesh->current->vertex_count, mesh->current->triangle_count);
-    int status = refuse_tight(session, charge, error);
+    int status = refuse_tight(scene->resource.session, charge, error);
     if (status == 0) {
         status = srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_TRIANGLES,
                                   charge, error);
@@ -288,7 +301,7 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *ob
     if (status != 0) {
         return status;
     }
-    struct srv_object *item = malloc(sizeof *item);
+    struct srv_object *item = calloc(1, sizeof *item);
     uint32_t want = *object;
     status = item == NULL
                  ? PCCD_E_NOMEM
@@ -304,7 +317,13 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_mesh *mesh, uint32_t *ob
                                      PROTO_OBJECTS_PER_SCENE)
                    : proto_error_set(error, status, "no memory for an object");
     }
+    item->handle = *object;
     item->charge = charge;
+    item->owner = session;
+    if (scene->resource.session->user != session->user) {
+        item->lent = mesh->current;
+        srv_resource_acquire(&item->lent->resource);
+    }
     srv_mesh_link(mesh, item);
     loop->metrics.counters.objects_now++;
     session->told.objects++;
@@ -316,14 +335,27 @@ void srv_scene_forget(struct srv_scene *scene, uint32_t object)
 {
     struct srv_object *item = srv_handles_remove(&scene->objects, object);
     PCCD_ASSERT(item != NULL);
-    object_free(scene->resource.session, item);
+    object_free(item);
 }
 
-void srv_scene_unlink(struct srv_scene *scene)
+void srv_scene_forget_of(struct srv_scene *scene, const struct srv_session *session)
 {
     uint32_t cursor = 0;
     for (struct srv_object *object;
          (object = srv_handles_next(&scene->objects, &cursor)) != NULL;) {
-        srv_object_unlink(object);
+        if (object->owner == session) {
+            srv_scene_forget(scene, object->handle);
+        }
+    }
+}
+
+void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_session *session)
+{
+    uint32_t cursor = 0;
+    for (struct srv_object *object;
+         (object = srv_handles_next(&scene->objects, &cursor)) != NULL;) {
+        if (object->owner == session) {
+            srv_object_unlink(object);
+        }
     }
 }

@@ -134,7 +134,6 @@ int srv_ring_create(struct srv_ring *ring, uint64_t epoch, struct proto_error *e
 int srv_ring_open_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
                        const uint8_t **payload, struct proto_error *error)
 {
-    srv_assert_compute();
     PCCD_ASSERT(slot < ring->slot_count);
     /* Acquire: pairs with the client's release store after it wrote the payload. */
     uint64_t stored =
@@ -153,7 +152,6 @@ int srv_ring_open_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
 int srv_ring_check_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
                         struct proto_error *error)
 {
-    srv_assert_compute();
     /* Adding 0 is a read that no earlier read of the payload can pass: the release half
      * orders those before it. A plain load has no such order, and a fence is not seen by
      * the thread sanitizer. The word keeps the client's value. */
@@ -187,6 +185,7 @@ void srv_ring_done(struct srv_ring *ring)
 /* A slot while it is being staged. */
 struct staging {
     struct srv_scene *scene;
+    uint64_t owner; /* whose objects may be moved: number of a session; 0: all */
     const uint8_t *payload;
     uint64_t payload_bytes;
     uint64_t table_bytes; /* at the start of the payload; positions lie behind it */
@@ -278,6 +277,11 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
                                "segment %u: object 0x%x is not in the scene", at,
                                segment->object);
     }
+    if (staging->owner != 0 && object->owner != staging->owner) {
+        return proto_error_set(staging->error, PCCD_E_ACCESS,
+                               "segment %u: object 0x%x is another session's", at,
+                               segment->object);
+    }
     if (segment->first >= object->vertex_count ||
         segment->count > object->vertex_count - segment->first) {
         return proto_error_set(staging->error, PCCD_E_SEGMENT,
@@ -311,6 +315,19 @@ static int stage(struct staging *staging, uint32_t segments, struct proto_segmen
     return status;
 }
 
+static int refuse_table(const struct staging *staging, uint32_t segments)
+{
+    return proto_error_set(staging->error, PCCD_E_SEGMENT,
+                           "a table of %u segments does not fit in %llu bytes of a slot",
+                           segments, (unsigned long long)staging->payload_bytes);
+}
+
+/* Whose objects a step of the session may move. */
+static uint64_t owner_in(const struct srv_scene *scene, const struct srv_session *session)
+{
+    return scene->shared != NULL ? session->id : 0;
+}
+
 int srv_ring_stage(struct srv_ring *ring,
                    const struct proto_FRAME_SUBMIT_request *request,
                    struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
@@ -319,6 +336,7 @@ int srv_ring_stage(struct srv_ring *ring,
     PCCD_ASSERT(request->segments >= 1 && request->segments <= PROTO_SEGMENTS_MAX);
     struct staging staging = {
         .scene = scene,
+        .owner = owner_in(scene, ring->resource.session),
         .payload_bytes = ring->slot_stride,
         .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
         .error = error,
@@ -329,10 +347,7 @@ int srv_ring_stage(struct srv_ring *ring,
         return status;
     }
     if (staging.table_bytes > staging.payload_bytes) {
-        return proto_error_set(
-            error, PCCD_E_SEGMENT,
-            "a table of %u segments does not fit in a slot of %llu bytes",
-            request->segments, (unsigned long long)ring->slot_stride);
+        return refuse_table(&staging, request->segments);
     }
     status = stage(&staging, request->segments, table, bytes);
     /* A slot that changed explains any other complaint. */
@@ -342,12 +357,14 @@ int srv_ring_stage(struct srv_ring *ring,
 
 int srv_ring_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
                         const struct proto_FRAME_SUBMIT_request *request,
-                        struct srv_scene *scene, struct proto_segment *table,
-                        uint64_t *bytes, struct proto_error *error)
+                        const struct srv_session *session, struct srv_scene *scene,
+                        struct proto_segment *table, uint64_t *bytes,
+                        struct proto_error *error)
 {
     srv_assert_compute();
     struct staging staging = {
         .scene = scene,
+        .owner = owner_in(scene, session),
         .payload = copy,
         .payload_bytes = copy_bytes,
         .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
@@ -357,7 +374,8 @@ int srv_ring_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
     return stage(&staging, request->segments, table, bytes);
 }
 
-/* Where the last segment of a copied table ends; 0: something is wrong with one. */
+/* Where the last segment of a copied table ends; 0: something is wrong with one, and the
+ * error is set. */
 static uint64_t extent_of(const struct staging *staging, uint32_t segments)
 {
     uint64_t extent = staging->table_bytes;
@@ -376,44 +394,44 @@ static uint64_t extent_of(const struct staging *staging, uint32_t segments)
     return extent;
 }
 
-uint8_t *srv_ring_copy_slot(const struct srv_ring *ring,
-                            const struct proto_FRAME_SUBMIT_request *request,
-                            uint64_t bytes)
+int srv_ring_copy_slot(struct srv_ring *ring,
+                       const struct proto_FRAME_SUBMIT_request *request,
+                       uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
+                       struct proto_error *error)
 {
-    PCCD_ASSERT(request->slot < ring->slot_count && bytes <= ring->slot_stride);
-    struct proto_error error = {0};
+    PCCD_ASSERT(request->slot < ring->slot_count && bytes_max <= ring->slot_stride);
     struct staging staging = {
-        .payload_bytes = bytes,
+        .payload_bytes = bytes_max,
         .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
-        .error = &error,
+        .error = error,
     };
-    const uint8_t *payload = (const uint8_t *)ring->upload.base +
-                             sizeof(struct proto_upload) +
-                             request->slot * ring->slot_stride;
-    _Atomic uint64_t *seq = &ring->shared->slots[request->slot].seq;
-    /* Acquire, and the release half of the addition of 0: as in srv_ring_open_slot and
-     * srv_ring_check_slot. */
-    if (atomic_load_explicit(seq, memory_order_acquire) != request->seq ||
-        staging.table_bytes > staging.payload_bytes) {
-        return NULL;
+    const uint8_t *payload = NULL;
+    int status = srv_ring_open_slot(ring, request->slot, request->seq, &payload, error);
+    if (status != 0) {
+        return status;
     }
-    uint8_t *copy = malloc(bytes);
-    if (copy == NULL) {
-        return NULL;
+    if (staging.table_bytes > bytes_max) {
+        return refuse_table(&staging, request->segments);
     }
-    memcpy(copy, payload, staging.table_bytes);
-    staging.payload = copy;
-    uint64_t extent = extent_of(&staging, request->segments);
-    if (extent > 0) {
-        memcpy(copy + staging.table_bytes, payload + staging.table_bytes,
-               extent - staging.table_bytes);
+    uint8_t *new = malloc(bytes_max);
+    if (new == NULL) {
+        return proto_error_set(error, PCCD_E_NOMEM, "no memory to copy a slot");
     }
-    if (extent == 0 ||
-        atomic_fetch_add_explicit(seq, 0, memory_order_acq_rel) != request->seq) {
-        free(copy);
-        return NULL;
+    memcpy(new, payload, staging.table_bytes); /* the one read of the table */
+    staging.payload = new;
+    *bytes = extent_of(&staging, request->segments);
+    if (*bytes > 0) {
+        memcpy(new + staging.table_bytes, payload + staging.table_bytes,
+               *bytes - staging.table_bytes);
     }
-    return copy;
+    /* A slot that changed explains any other complaint. */
+    int torn = srv_ring_check_slot(ring, request->slot, request->seq, error);
+    if (torn != 0 || *bytes == 0) {
+        free(new);
+        return torn != 0 ? torn : error->code;
+    }
+    *copy = new;
+    return 0;
 }
 
 /* ---- results ----------------------------------------------------------------------- */

@@ -41,32 +41,35 @@ int srv_ring_sizes(const struct proto_SHM_ATTACH_request *request,
  * [compute] */
 int srv_ring_create(struct srv_ring *ring, uint64_t epoch, struct proto_error *error);
 
-/* The payload of a slot that holds `seq`, or PCCD_E_SLOT_STALE. [compute] */
+/* The payload of a slot that holds `seq`, or PCCD_E_SLOT_STALE. [any] */
 int srv_ring_open_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
                        const uint8_t **payload, struct proto_error *error);
 /* After the last read of the payload: PCCD_E_SLOT_TORN when the slot has changed, then
- * everything read from it is worth nothing. [compute] */
+ * everything read from it is worth nothing. [any] */
 int srv_ring_check_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
                         struct proto_error *error);
 
 /* Stage the step in a slot: copy and check the segment table, then copy the positions of
  * each segment into `scene`, which has its staging open. On failure the caller aborts it.
+ * In a shared scene only objects of the ring's session may be moved (PCCD_E_ACCESS).
  * `table` has room for PROTO_SEGMENTS_MAX. *bytes is what was copied. [compute] */
 int srv_ring_stage(struct srv_ring *ring,
                    const struct proto_FRAME_SUBMIT_request *request,
                    struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error);
-/* The same out of a copy of the slot. [compute] */
+/* The same out of a copy of a slot of `session`. [compute] */
 int srv_ring_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
                         const struct proto_FRAME_SUBMIT_request *request,
-                        struct srv_scene *scene, struct proto_segment *table,
-                        uint64_t *bytes, struct proto_error *error);
-/* A copy of the first `bytes` of the slot of a step, of malloc. NULL: the step uses more,
- * there is no memory, or the slot is not as it must be: whoever stages it says what is
- * wrong. [loop] */
-uint8_t *srv_ring_copy_slot(const struct srv_ring *ring,
-                            const struct proto_FRAME_SUBMIT_request *request,
-                            uint64_t bytes);
+                        const struct srv_session *session, struct srv_scene *scene,
+                        struct proto_segment *table, uint64_t *bytes,
+                        struct proto_error *error);
+/* A copy, of malloc, of what the step uses of its slot, *bytes of at most `bytes_max`.
+ * Returns 0, PCCD_E_SLOT_STALE, PCCD_E_SLOT_TORN, PCCD_E_SEGMENT (it uses more, or a
+ * segment is not as it must be) or PCCD_E_NOMEM with *error set. [any] */
+int srv_ring_copy_slot(struct srv_ring *ring,
+                       const struct proto_FRAME_SUBMIT_request *request,
+                       uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
+                       struct proto_error *error);
 
 /* A page for up to `wanted` items in the result region; *data is where they go, and
  * page->position becomes the offset that the client uses. PCCD_E_INVAL: the client's

@@ -30,26 +30,60 @@
 #include "now.h"
 #include "replies.h"
 #include "request.h"
+#include "shared.h"
 
-struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
-                                    const struct srv_peer *peer)
+/* In no list yet. NULL: no memory. */
+static struct srv_session *new_of_user(struct srv_loop *loop, uid_t uid)
 {
-    srv_assert_loop();
     struct srv_session *session = calloc(1, sizeof *session);
     if (session == NULL) {
         return NULL;
     }
-    session->user = srv_quota_acquire(&loop->quota, peer->uid);
+    session->user = srv_quota_acquire(&loop->quota, uid);
     if (session->user == NULL) {
         free(session);
         return NULL;
     }
     session->loop = loop;
-    session->conn = conn;
     session->lane.group = &session->user->jobs;
     session->page_lane.group = &session->user->page_jobs;
-    session->pid = peer->pid;
     session->id = ++loop->session_last;
+    srv_handles_init(&session->scenes, PROTO_SCENES_PER_CLIENT, 0);
+    srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, 0);
+    return session;
+}
+
+static void enlist(struct srv_session *session)
+{
+    struct srv_loop *loop = session->loop;
+    session->next = loop->sessions;
+    if (session->next != NULL) {
+        session->next->prev = session;
+    }
+    loop->sessions = session;
+}
+
+struct srv_session *srv_session_new_host(struct srv_loop *loop, uid_t uid)
+{
+    srv_assert_loop();
+    struct srv_session *session = new_of_user(loop, uid);
+    if (session != NULL) {
+        session->state = SRV_SESSION_HOST;
+        enlist(session);
+    }
+    return session;
+}
+
+struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
+                                    const struct srv_peer *peer)
+{
+    srv_assert_loop();
+    struct srv_session *session = new_of_user(loop, peer->uid);
+    if (session == NULL) {
+        return NULL;
+    }
+    session->conn = conn;
+    session->pid = peer->pid;
     struct proto_error error = {0};
     session->is_stranger = peer->is_stranger;
     session->counted =
@@ -64,13 +98,7 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
         loop->refused_count++;
         session->state = SRV_SESSION_REFUSED;
     }
-    srv_handles_init(&session->scenes, PROTO_SCENES_PER_CLIENT, 0);
-    srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, 0);
-    session->next = loop->sessions;
-    if (session->next != NULL) {
-        session->next->prev = session;
-    }
-    loop->sessions = session;
+    enlist(session);
     return session;
 }
 
@@ -106,7 +134,11 @@ static void drop_everything(struct srv_session *session)
 {
     uint32_t cursor = 0;
     for (struct srv_scene *scene; (scene = srv_handles_pop(&session->scenes, &cursor));) {
-        srv_resource_drop(&scene->resource);
+        if (scene->shared != NULL) {
+            srv_shared_leave(session, scene);
+        } else {
+            srv_resource_drop(&scene->resource);
+        }
     }
     cursor = 0;
     for (struct srv_mesh *mesh; (mesh = srv_handles_pop(&session->meshes, &cursor));) {

@@ -32,7 +32,8 @@ enum srv_session_state {
     SRV_SESSION_REFUSED = 1, /* connected beyond the quota: hears so and goes */
     SRV_SESSION_OPEN = 2,    /* hello was answered */
     SRV_SESSION_WAITING = 3, /* the connection is gone; the client may come back */
-    SRV_SESSION_CLOSED = 4   /* over; waits for the compute thread */
+    SRV_SESSION_CLOSED = 4,  /* over; waits for the compute thread */
+    SRV_SESSION_HOST = 5     /* nobody's: holds a shared scene (shared.h) */
 };
 
 /* Who is at the other end of a socket. */
@@ -63,6 +64,7 @@ struct srv_session {
     uint32_t skip_count;            /* places of tables that wanted handles left empty */
     bool counted;                   /* charged as a client of its user */
     bool attaching;                 /* a ring is being created */
+    bool is_behind;                 /* has not been told of a shared scene's last step */
     uint32_t version;               /* of the protocol, after hello */
     struct srv_handles scenes;      /* of struct srv_scene */
     struct srv_handles meshes;      /* of struct srv_mesh */
@@ -86,6 +88,8 @@ struct srv_session {
  * ones wait to hear so already. */
 struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
                                     const struct srv_peer *peer);
+/* A session that nobody is behind, to hold a scene. NULL: no memory. */
+struct srv_session *srv_session_new_host(struct srv_loop *loop, uid_t uid);
 /* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA
  * with *error set. */
 int srv_session_admit(struct srv_session *session, struct proto_error *error);

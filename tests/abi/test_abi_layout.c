@@ -109,10 +109,19 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_record_info, ns, 32);
     AT(pccd_record_info, segments, 40);
     AT(pccd_record_info, status, 44);
-    SIZE(pccd_scene_settings, 16);
+    SIZE(pccd_scene_settings, 32);
     AT(pccd_scene_settings, quality, 0);
     AT(pccd_scene_settings, rebuild_triangles_max, 4);
     AT(pccd_scene_settings, rebuild_ratio, 8);
+    AT(pccd_scene_settings, name, 16);
+    AT(pccd_scene_settings, share, 24);
+    AT(pccd_scene_settings, rights, 28);
+    SIZE(pccd_scene_news, 40);
+    AT(pccd_scene_news, number, 0);
+    AT(pccd_scene_news, mode, 8);
+    AT(pccd_scene_news, incomplete, 12);
+    AT(pccd_scene_news, total, 16);
+    AT(pccd_scene_news, hash, 24);
 }
 
 /* If this failed, a program would read what a daemon tells of itself at wrong places. */
@@ -150,7 +159,7 @@ static void daemon__structs_keep_their_layout(void **state)
 static void step__structs_keep_their_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_step_settings, 40);
+    SIZE(pccd_step_settings, 48);
     AT(pccd_step_settings, mode, 0);
     AT(pccd_step_settings, method, 4);
     AT(pccd_step_settings, threads, 8);
@@ -159,6 +168,7 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_settings, refit, 20);
     AT(pccd_step_settings, tolerance, 24);
     AT(pccd_step_settings, deadline_ns, 32);
+    AT(pccd_step_settings, hold, 40);
     SIZE(pccd_step_times, 80);
     AT(pccd_step_times, queue, 0);
     AT(pccd_step_times, ingest, 8);
@@ -190,7 +200,7 @@ static void step__structs_keep_their_layout(void **state)
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 352);
+    SIZE(pccd_answer, 360);
     AT(pccd_answer, step, 0);
     AT(pccd_answer, status, 8);
     AT(pccd_answer, mode, 12);
@@ -209,13 +219,14 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, initial, 104);
     AT(pccd_answer, toi_first, 112);
     AT(pccd_answer, hash, 120);
-    AT(pccd_answer, threads, 136);
-    AT(pccd_answer, scheduler, 140);
-    AT(pccd_answer, high_level, 144);
-    AT(pccd_answer, refit, 148);
-    AT(pccd_answer, times, 152);
-    AT(pccd_answer, counters, 232);
-    AT(pccd_answer, reserved, 336);
+    AT(pccd_answer, number, 136);
+    AT(pccd_answer, threads, 144);
+    AT(pccd_answer, scheduler, 148);
+    AT(pccd_answer, high_level, 152);
+    AT(pccd_answer, refit, 156);
+    AT(pccd_answer, times, 160);
+    AT(pccd_answer, counters, 240);
+    AT(pccd_answer, reserved, 344);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);

@@ -21,6 +21,7 @@ integration_names = \
     tests/integration/test_int_room \
     tests/integration/test_int_sandbox \
     tests/integration/test_int_session \
+    tests/integration/test_int_shared \
     tests/integration/test_int_slot \
     tests/integration/test_int_step \
     tests/integration/test_int_supervise \
@@ -135,6 +136,10 @@ tests_integration_test_int_watch_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_watch_LDADD = $(integration_libs)
 
 include $(top_srcdir)/tests/integration/ctl.mk
+
+tests_integration_test_int_shared_SOURCES = tests/integration/test_int_shared.c
+tests_integration_test_int_shared_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_shared_LDADD = $(integration_libs)
 
 tests_integration_test_int_slot_SOURCES = tests/integration/test_int_slot.c
 tests_integration_test_int_slot_CPPFLAGS = $(integration_cppflags)

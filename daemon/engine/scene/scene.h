@@ -89,6 +89,8 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene);
  * Sources may be memory that another process writes: each byte is read once. */
 void eng_stage_begin(struct eng_scene *scene);
 void eng_stage_abort(struct eng_scene *scene);
+/* Whether a vertex is written twice: the step would be refused. */
+bool eng_stage_overlaps(struct eng_scene *scene);
 
 /* After begin: `threads` may copy what follows, placed as those of a step are (step.h);
  * 1 and NULL unless this is called. */

@@ -195,7 +195,7 @@ static void sort_writes(struct eng_scene *scene)
     }
 }
 
-static bool writes_overlap(struct eng_scene *scene)
+bool eng_stage_overlaps(struct eng_scene *scene)
 {
     sort_writes(scene);
     for (uint32_t i = 1; i < scene->write_count; i++) {
@@ -249,7 +249,7 @@ int eng_stage_commit(struct eng_scene *scene)
     if (!scene->staging) {
         eng_stage_begin(scene);
     }
-    if (writes_overlap(scene)) {
+    if (eng_stage_overlaps(scene)) {
         eng_stage_abort(scene);
         return ENG_E_OVERLAP;
     }

@@ -1,0 +1,132 @@
+/* shared.c - scenes that clients share.
+ *
+ * Room:     client/lib. See shared.h. May include: attach.h, rpc.h, step.h.
+ * Does:     take news in, and hand them out once; fetch the answers of others' steps.
+ * Threads:  [owner].
+ */
+#include "shared.h"
+
+#include <stdlib.h>
+
+#include "attach.h"
+#include "rpc.h"
+#include "step.h"
+
+/* The entry of a scene, made when there is none; NULL: no memory, or more than a client
+ * may have. */
+static struct cli_shared *entry_of(struct pccd_client *client, uint32_t scene)
+{
+    struct cli_shared *unused = NULL;
+
+    if (client->shared == NULL) {
+        client->shared = calloc(PROTO_SCENES_PER_CLIENT, sizeof(*client->shared));
+    }
+    for (uint32_t i = 0; client->shared != NULL && i < PROTO_SCENES_PER_CLIENT; i++) {
+        struct cli_shared *entry = &client->shared[i];
+
+        if (entry->scene == scene) {
+            return entry;
+        }
+        if (entry->scene == 0 && unused == NULL) {
+            unused = entry;
+        }
+    }
+    if (unused != NULL) {
+        *unused = (struct cli_shared){.scene = scene};
+    }
+    return unused;
+}
+
+void cli_shared_note(struct pccd_client *client, const struct proto_envelope *envelope)
+{
+    struct proto_SCENE_STEP_request note;
+    struct proto_error error;
+    struct cli_shared *entry;
+
+    if (proto_decode_body(envelope, &proto_messages[PROTO_NOTE_SCENE_STEP].request, &note,
+                          &error) != 0 ||
+        note.scene == 0) {
+        return;
+    }
+    entry = entry_of(client, note.scene);
+    if (entry == NULL) {
+        return;
+    }
+    entry->is_new = true;
+    entry->news = (struct pccd_scene_news){
+        .number = note.number,
+        .mode = (enum pccd_mode)note.mode,
+        .incomplete = (enum pccd_incomplete)note.incomplete,
+        .total = note.total,
+        .hash = {note.hash_hi, note.hash_lo},
+    };
+}
+
+void cli_shared_forget(struct pccd_client *client, uint32_t scene)
+{
+    for (uint32_t i = 0; client->shared != NULL && i < PROTO_SCENES_PER_CLIENT; i++) {
+        if (client->shared[i].scene == scene) {
+            client->shared[i] = (struct cli_shared){.scene = 0};
+        }
+    }
+    if (scene == 0) {
+        free(client->shared);
+        client->shared = NULL;
+    }
+}
+
+int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
+                    struct pccd_scene_news *news)
+{
+    struct cli_shared *entry;
+    uint64_t deadline_ns;
+    int rc = 0;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (news == NULL || scene == 0) {
+        return cli_fail(client, PCCD_E_INVAL, "%s",
+                        news == NULL ? "news is NULL" : "there is no scene 0");
+    }
+    deadline_ns = cli_deadline(client, timeout_ms);
+    cli_step_drain(client);
+    entry = entry_of(client, scene);
+    if (entry == NULL) {
+        return cli_fail(client, PCCD_E_NOMEM, "no memory for news of scenes");
+    }
+    while (rc == 0 && !entry->is_new) {
+        rc = timeout_ms == 0 ? cli_fail(client, PCCD_E_AGAIN,
+                                        "no other client has stepped scene 0x%x", scene)
+                             : cli_progress(client, deadline_ns);
+    }
+    if (rc != 0) {
+        return rc;
+    }
+    entry->is_new = false;
+    *news = entry->news;
+    return 0;
+}
+
+int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
+                    uint64_t cursor, struct pccd_answer *answer)
+{
+    struct proto_FRAME_FETCH_request request = {
+        .scene = scene, .cursor = cursor, .number = number};
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (answer == NULL || number == 0) {
+        return cli_fail(client, PCCD_E_INVAL, "%s",
+                        answer == NULL ? "answer is NULL" : "steps count from 1");
+    }
+    if (client->ring.upload.base == NULL) {
+        int rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+
+        if (rc != 0) {
+            return rc;
+        }
+    }
+    return cli_step_fetch(client, &request, answer);
+}

@@ -1,0 +1,24 @@
+/* shared.h - what is known of scenes that clients share.
+ *
+ * Room:     client/lib, private. May include: client.h.
+ * Does:     keep the last news of each until the user has been told.
+ * Threads:  [owner].
+ */
+#ifndef CLI_SHARED_H
+#define CLI_SHARED_H
+
+#include "client.h"
+
+/* What has been said of a shared scene. */
+struct cli_shared {
+    uint32_t scene; /* 0: none here */
+    bool is_new;    /* and not been told the user */
+    struct pccd_scene_news news;
+};
+
+/* scene.step has come. */
+void cli_shared_note(struct pccd_client *client, const struct proto_envelope *envelope);
+/* The scene is no longer this client's; 0: none is. */
+void cli_shared_forget(struct pccd_client *client, uint32_t scene);
+
+#endif

@@ -1,0 +1,275 @@
+/* held.c - frames that wait for the step of another session.
+ *
+ * Room:     service. See held.h.
+ * Does:     what is held was staged once when it came, and taken back: so that a step by
+ *           somebody else does not fail for it.
+ * Threads:  as marked in held.h.
+ */
+#include "held.h"
+
+#include <stdlib.h>
+
+#include "frame.h"
+#include "invariant.h"
+#include "loop.h"
+#include "now.h"
+#include "ringio.h"
+#include "session.h"
+#include "shared.h"
+
+/* ---- on the way in ----------------------------------------------------------------- */
+
+int srv_held_admit(struct srv_call *call, struct srv_scene *scene,
+                   const struct srv_ring *ring, uint64_t *bytes)
+{
+    srv_assert_loop();
+    struct srv_session *session = call->session;
+    if (scene->shared == NULL) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "only a frame of a shared scene can be held");
+    }
+    if (call->params.FRAME_SUBMIT.segments == 0) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "a frame that moves nothing cannot be held");
+    }
+    if (srv_shared_holds(scene, session)) {
+        return proto_error_set(&call->error, PCCD_E_BUSY,
+                               "the frame held before waits for a step of the scene");
+    }
+    int status = srv_quota_charge(&session->loop->quota, session->user,
+                                  SRV_QUOTA_SHM_BYTES, ring->slot_stride, &call->error);
+    if (status == 0) {
+        srv_shared_set_holds(scene, session, true);
+        *bytes = ring->slot_stride;
+    }
+    return status;
+}
+
+void srv_held_refund(struct srv_scene *scene, struct srv_session *session, uint64_t bytes)
+{
+    srv_assert_loop();
+    srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES, bytes);
+    srv_shared_set_holds(scene, session, false);
+}
+
+/* Whether the scene takes it as it is now; nothing moves. [compute] */
+static int try(struct srv_held *held, struct srv_scene *scene, struct proto_error *error)
+{
+    struct eng_scene *engine = NULL;
+    uint64_t bytes = 0;
+    int status = srv_scene_engine(scene, &engine);
+    if (status != 0) {
+        return proto_error_set(error, status, "no memory for the scene");
+    }
+    eng_stage_begin(engine);
+    status = srv_ring_stage_copy(held->copy, held->bytes, &held->submit, held->session,
+                                 scene, held->session->loop->segments, &bytes, error);
+    if (status == 0 && eng_stage_overlaps(engine)) {
+        status = proto_error_set(error, PCCD_E_SEGMENT,
+                                 "a vertex is written twice in this step");
+    }
+    eng_stage_abort(engine);
+    held->changes = scene->changes;
+    return status;
+}
+
+int srv_held_work(struct srv_request *request)
+{
+    srv_assert_compute();
+    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
+    struct srv_scene *scene = request->plan.scene;
+    struct srv_held *held = calloc(1, sizeof *held);
+    if (held == NULL) {
+        return proto_error_set(&request->error, PCCD_E_NOMEM, "no memory to hold it");
+    }
+    *held = (struct srv_held){.request = request,
+                              .session = request->session,
+                              .submit = *submit,
+                              .charge = request->plan.held_bytes};
+    int status =
+        srv_ring_copy_slot(request->plan.ring, submit, request->plan.ring->slot_stride,
+                           &held->copy, &held->bytes, &request->error);
+    srv_request_return_slot(request);
+    if (status == 0) {
+        status = try(held, scene, &request->error);
+    }
+    if (status != 0) {
+        free(held->copy);
+        free(held);
+        return status;
+    }
+    request->upload_bytes = held->bytes;
+    struct srv_held **end = &scene->held;
+    while (*end != NULL) {
+        end = &(*end)->next;
+    }
+    *end = held;
+    request->held = held;
+    request->plan.held_bytes = 0; /* are the frame's from now on */
+    return 0;
+}
+
+void srv_held_finish(struct srv_request *request)
+{
+    if (request->plan.held_bytes > 0) {
+        srv_held_refund(request->plan.scene, request->session, request->plan.held_bytes);
+    }
+}
+
+/* ---- with a step ------------------------------------------------------------------- */
+
+/* Move the entry at *at to the request. */
+static void take(struct srv_request *request, struct srv_held **at)
+{
+    struct srv_held *held = *at;
+    *at = held->next;
+    held->next = request->taken;
+    request->taken = held;
+}
+
+void srv_held_check(struct srv_request *request)
+{
+    struct srv_scene *scene = request->plan.scene;
+    for (struct srv_held **at = &scene->held; *at != NULL;) {
+        struct srv_held *held = *at;
+        if (held->changes != scene->changes && try(held, scene, &held->error) != 0) {
+            take(request, at);
+        } else {
+            at = &held->next;
+        }
+    }
+}
+
+int srv_held_stage(struct srv_request *request)
+{
+    struct srv_scene *scene = request->plan.scene;
+    int status = 0;
+    for (struct srv_held *held = scene->held; held != NULL && status == 0;
+         held = held->next) {
+        uint64_t bytes = 0;
+        status = srv_ring_stage_copy(held->copy, held->bytes, &held->submit,
+                                     held->session, scene, held->session->loop->segments,
+                                     &bytes, &request->error);
+    }
+    return status;
+}
+
+void srv_held_take(struct srv_request *request)
+{
+    while (request->plan.scene->held != NULL) {
+        take(request, &request->plan.scene->held);
+    }
+}
+
+struct srv_held *srv_held_remove(struct srv_scene *scene,
+                                 const struct srv_session *session)
+{
+    srv_assert_compute();
+    struct srv_held *removed = NULL;
+    for (struct srv_held **at = &scene->held; *at != NULL;) {
+        struct srv_held *held = *at;
+        if (held->session == session) {
+            *at = held->next;
+            held->next = removed;
+            removed = held;
+        } else {
+            at = &held->next;
+        }
+    }
+    return removed;
+}
+
+/* ---- on the way out ---------------------------------------------------------------- */
+
+void srv_held_free(struct srv_scene *scene, struct srv_held *list)
+{
+    srv_assert_loop();
+    while (list != NULL) {
+        struct srv_held *next = list->next;
+        PCCD_ASSERT(list->request == NULL); /* answered */
+        srv_held_refund(scene, list->session, list->charge);
+        free(list->copy);
+        free(list);
+        list = next;
+    }
+}
+
+/* What moves along and is answered without records of its own: frame.fetch has them. */
+static void leave_out_page(const struct srv_request *request,
+                           struct proto_FRAME_SUBMIT_result *answer)
+{
+    answer->step = request->params.FRAME_SUBMIT.step;
+    answer->first = 0;
+    answer->count = 0;
+    answer->cursor = 0;
+    answer->offset = 0;
+    answer->release = /* storing it changes nothing */
+        atomic_load_explicit(&request->plan.ring->shared->result_head.value,
+                             memory_order_relaxed);
+    if (answer->total > 0 && answer->incomplete == PCCD_COMPLETE) {
+        answer->incomplete = PCCD_INCOMPLETE_RESULT_FULL;
+    }
+}
+
+/* The request and the frame know of each other no more. */
+static void part(struct srv_request *request)
+{
+    request->held->request = NULL;
+    request->held = NULL;
+    request->is_waiting = false;
+}
+
+void srv_held_answer(struct srv_request *request)
+{
+    srv_assert_loop();
+    for (struct srv_held *held = request->taken; held != NULL; held = held->next) {
+        struct srv_request *waiting = held->request;
+        if (waiting == NULL) {
+            continue;
+        }
+        waiting->status = held->error.code;
+        waiting->error = held->error;
+        if (waiting->status == 0) {
+            waiting->result.FRAME_SUBMIT = request->result.FRAME_SUBMIT;
+            leave_out_page(waiting, &waiting->result.FRAME_SUBMIT);
+        }
+        part(waiting);
+        srv_request_conclude(waiting);
+    }
+    srv_held_free(request->plan.scene, request->taken);
+    request->taken = NULL;
+}
+
+/* It ends before a step has taken it along. */
+static void say_nothing_yet(struct srv_request *request, enum pccd_incomplete why)
+{
+    struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    srv_frame_nothing(&request->params.FRAME_SUBMIT, why, answer);
+    leave_out_page(request, answer);
+    part(request);
+}
+
+bool srv_held_waits(struct srv_request *request)
+{
+    srv_assert_loop();
+    if (request->held == NULL) {
+        return false;
+    }
+    if (request->session->state == SRV_SESSION_CLOSED ||
+        atomic_load_explicit(&request->job.cancel, memory_order_relaxed)) {
+        say_nothing_yet(request, PCCD_INCOMPLETE_CANCELLED);
+    } else if (request->deadline_ns != 0 && srv_now_ns() >= request->deadline_ns) {
+        say_nothing_yet(request, PCCD_INCOMPLETE_DEADLINE);
+    } else {
+        request->is_waiting = true;
+    }
+    return request->is_waiting;
+}
+
+void srv_held_end(struct srv_request *request, enum pccd_incomplete why)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(request->is_waiting);
+    say_nothing_yet(request, why);
+    srv_request_conclude(request);
+}

@@ -1,0 +1,68 @@
+/* held.h - frames that wait for the step of another session.
+ *
+ * Room:     service. May include: request.h, resource.h.
+ * Does:     keep what a held frame moves, copied and checked, until a step of its scene
+ *           takes it along; keep its request until then, and answer it.
+ * Does not: outlive the session that holds it (shared.h).
+ * Threads:  functions say.
+ *
+ *     frame.submit (hold) --copied, checked--> waits --a step, anybody's--> answered
+ *                                                `--deadline, cancel--> answered; what it
+ *                                                   moves still goes along
+ */
+#ifndef SRV_HELD_H
+#define SRV_HELD_H
+
+#include <stdint.h>
+
+#include "codec.h"
+#include "request.h"
+#include "resource.h"
+
+struct srv_held {
+    struct srv_held *next;       /* [compute] of the scene, the oldest first */
+    struct srv_request *request; /* [loop] NULL: it has been answered */
+    struct srv_session *session;
+    struct proto_FRAME_SUBMIT_request submit;
+    uint8_t *copy; /* of the slot, of malloc */
+    uint64_t bytes;
+    uint64_t charge;          /* SRV_QUOTA_SHM_BYTES: a whole slot */
+    uint64_t changes;         /* of the scene, when it was checked last */
+    struct proto_error error; /* code 0; else why it could not be taken along */
+};
+
+/* Admission: charges *bytes, which go with the plan as held_bytes. Returns 0, or
+ * PCCD_E_INVAL (the scene is not shared, or nothing moves), PCCD_E_BUSY (another one
+ * waits) or PCCD_E_QUOTA with call->error set. [loop] */
+int srv_held_admit(struct srv_call *call, struct srv_scene *scene,
+                   const struct srv_ring *ring, uint64_t *bytes);
+/* It is not held after all. [loop] */
+void srv_held_refund(struct srv_scene *scene, struct srv_session *session,
+                     uint64_t bytes);
+/* The plan's work: copy it, and check it against the scene. [compute] */
+int srv_held_work(struct srv_request *request);
+/* The plan's finish. [loop] */
+void srv_held_finish(struct srv_request *request);
+
+/* Check anew what waits, where the scene has changed since: what cannot be moved any more
+ * goes to request->taken. [compute] */
+void srv_held_check(struct srv_request *request);
+/* Stage what waits, in the staging that is open. [compute] */
+int srv_held_stage(struct srv_request *request);
+/* The step has run: what was staged goes to request->taken. [compute] */
+void srv_held_take(struct srv_request *request);
+/* Answer what a step has taken along, and free it. [loop] */
+void srv_held_answer(struct srv_request *request);
+
+/* Take what the session holds out of the scene. [compute] */
+struct srv_held *srv_held_remove(struct srv_scene *scene,
+                                 const struct srv_session *session);
+void srv_held_free(struct srv_scene *scene, struct srv_held *list); /* [loop] */
+
+/* Whether a request that has run goes on to wait. If its deadline has come, or it was
+ * cancelled, or its client is gone: no, and its result says so. [loop] */
+bool srv_held_waits(struct srv_request *request);
+/* End the waiting of a request, which is answered so. [loop] */
+void srv_held_end(struct srv_request *request, enum pccd_incomplete why);
+
+#endif

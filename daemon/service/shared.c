@@ -1,0 +1,334 @@
+/* shared.c - scenes that sessions share.
+ *
+ * Room:     service. See shared.h.
+ * Does:     take a session in, let it leave, tell it of steps.
+ * Does not: let more than the scenes of a session's table wait to be freed.
+ * Threads:  [loop], but for run_leave.
+ */
+#include "shared.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "enginemem.h"
+#include "held.h"
+#include "host.h"
+#include "invariant.h"
+#include "log.h"
+#include "loop.h"
+#include "meshes.h"
+#include "session.h"
+
+/* ---- who may ----------------------------------------------------------------------- */
+
+#define MAY_READ  4u
+#define MAY_WRITE 2u
+
+/* Which of MAY_READ and MAY_WRITE the session has, as with a file. */
+static uint32_t rights_of(const struct srv_session *session,
+                          const struct srv_shared *shared)
+{
+    uid_t uid = session->user->uid;
+    if (uid == 0) {
+        return MAY_READ | MAY_WRITE;
+    }
+    uint32_t shift = uid == shared->uid                               ? 6
+                     : srv_conn_has_group(session->conn, shared->gid) ? 3
+                                                                      : 0;
+    return shared->rights >> shift & (MAY_READ | MAY_WRITE);
+}
+
+static struct srv_seat *seat_of(const struct srv_shared *shared,
+                                const struct srv_session *session)
+{
+    struct srv_seat *seat = shared->seats;
+    while (seat != NULL && seat->session != session) {
+        seat = seat->next;
+    }
+    return seat;
+}
+
+bool srv_shared_holds(const struct srv_scene *scene, const struct srv_session *session)
+{
+    return seat_of(scene->shared, session)->holds;
+}
+
+void srv_shared_set_holds(struct srv_scene *scene, const struct srv_session *session,
+                          bool holds)
+{
+    struct srv_seat *seat = seat_of(scene->shared, session);
+    if (seat != NULL) { /* else it has left */
+        seat->holds = holds;
+    }
+}
+
+int srv_shared_refuse_reader(const struct srv_session *session,
+                             const struct srv_scene *scene, struct proto_error *error)
+{
+    const struct srv_shared *shared = scene->shared;
+    return shared == NULL || seat_of(shared, session)->is_writer
+               ? 0
+               : proto_error_set(error, PCCD_E_ACCESS,
+                                 "user %u may only read scene \"%s\" of user %u: its "
+                                 "rights are 0%o",
+                                 (unsigned)session->user->uid, shared->name,
+                                 (unsigned)shared->uid, shared->rights);
+}
+
+/* ---- the end ----------------------------------------------------------------------- */
+
+/* The last one has left, and nothing of it is in the scene any more. */
+static void end(struct srv_shared *shared)
+{
+    struct srv_session *host = shared->host;
+    srv_resource_drop(&shared->scene->resource);
+    free(shared);
+    srv_session_detach(host);
+}
+
+static void unlist(struct srv_shared *shared)
+{
+    struct srv_shared **at = &shared->host->loop->shared;
+    while (*at != shared) {
+        at = &(*at)->next;
+    }
+    *at = shared->next;
+}
+
+/* Take the session's objects and what it held out of the engine's scene. [compute] */
+static void run_leave(struct srv_job *job)
+{
+    struct srv_seat *seat = (struct srv_seat *)job;
+    struct srv_scene *scene = seat->shared->scene;
+    struct srv_session *host = seat->shared->host;
+    struct srv_enginemem memory;
+    srv_enginemem_begin(&memory, host->user, host->loop->options->engine_bytes_max);
+    for (uint32_t i = 0; i < scene->placed_count; i++) {
+        struct srv_placed *placed = &scene->placed[i];
+        if (placed->handle != 0 && placed->owner == seat->session->id) {
+            srv_scene_displace(scene, placed);
+        }
+    }
+    seat->left = srv_held_remove(scene, seat->session);
+    srv_enginemem_end(&memory);
+}
+
+static void done_leaving(struct srv_job *job)
+{
+    struct srv_seat *seat = (struct srv_seat *)job;
+    struct srv_shared *shared = seat->shared;
+    struct srv_session *session = seat->session;
+    srv_scene_forget_of(shared->scene, session);
+    srv_held_free(shared->scene, seat->left);
+    srv_resource_drop(&shared->scene->resource); /* the table's */
+    free(seat);
+    session->scene_count--;
+    if (--shared->seat_count == 0) {
+        end(shared);
+    }
+    srv_session_reaped(session);
+}
+
+void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
+{
+    srv_assert_loop();
+    struct srv_shared *shared = scene->shared;
+    struct srv_seat **at = &shared->seats;
+    while ((*at)->session != session) {
+        at = &(*at)->next;
+    }
+    struct srv_seat *seat = *at;
+    *at = seat->next;
+    if (shared->seats == NULL) {
+        unlist(shared); /* its name is free */
+    }
+    srv_scene_unlink_of(scene, session);
+    session->reap_count++;
+    srv_job_init(&seat->leave, run_leave, done_leaving);
+    srv_compute_push_reap(&session->loop->compute, &session->lane, &seat->leave);
+}
+
+/* ---- taking part ------------------------------------------------------------------- */
+
+static struct srv_shared *find(const struct srv_loop *loop, const char *name)
+{
+    struct srv_shared *shared = loop->shared;
+    while (shared != NULL && strcmp(shared->name, name) != 0) {
+        shared = shared->next;
+    }
+    return shared;
+}
+
+/* A seat, and the session's handle for the scene. */
+static int take_seat(struct srv_call *call, struct srv_shared *shared, uint32_t rights)
+{
+    struct srv_session *session = call->session;
+    struct proto_SCENE_CREATE_result *result = &call->result.SCENE_CREATE;
+    struct srv_seat *seat = calloc(1, sizeof *seat);
+    if (seat == NULL) {
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory to take part");
+    }
+    uint32_t want = call->params.SCENE_CREATE.want;
+    int status =
+        srv_session_handle(session, &session->scenes, shared->scene, want, &seat->handle);
+    if (status != 0) {
+        free(seat);
+        return want != 0 ? proto_error_set(&call->error, status,
+                                           "scene 0x%x cannot be had", want)
+                         : proto_error_set(&call->error, status,
+                                           "a session has at most %u scenes",
+                                           PROTO_SCENES_PER_CLIENT);
+    }
+    srv_resource_acquire(&shared->scene->resource);
+    seat->shared = shared;
+    seat->session = session;
+    seat->is_writer = (rights & MAY_WRITE) != 0;
+    seat->next = shared->seats;
+    shared->seats = seat;
+    shared->seat_count++;
+    session->scene_count++;
+    result->scene = seat->handle;
+    result->writable = seat->is_writer;
+    result->number = shared->last.number;
+    return 0;
+}
+
+/* One that there was. */
+static int attach(struct srv_call *call, struct srv_shared *shared)
+{
+    const char *name = call->params.SCENE_CREATE.name;
+    uint32_t rights = rights_of(call->session, shared);
+    if ((rights & MAY_READ) == 0) {
+        return proto_error_set(&call->error, PCCD_E_ACCESS,
+                               "scene \"%s\" is user %u's, and its rights are 0%o", name,
+                               (unsigned)shared->uid, shared->rights);
+    }
+    if (seat_of(shared, call->session) != NULL) {
+        return proto_error_set(&call->error, PCCD_E_STATE,
+                               "this session takes part in scene \"%s\" already", name);
+    }
+    call->result.SCENE_CREATE.existed = true;
+    return take_seat(call, shared, rights);
+}
+
+static int make(struct srv_call *call, const struct eng_scene_settings *settings)
+{
+    struct srv_session *session = call->session;
+    struct srv_loop *loop = session->loop;
+    const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
+    size_t bytes = strlen(request->name) + 1;
+    struct srv_shared *shared = calloc(1, sizeof *shared + bytes);
+    struct srv_session *host =
+        shared == NULL ? NULL : srv_session_new_host(loop, session->user->uid);
+    struct srv_scene *scene = host == NULL ? NULL : srv_scene_new(host, settings);
+    if (scene == NULL) {
+        if (host != NULL) {
+            srv_session_detach(host);
+        }
+        free(shared);
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
+    }
+    *shared = (struct srv_shared){.host = host,
+                                  .scene = scene,
+                                  .uid = session->user->uid,
+                                  .gid = srv_conn_group(session->conn),
+                                  .rights = request->rights != 0 ? request->rights
+                                                                 : SRV_RIGHTS_DEFAULT};
+    memcpy(shared->name, request->name, bytes);
+    scene->shared = shared;
+    int status = take_seat(call, shared, MAY_READ | MAY_WRITE);
+    if (status != 0) {
+        end(shared);
+        return status;
+    }
+    srv_scene_name(scene, call->result.SCENE_CREATE.scene);
+    shared->next = loop->shared;
+    loop->shared = shared;
+    srv_log(SRV_LOG_INFO, session->id, "shares scene \"%s\", rights 0%o", shared->name,
+            shared->rights);
+    return 0;
+}
+
+int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *settings)
+{
+    srv_assert_loop();
+    const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
+    struct srv_shared *shared = find(call->session->loop, request->name);
+    if (request->share >= PCCD_SHARE_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown share %u",
+                               request->share);
+    }
+    if ((request->rights & ~SRV_RIGHTS_ALL) != 0) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "rights are 0%o; they are made of the bits of 0%o",
+                               request->rights, SRV_RIGHTS_ALL);
+    }
+    if (shared != NULL && request->share == PCCD_SHARE_CREATE) {
+        return proto_error_set(&call->error, PCCD_E_STATE,
+                               "there is a scene \"%s\" already", request->name);
+    }
+    if (shared == NULL && request->share == PCCD_SHARE_ATTACH) {
+        return proto_error_set(&call->error, PCCD_E_AGAIN, "there is no scene \"%s\" yet",
+                               request->name);
+    }
+    return shared != NULL ? attach(call, shared) : make(call, settings);
+}
+
+/* ---- news -------------------------------------------------------------------------- */
+
+/* Replies of its own come first: a client that does not read is not told more. */
+static void tell(struct srv_seat *seat)
+{
+    struct srv_session *session = seat->session;
+    struct srv_loop *loop = session->loop;
+    seat->is_behind = session->state != SRV_SESSION_OPEN || session->conn == NULL ||
+                      !srv_conn_is_free(session->conn);
+    if (seat->is_behind) {
+        session->is_behind = true;
+        return;
+    }
+    struct proto_SCENE_STEP_request note = seat->shared->last;
+    note.scene = seat->handle;
+    int status = proto_encode_notification(loop->encoder, PROTO_NOTE_SCENE_STEP, &note);
+    PCCD_ASSERT(status == 0);
+    srv_conn_send(session->conn, loop->encoder, NULL, 0);
+}
+
+void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
+                        const struct proto_FRAME_SUBMIT_result *answer)
+{
+    srv_assert_loop();
+    struct srv_shared *shared = scene->shared;
+    shared->last = (struct proto_SCENE_STEP_request){.number = answer->number,
+                                                     .mode = answer->mode,
+                                                     .incomplete = answer->incomplete,
+                                                     .total = answer->total,
+                                                     .hash_hi = answer->hash_hi,
+                                                     .hash_lo = answer->hash_lo};
+    if (answer->incomplete == PCCD_INCOMPLETE_RESULT_FULL) { /* that one's page only */
+        shared->last.incomplete = PCCD_COMPLETE;
+    }
+    for (struct srv_seat *seat = shared->seats; seat != NULL; seat = seat->next) {
+        if (seat->session != by) {
+            tell(seat);
+        }
+    }
+}
+
+void srv_shared_catch_up(struct srv_session *session)
+{
+    srv_assert_loop();
+    if (!session->is_behind) {
+        return;
+    }
+    session->is_behind = false;
+    uint32_t cursor = 0;
+    for (struct srv_scene *scene;
+         (scene = srv_handles_next(&session->scenes, &cursor)) != NULL;) {
+        struct srv_seat *seat =
+            scene->shared != NULL ? seat_of(scene->shared, session) : NULL;
+        if (seat != NULL && seat->is_behind) {
+            tell(seat);
+        }
+    }
+}

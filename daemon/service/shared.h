@@ -1,0 +1,79 @@
+/* shared.h - scenes that sessions share.
+ *
+ * Room:     service. May include: resource.h, request.h, the protocol's headers.
+ * Does:     know shared scenes by name, who may take part, and who does; tell these
+ *           of each step; take the objects of a session out when it leaves.
+ * Does not: compute (handlers_frame.c), or keep what a held frame moves (held.h).
+ * Threads:  [loop], but for functions marked otherwise.
+ *
+ * A shared scene is nobody's: a session without a connection, its host, holds it, so that
+ * it outlives who made it. It ends when the last session that takes part has left. Its
+ * memory is charged to the user who made it, the triangles of an object to the user who
+ * added it. An object has one writer, the session that added it.
+ */
+#ifndef SRV_SHARED_H
+#define SRV_SHARED_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "request.h"
+#include "resource.h"
+
+#define SRV_RIGHTS_DEFAULT 0600u
+#define SRV_RIGHTS_ALL     0666u
+
+struct srv_loop;
+struct srv_shared;
+
+/* One session that takes part. */
+struct srv_seat {
+    struct srv_job leave; /* first: runs when it leaves, behind its requests */
+    struct srv_seat *next;
+    struct srv_shared *shared;
+    struct srv_session *session;
+    struct srv_held *left; /* [compute] then [loop]: frames that it had held */
+    uint32_t handle;       /* of the scene, in the session's table */
+    bool is_writer;
+    bool holds;     /* a frame for the scene's next step (held.h) */
+    bool is_behind; /* the last step could not be told yet */
+};
+
+struct srv_shared {
+    struct srv_shared *next; /* of loop->shared, while anybody takes part */
+    struct srv_session *host;
+    struct srv_scene *scene;
+    struct srv_seat *seats;
+    uint32_t seat_count; /* those that are leaving, too */
+    uid_t uid;           /* who made it */
+    gid_t gid;
+    uint32_t rights;                      /* as a file's: 4 take part, 2 write */
+    struct proto_SCENE_STEP_request last; /* number 0: no step yet */
+    char name[];
+};
+
+/* scene.create with a name. Returns 0 with call->result set, or PCCD_E_INVAL,
+ * PCCD_E_STATE (there is one), PCCD_E_AGAIN (there is none yet), PCCD_E_ACCESS,
+ * PCCD_E_LIMIT, PCCD_E_BUSY or PCCD_E_NOMEM with call->error set. */
+int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *settings);
+
+/* The session has given back its handle of a shared scene. */
+void srv_shared_leave(struct srv_session *session, struct srv_scene *scene);
+
+/* 0, or PCCD_E_ACCESS with *error set: the session only reads. Of any scene. */
+int srv_shared_refuse_reader(const struct srv_session *session,
+                             const struct srv_scene *scene, struct proto_error *error);
+
+/* Whether a frame of the session waits for the scene's next step. */
+bool srv_shared_holds(const struct srv_scene *scene, const struct srv_session *session);
+void srv_shared_set_holds(struct srv_scene *scene, const struct srv_session *session,
+                          bool holds);
+
+/* A session has stepped it: tell the others. */
+void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
+                        const struct proto_FRAME_SUBMIT_result *answer);
+/* Tell a session what could not be told before, if it can be now. */
+void srv_shared_catch_up(struct srv_session *session);
+
+#endif

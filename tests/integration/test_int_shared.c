@@ -1,0 +1,433 @@
+/* test_int_shared.c - scenes that clients share.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     several clients of a real daemon in one scene: who moves what and when, who
+ *           hears of it, who may; clients that leave and a daemon that is killed.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+
+#define OTHER_USER 65534
+
+/* One client in the scene, with a triangle or the floor in it. */
+struct member {
+    struct pccd_client *client;
+    uint32_t scene;
+    uint32_t mesh;
+    uint32_t object;
+    const float (*rest)[3]; /* at height 0 for the floor, 1 for the triangle */
+};
+
+static int take_part(struct pccd_client *client, const char *name, enum pccd_share share,
+                     uint32_t rights, uint32_t *scene)
+{
+    struct pccd_scene_settings settings = {
+        .name = name, .share = share, .rights = rights};
+
+    return pccd_scene_create(client, &settings, scene);
+}
+
+static void open_member(struct member *member, const char *name, const float rest[3][3])
+{
+    *member = (struct member){.client = test_connect(test_shared.url), .rest = rest};
+    assert_non_null(member->client);
+    assert_int_equal(take_part(member->client, name, PCCD_SHARE_OPEN, 0, &member->scene),
+                     0);
+    assert_int_equal(pccd_mesh_create(member->client, rest, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &member->mesh, NULL),
+                     0);
+    assert_int_equal(
+        pccd_scene_add(member->client, member->scene, member->mesh, &member->object), 0);
+}
+
+/* Submit its object's way to `up` above where it was registered. */
+static int submit(struct member *member, uint32_t object, float up,
+                  const struct pccd_step_settings *settings, uint64_t *step)
+{
+    struct pccd_frame frame;
+    void *to = NULL;
+    float x[3][3];
+    int rc = pccd_frame_begin(member->client, member->scene, 1, sizeof(x), &frame);
+
+    memcpy(x, member->rest, sizeof(x));
+    for (int i = 0; i < 3; i++) {
+        x[i][2] += up;
+    }
+    rc = rc != 0 ? rc : pccd_frame_x1(&frame, object, PCCD_FORMAT_F32, 0, 3, &to);
+    if (rc != 0) {
+        return rc;
+    }
+    memcpy(to, x, sizeof(x));
+    return pccd_frame_commit(&frame, settings, step);
+}
+
+static int move(struct member *member, float up, struct pccd_answer *answer)
+{
+    uint64_t step = 0;
+    int rc = submit(member, member->object, up, NULL, &step);
+
+    return rc != 0 ? rc : pccd_wait(member->client, step, -1, answer);
+}
+
+static uint64_t hold(struct member *member, float up, uint64_t deadline_ns)
+{
+    struct pccd_step_settings settings = {.hold = true, .deadline_ns = deadline_ns};
+    struct pccd_edge edges[3];
+    uint64_t step = 0;
+
+    assert_int_equal(submit(member, member->object, up, &settings, &step), 0);
+    /* Computed behind it: the frame waits now. */
+    assert_int_equal(pccd_mesh_edges(member->client, member->mesh, edges, 3), 0);
+    return step;
+}
+
+/* If it failed, objects of two processes would be moved one after the other, and what
+ * they meet in between be missed; or who held a frame would not hear what came of it. */
+static void shared__held_frames_move_over_the_same_time(void **state)
+{
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_answer answer;
+    struct pccd_answer held;
+    uint64_t step;
+
+    (void)state;
+    open_member(&cloth, "both", test_triangle_x);
+    open_member(&obstacle, "both", test_floor_x);
+    assert_int_not_equal(cloth.object, obstacle.object);
+    /* The cloth comes from 1 to 0.5, the obstacle from 0 to 1: they meet at 2/3. */
+    step = hold(&obstacle, 1, 0);
+    assert_int_equal(pccd_wait(obstacle.client, step, 0, &held), PCCD_E_AGAIN);
+    assert_int_equal(move(&cloth, -0.5f, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+    assert_int_equal(answer.number, 1);
+    assert_true(answer.count == answer.total && answer.count > 0);
+    for (uint64_t i = 0; i < answer.count; i++) {
+        assert_true(fabs(answer.contacts[i].toi - 2.0 / 3.0) < 1e-5);
+    }
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &held), 0);
+    assert_int_equal(held.step, step);
+    assert_int_equal(held.number, 1);
+    assert_int_equal(held.total, answer.total);
+    assert_int_equal(held.count, 0);
+    assert_int_equal(held.incomplete, PCCD_INCOMPLETE_RESULT_FULL);
+    assert_memory_equal(held.hash, answer.hash, sizeof(held.hash));
+    assert_int_equal(
+        pccd_scene_read(obstacle.client, obstacle.scene, held.number, 0, &held), 0);
+    assert_int_equal(held.count, answer.count);
+    assert_memory_equal(held.contacts, answer.contacts,
+                        answer.count * sizeof(*answer.contacts));
+    pccd_answer_release(obstacle.client, &held);
+    pccd_answer_release(cloth.client, &answer);
+    /* Both stay where they are now. */
+    assert_int_equal(move(&cloth, -0.5f, &answer), 0);
+    assert_int_equal(answer.total, 0);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
+/* If it failed, one client could move or remove what is another's, or its bad step would
+ * take with it what others hold for the next one. */
+static void shared__an_object_has_one_writer(void **state)
+{
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_step_settings settings = {.hold = true};
+    struct pccd_answer answer;
+    uint64_t held;
+    uint64_t step = 0;
+
+    (void)state;
+    open_member(&cloth, "writers", test_triangle_x);
+    open_member(&obstacle, "writers", test_floor_x);
+    assert_int_equal(submit(&cloth, obstacle.object, 1, NULL, &step), 0);
+    assert_int_equal(pccd_wait(cloth.client, step, -1, &answer), PCCD_E_ACCESS);
+    assert_int_equal(pccd_scene_remove(cloth.client, cloth.scene, obstacle.object),
+                     PCCD_E_ACCESS);
+    held = hold(&obstacle, 1, 0);
+    /* A second one has to wait for the first. */
+    assert_int_equal(submit(&obstacle, obstacle.object, 2, &settings, &step), 0);
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), PCCD_E_BUSY);
+    assert_int_equal(move(&cloth, NAN, &answer), PCCD_E_NOTFINITE);
+    assert_int_equal(pccd_wait(obstacle.client, held, 0, &answer), PCCD_E_AGAIN);
+    assert_int_equal(move(&cloth, -0.5f, &answer), 0);
+    assert_true(answer.total > 0);
+    pccd_answer_release(cloth.client, &answer);
+    assert_int_equal(pccd_wait(obstacle.client, held, -1, &answer), 0);
+    /* What is not finite is refused when it comes. */
+    assert_int_equal(submit(&obstacle, obstacle.object, NAN, &settings, &step), 0);
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), PCCD_E_NOTFINITE);
+    assert_int_equal(move(&cloth, 0, &answer), 0);
+    pccd_answer_release(cloth.client, &answer);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
+/* If it failed, a held frame would be answered late or never, or not go along after its
+ * deadline or cancel: a motion would be left out. */
+static void shared__a_held_frame_is_answered_at_its_deadline_and_cancel(void **state)
+{
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_answer answer;
+    uint64_t step;
+
+    (void)state;
+    open_member(&cloth, "late", test_triangle_x);
+    open_member(&obstacle, "late", test_floor_x);
+    step = hold(&obstacle, 2, 1000000);
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_int_equal(move(&cloth, 0, &answer), 0);
+    assert_true(answer.total > 0); /* from 0 to 2, through it */
+    pccd_answer_release(cloth.client, &answer);
+    step = hold(&obstacle, 0, 0);
+    assert_int_equal(pccd_cancel(obstacle.client, step), 0);
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+    assert_int_equal(move(&cloth, 0, &answer), 0);
+    assert_true(answer.total > 0);
+    pccd_answer_release(cloth.client, &answer);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
+/* If it failed, a reader would not hear of a step, read other records than the one who
+ * made it, or be told of none after it had been slow. */
+static void shared__readers_hear_of_every_last_step(void **state)
+{
+    enum { STEPS = 300 };
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_client *reader = test_connect(test_shared.url);
+    struct pccd_scene_news news = {.number = 0};
+    struct pccd_answer answer;
+    struct pccd_answer read;
+    uint32_t scene = 0;
+
+    (void)state;
+    assert_non_null(reader);
+    open_member(&cloth, "news", test_triangle_x);
+    open_member(&obstacle, "news", test_floor_x);
+    assert_int_equal(take_part(reader, "news", PCCD_SHARE_ATTACH, 0, &scene), 0);
+    assert_int_equal(pccd_scene_wait(reader, scene, 0, &news), PCCD_E_AGAIN);
+    assert_int_equal(move(&cloth, -2, &answer), 0);
+    assert_int_equal(pccd_scene_wait(reader, scene, -1, &news), 0);
+    assert_int_equal(news.number, answer.number);
+    assert_int_equal(news.total, answer.total);
+    assert_memory_equal(news.hash, answer.hash, sizeof(news.hash));
+    assert_int_equal(pccd_scene_read(reader, scene, news.number, 0, &read), 0);
+    assert_int_equal(read.count, answer.count);
+    assert_memory_equal(read.contacts, answer.contacts,
+                        answer.count * sizeof(*answer.contacts));
+    pccd_answer_release(reader, &read);
+    pccd_answer_release(cloth.client, &answer);
+    assert_int_equal(pccd_scene_wait(reader, scene, 0, &news), PCCD_E_AGAIN);
+    /* More than its socket holds, before it reads on. */
+    for (int i = 0; i < STEPS; i++) {
+        assert_int_equal(move(&cloth, i % 2 == 0 ? 0.0f : -2.0f, &answer), 0);
+        pccd_answer_release(cloth.client, &answer);
+    }
+    while (news.number < STEPS + 1) {
+        assert_int_equal(pccd_scene_wait(reader, scene, -1, &news), 0);
+    }
+    assert_int_equal(news.number, STEPS + 1);
+    assert_int_equal(pccd_scene_read(reader, scene, news.number - 1, 0, &read),
+                     PCCD_E_STATE);
+    assert_int_equal(pccd_scene_read(reader, scene, news.number, 0, &read), 0);
+    assert_memory_equal(read.hash, answer.hash, sizeof(read.hash));
+    pccd_answer_release(reader, &read);
+    pccd_close(reader);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
+/* If it failed, a client that leaves would leave its objects behind or take others' with
+ * it; or a scene would end with who made it, or never. */
+static void shared__a_scene_lives_as_long_as_anybody_takes_part(void **state)
+{
+    struct pccd_client *watcher = test_connect(test_shared.url);
+    struct member maker;
+    struct member other;
+    struct pccd_answer answer;
+    static const char *const counters[] = {"scenes_now", "objects_now", "triangles_now",
+                                           "shm_bytes_now"};
+    uint32_t scene = 0;
+
+    (void)state;
+    assert_non_null(watcher);
+    for (size_t i = 0; i < sizeof(counters) / sizeof(counters[0]); i++) {
+        assert_int_equal(test_stat_await(watcher, counters[i], 0), 0);
+    }
+    open_member(&maker, "home", test_triangle_x);
+    open_member(&other, "home", test_floor_x);
+    (void)hold(&maker, -2, 0);
+    assert_int_equal(test_stat(watcher, "scenes_now"), 1);
+    assert_int_equal(test_stat(watcher, "objects_now"), 2);
+    pccd_close(maker.client); /* and what it held */
+    assert_int_equal(test_stat_await(watcher, "objects_now", 1), 1);
+    assert_int_equal(move(&other, 2, &answer), 0);
+    assert_int_equal(answer.total, 0);
+    open_member(&maker, "home", test_triangle_x);
+    assert_int_equal(move(&maker, 2, &answer), 0);
+    assert_true(answer.total > 0); /* the floor is at 2 */
+    pccd_answer_release(maker.client, &answer);
+    /* A name is taken once, and free again in the end. */
+    assert_int_equal(take_part(watcher, "home", PCCD_SHARE_CREATE, 0, &scene),
+                     PCCD_E_STATE);
+    assert_int_equal(take_part(maker.client, "home", PCCD_SHARE_OPEN, 0, &scene),
+                     PCCD_E_STATE);
+    assert_int_equal(pccd_scene_destroy(other.client, other.scene), 0);
+    assert_int_equal(move(&maker, 4, &answer), 0);
+    assert_int_equal(answer.total, 0);
+    pccd_close(maker.client);
+    pccd_close(other.client);
+    for (size_t i = 0; i < sizeof(counters) / sizeof(counters[0]); i++) {
+        assert_int_equal(test_stat_await(watcher, counters[i], 0), 0);
+    }
+    assert_int_equal(take_part(watcher, "home", PCCD_SHARE_ATTACH, 0, &scene),
+                     PCCD_E_AGAIN);
+    assert_int_equal(take_part(watcher, "home", PCCD_SHARE_CREATE, 0, &scene), 0);
+    assert_int_equal(pccd_scene_destroy(watcher, scene), 0);
+    pccd_close(watcher);
+}
+
+/* A client of another user. */
+static struct pccd_client *connect_as_other(void)
+{
+    struct pccd_client *client;
+
+    assert_int_equal(chmod(test_shared.directory, 0755), 0);
+    assert_int_equal(chmod(test_shared.socket, 0666), 0);
+    assert_int_equal(seteuid(OTHER_USER), 0);
+    client = test_connect(test_shared.url);
+    assert_int_equal(seteuid(0), 0);
+    assert_int_equal(chmod(test_shared.directory, 0700), 0);
+    assert_int_equal(chmod(test_shared.socket, 0600), 0);
+    return client;
+}
+
+/* If it failed, users who may not would see or change a scene, or those who may could
+ * not; or each user would be charged for the other's memory. */
+static void shared__rights_are_as_of_a_file(void **state)
+{
+    struct pccd_client *mine = test_connect(test_shared.url);
+    struct pccd_client *theirs;
+    struct member member;
+    struct pccd_answer answer;
+    uint64_t step = 0;
+    uint32_t secret = 0;
+    uint32_t seen = 0;
+    uint32_t open = 0;
+    uint32_t scene = 0;
+    uint32_t mesh = 0;
+    uint32_t object = 0;
+
+    (void)state;
+    if (geteuid() != 0) {
+        skip(); /* nobody else may act as another user */
+    }
+    theirs = connect_as_other();
+    assert_non_null(mine);
+    assert_non_null(theirs);
+    assert_int_equal(take_part(mine, "secret", PCCD_SHARE_CREATE, 0, &secret), 0);
+    assert_int_equal(take_part(mine, "seen", PCCD_SHARE_CREATE, 0644, &seen), 0);
+    assert_int_equal(take_part(mine, "open", PCCD_SHARE_CREATE, 0666, &open), 0);
+    assert_int_equal(take_part(mine, "odd", PCCD_SHARE_CREATE, 0755, &scene),
+                     PCCD_E_INVAL);
+    assert_int_equal(take_part(theirs, "secret", PCCD_SHARE_OPEN, 0, &scene),
+                     PCCD_E_ACCESS);
+    assert_int_equal(pccd_mesh_create(theirs, test_floor_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &mesh, NULL),
+                     0);
+    assert_int_equal(take_part(theirs, "seen", PCCD_SHARE_OPEN, 0, &scene), 0);
+    assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), PCCD_E_ACCESS);
+    assert_int_equal(pccd_submit_still(theirs, scene, NULL, &step), 0);
+    assert_int_equal(pccd_wait(theirs, step, -1, &answer), PCCD_E_ACCESS);
+    assert_int_equal(take_part(theirs, "open", PCCD_SHARE_OPEN, 0, &scene), 0);
+    assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), 0);
+    /* The object outlives its mesh; a mesh lent to another user's scene keeps its
+     * shape. */
+    assert_int_equal(pccd_mesh_replace(theirs, mesh, test_floor_x, PCCD_FORMAT_F32, 3,
+                                       test_triangle, 1, NULL),
+                     PCCD_E_STATE);
+    assert_int_equal(pccd_mesh_destroy(theirs, mesh), 0);
+    assert_int_equal(pccd_mesh_create(mine, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &mesh, NULL),
+                     0);
+    member = (struct member){
+        .client = mine, .scene = open, .mesh = mesh, .rest = test_triangle_x};
+    assert_int_equal(pccd_scene_add(mine, open, mesh, &member.object), 0);
+    assert_int_equal(move(&member, -2, &answer), 0);
+    assert_true(answer.total > 0);
+    pccd_answer_release(mine, &answer);
+    assert_int_equal(pccd_scene_remove(theirs, scene, object), 0);
+    assert_int_equal(move(&member, 0, &answer), 0);
+    assert_int_equal(answer.total, 0);
+    pccd_close(theirs);
+    pccd_close(mine);
+}
+
+/* If it failed, a crash of the daemon would lose a shared scene, or what somebody held
+ * for its next step. */
+static void shared__a_killed_daemon_loses_nothing(void **state)
+{
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_link_info link;
+    struct pccd_answer answer;
+    uint64_t held;
+
+    (void)state;
+    open_member(&cloth, "again", test_triangle_x);
+    open_member(&obstacle, "again", test_floor_x);
+    assert_int_equal(move(&cloth, 1, &answer), 0);
+    assert_int_equal(answer.total, 0);
+    held = hold(&obstacle, 2, 0);
+    assert_true(WIFSIGNALED(test_daemon_end(&test_shared, SIGKILL, 10000)));
+    assert_true(test_daemon_restart(&test_shared, NULL));
+    assert_int_equal(pccd_ping(obstacle.client, NULL), 0);
+    assert_int_equal(pccd_link(obstacle.client, &link), 0);
+    assert_int_equal(link.reconnects, 1);
+    /* The cloth stood at 2, and comes to 1; the obstacle from 0 to 2. */
+    assert_int_equal(move(&cloth, 0, &answer), 0);
+    assert_true(answer.total > 0);
+    for (uint64_t i = 0; i < answer.count; i++) {
+        assert_true(fabs(answer.contacts[i].toi - 2.0 / 3.0) < 1e-5);
+    }
+    pccd_answer_release(cloth.client, &answer);
+    assert_int_equal(pccd_wait(obstacle.client, held, -1, &answer), 0);
+    assert_int_equal(answer.status, 0);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shared__held_frames_move_over_the_same_time),
+        cmocka_unit_test(shared__an_object_has_one_writer),
+        cmocka_unit_test(shared__a_held_frame_is_answered_at_its_deadline_and_cancel),
+        cmocka_unit_test(shared__readers_hear_of_every_last_step),
+        cmocka_unit_test(shared__a_scene_lives_as_long_as_anybody_takes_part),
+        cmocka_unit_test(shared__rights_are_as_of_a_file),
+        cmocka_unit_test(shared__a_killed_daemon_loses_nothing),
+    };
+
+    return cmocka_run_group_tests_name("shared", tests, test_shared_start,
+                                       test_shared_stop);
+}
