@@ -11,6 +11,7 @@ libproto_la_SOURCES = \
     proto/pccd_daemon.h \
     proto/pccd_trace.h \
     proto/pccd_types.h \
+    proto/proto_direct.h \
     proto/records.h \
     proto/seqpacket.h \
     proto/shm.h \

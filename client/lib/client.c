@@ -17,6 +17,7 @@
 
 #include "attach.h"
 #include "client.h"
+#include "direct.h"
 #include "keep.h"
 #include "launch.h"
 #include "link.h"
@@ -221,9 +222,15 @@ static int choose_way(struct pccd_client *client, const struct pccd_options *opt
         link->way = CLI_WAY_USER;
         return 0;
     }
+    if (strcmp(url, CLI_DIRECT_URL) == 0) {
+        link->way = CLI_WAY_DIRECT;
+        link->patience_ns = 0; /* it is never lost */
+        return 0;
+    }
     link->way = CLI_WAY_URL;
     if (strncmp(url, "unix:", 5) != 0 || url[5] == '\0') {
-        return cli_fail(client, PCCD_E_INVAL, "url \"%.200s\" is not unix:PATH", url);
+        return cli_fail(client, PCCD_E_INVAL,
+                        "url \"%.200s\" is neither unix:PATH nor direct:", url);
     }
     if (strlen(url + 5) >= CLI_SOCKET_BYTES) {
         return cli_fail(client, PCCD_E_INVAL, "the path of \"%.200s\" is longer than %u",
@@ -318,7 +325,10 @@ void pccd_close(struct pccd_client *client)
 
 int pccd_fd(const struct pccd_client *client)
 {
-    return client != NULL ? client->socket : -1;
+    if (client == NULL) {
+        return -1;
+    }
+    return client->direct.line != NULL ? cli_direct_descriptor(client) : client->socket;
 }
 
 uint32_t pccd_daemon_pid(const struct pccd_client *client)

@@ -112,7 +112,18 @@ struct cli_child {
     char directory[CLI_SOCKET_BYTES]; /* of its socket, removed at close; "": none */
 };
 
-enum cli_way { CLI_WAY_URL = 0, CLI_WAY_USER, CLI_WAY_PRIVATE };
+enum cli_way { CLI_WAY_URL = 0, CLI_WAY_USER, CLI_WAY_PRIVATE, CLI_WAY_DIRECT };
+
+#define CLI_DIRECT_URL "direct:"
+
+struct proto_direct;
+struct proto_direct_line;
+
+/* The service in this process. */
+struct cli_direct {
+    const struct proto_direct *host;
+    struct proto_direct_line *line; /* NULL: not open */
+};
 
 /* How the daemon is reached, and reached again. */
 struct cli_link {
@@ -141,7 +152,8 @@ struct cli_link {
 };
 
 struct pccd_client {
-    int socket;
+    int socket;               /* -1: none, or not connected */
+    struct cli_direct direct; /* in the place of the socket */
     struct cli_link link;
     bool keeps; /* what it registers, for another daemon (keep.h) */
     struct cli_kept_scene *kept_scenes;

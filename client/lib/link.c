@@ -16,6 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "direct.h"
 #include "launch.h"
 #include "rpc.h"
 #include "seqpacket.h"
@@ -182,9 +183,10 @@ static int open_session(struct pccd_client *client, bool with_held, uint64_t dea
                         bool *resumed)
 {
     const struct cli_link *link = &client->link;
-    int rc = open_socket(client, link->path, deadline_ns);
+    int rc = link->way == CLI_WAY_DIRECT ? cli_direct_open(client)
+                                         : open_socket(client, link->path, deadline_ns);
 
-    if (rc == 0 && link->way != CLI_WAY_URL) {
+    if (rc == 0 && (link->way == CLI_WAY_USER || link->way == CLI_WAY_PRIVATE)) {
         rc = check_owner(client);
     }
     return rc != 0 ? rc : say_hello(client, with_held, deadline_ns, resumed);
@@ -274,6 +276,7 @@ int cli_link_first(struct pccd_client *client, uint64_t deadline_ns)
         rc = cli_launch_private(client, link->daemon, link->path, deadline_ns);
         break;
     case CLI_WAY_URL:
+    case CLI_WAY_DIRECT:
         break;
     }
     rc = rc != 0 ? rc : open_first(client, deadline_ns);

@@ -9,6 +9,8 @@ libpccd_la_SOURCES = \
     client/lib/attach.h \
     client/lib/client.c \
     client/lib/client.h \
+    client/lib/direct.c \
+    client/lib/direct.h \
     client/lib/flight.c \
     client/lib/flight.h \
     client/lib/frame.c \

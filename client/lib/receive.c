@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "direct.h"
 #include "keep.h"
 #include "page.h"
 #include "recorder.h"
@@ -190,6 +191,26 @@ static int lost(struct pccd_client *client, const char *why)
     return client->link.is_down ? PCCD_E_AGAIN : rc;
 }
 
+/* One message into client->message, as proto_receive. */
+static int receive(struct pccd_client *client, size_t *bytes, int *fd_count)
+{
+    int rc;
+
+    if (client->link.way == CLI_WAY_DIRECT) {
+        return cli_direct_receive(client, bytes, fd_count);
+    }
+    errno = 0;
+    rc = proto_receive(client->socket, client->message, sizeof(client->message), bytes,
+                       client->fds, fd_count);
+    /* A peer that closed with our messages unread is a reset first; what it had said
+     * before can still be read after it. */
+    if (rc == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
+        rc = proto_receive(client->socket, client->message, sizeof(client->message),
+                           bytes, client->fds, fd_count);
+    }
+    return rc;
+}
+
 int cli_receive(struct pccd_client *client)
 {
     struct proto_envelope envelope;
@@ -204,15 +225,7 @@ int cli_receive(struct pccd_client *client)
     if (client->link.is_down) {
         return PCCD_E_AGAIN;
     }
-    errno = 0;
-    rc = proto_receive(client->socket, client->message, sizeof(client->message), &bytes,
-                       client->fds, &fd_count);
-    /* A peer that closed with our messages unread is a reset first; what it had said
-     * before can still be read after it. */
-    if (rc == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
-        rc = proto_receive(client->socket, client->message, sizeof(client->message),
-                           &bytes, client->fds, &fd_count);
-    }
+    rc = receive(client, &bytes, &fd_count);
     if (rc == PCCD_E_AGAIN) {
         return rc;
     }

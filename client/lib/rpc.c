@@ -16,6 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "direct.h"
 #include "page.h"
 #include "recover.h"
 
@@ -113,6 +114,7 @@ void cli_rpc_close(struct pccd_client *client)
         (void)close(client->socket);
     }
     client->socket = -1;
+    cli_direct_close(client);
     cli_fds_close(client);
     memset(client->calls, 0, sizeof(client->calls));
     client->dead = false;
@@ -170,7 +172,7 @@ static int wait_socket(struct pccd_client *client, short events, uint64_t deadli
         uint64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
         struct timespec left = {(time_t)(left_ns / 1000000000u),
                                 (long)(left_ns % 1000000000u)};
-        struct pollfd watched = {.fd = client->socket, .events = events};
+        struct pollfd watched = {.fd = pccd_fd(client), .events = events};
         int ready = ppoll(&watched, 1, &left, NULL);
 
         if (ready > 0) {
@@ -264,12 +266,16 @@ static struct cli_call *free_call(struct pccd_client *client)
  * daemon does not read from a client that does not. */
 static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
 {
+    const struct proto_encoder *encoder = &client->encoder;
+
     for (;;) {
-        int rc = proto_send(client->socket, client->encoder.data, client->encoder.bytes,
-                            NULL, 0);
+        bool direct = client->link.way == CLI_WAY_DIRECT;
+        int rc = direct
+                     ? cli_direct_send(client, encoder->data, encoder->bytes)
+                     : proto_send(client->socket, encoder->data, encoder->bytes, NULL, 0);
 
         if (rc == 0) {
-            client->has_sent = true;
+            client->has_sent = !direct; /* where the answer is there already */
             return 0;
         }
         if (rc != PCCD_E_AGAIN) {

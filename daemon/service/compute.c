@@ -115,6 +115,25 @@ static void put_back(struct srv_compute *compute, struct srv_job *job)
     compute->queued++;
 }
 
+/* Run the job whose turn it is; there is one. True: the list of finished jobs is no
+ * longer empty. Locked, but not while the job runs. */
+static bool run_one(struct srv_compute *compute)
+{
+    struct srv_job *job = take(compute);
+    unlock(compute);
+    job->goes_on = false;
+    uint64_t begin_ns = srv_now_thread_ns();
+    job->run(job);
+    uint64_t cost_ns = srv_now_thread_ns() - begin_ns;
+    lock(compute);
+    bool goes_on = job->goes_on;
+    if (goes_on) {
+        put_back(compute, job);
+    }
+    settle(compute, job, cost_ns);
+    return !goes_on && finish(compute, job);
+}
+
 static void *compute_main(void *context)
 {
     struct srv_compute *compute = context;
@@ -130,19 +149,7 @@ static void *compute_main(void *context)
         if (compute->queued == 0) {
             break;
         }
-        struct srv_job *job = take(compute);
-        unlock(compute);
-        job->goes_on = false;
-        uint64_t begin_ns = srv_now_thread_ns();
-        job->run(job);
-        uint64_t cost_ns = srv_now_thread_ns() - begin_ns;
-        lock(compute);
-        bool goes_on = job->goes_on;
-        if (goes_on) {
-            put_back(compute, job);
-        }
-        settle(compute, job, cost_ns);
-        if (!goes_on && finish(compute, job)) {
+        if (run_one(compute)) {
             unlock(compute);
             compute->notify(compute->context);
             lock(compute);
@@ -152,12 +159,9 @@ static void *compute_main(void *context)
     return NULL;
 }
 
-int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
-                      void (*enter)(void *context), void (*notify)(void *context),
-                      void *context)
+int srv_compute_init(struct srv_compute *compute, uint32_t capacity)
 {
-    *compute = (struct srv_compute){
-        .capacity = capacity, .enter = enter, .notify = notify, .context = context};
+    *compute = (struct srv_compute){.capacity = capacity};
     if (pthread_mutex_init(&compute->mutex, NULL) != 0) {
         return PCCD_E_NOMEM;
     }
@@ -165,6 +169,38 @@ int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
         pthread_mutex_destroy(&compute->mutex);
         return PCCD_E_NOMEM;
     }
+    return 0;
+}
+
+void srv_compute_deinit(struct srv_compute *compute)
+{
+    PCCD_ASSERT(compute->queued == 0 && compute->done_first == NULL);
+    pthread_cond_destroy(&compute->wake);
+    pthread_mutex_destroy(&compute->mutex);
+}
+
+bool srv_compute_run_next(struct srv_compute *compute)
+{
+    lock(compute);
+    bool has_job = compute->queued > 0;
+    if (has_job) {
+        (void)run_one(compute);
+    }
+    unlock(compute);
+    return has_job;
+}
+
+int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
+                      void (*enter)(void *context), void (*notify)(void *context),
+                      void *context)
+{
+    int status = srv_compute_init(compute, capacity);
+    if (status != 0) {
+        return status;
+    }
+    compute->enter = enter;
+    compute->notify = notify;
+    compute->context = context;
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
@@ -172,8 +208,7 @@ int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
     int failed = pthread_create(&compute->thread, NULL, compute_main, compute);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (failed != 0) {
-        pthread_cond_destroy(&compute->wake);
-        pthread_mutex_destroy(&compute->mutex);
+        srv_compute_deinit(compute);
         return PCCD_E_SYSTEM;
     }
     compute->started = true;
@@ -199,9 +234,8 @@ void srv_compute_stop(struct srv_compute *compute)
     unlock(compute);
     wake(compute);
     int failed = pthread_join(compute->thread, NULL);
-    PCCD_ASSERT(failed == 0 && compute->done_first == NULL);
-    pthread_cond_destroy(&compute->wake);
-    pthread_mutex_destroy(&compute->mutex);
+    PCCD_ASSERT(failed == 0);
+    srv_compute_deinit(compute);
     compute->started = false;
 }
 

@@ -93,6 +93,15 @@ int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
 /* Let the running job end, join the thread. No job may be queued or undrained. [loop] */
 void srv_compute_stop(struct srv_compute *compute);
 
+/* A queue without a thread: whoever pushes runs the jobs, too. Returns 0 or PCCD_E_NOMEM.
+ * [loop] */
+int srv_compute_init(struct srv_compute *compute, uint32_t capacity);
+/* No job may be queued or undrained. [loop] */
+void srv_compute_deinit(struct srv_compute *compute);
+/* Run the job whose turn it is, or a part of it, on this thread. False: there is none.
+ * [compute] */
+bool srv_compute_run_next(struct srv_compute *compute);
+
 void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done);
 
 /* Returns 0 or PCCD_E_BUSY (`capacity` jobs wait already). [loop] */

@@ -22,6 +22,7 @@ proto
 oracle
 daemon/engine
 daemon/service      proto daemon/engine
+daemon/direct       proto daemon/engine daemon/service
 daemon/server       proto daemon/engine daemon/service
 client/record       client/lib+
 client/lib          proto client/record
@@ -64,7 +65,7 @@ bench/peers         atomic cstdio cstdlib memory string vector
 tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 '
 
-c_library='argp.h assert.h ctype.h dirent.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
+c_library='argp.h assert.h ctype.h dirent.h dlfcn.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
     arm_neon.h glob.h grp.h immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h netinet/in.h
     poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h sys/epoll.h sys/eventfd.h sys/file.h sys/ioctl.h sys/mman.h

@@ -1,0 +1,129 @@
+/* direct.c - the service in this process.
+ *
+ * Room:     client/lib. See direct.h.
+ * Does:     find the library: as $PCCD_DIRECT says, else beside this one, else where the
+ *           loader finds it. It stays for as long as the process lives: the threads of
+ *           its OpenMP runtime do.
+ * Does not: bring the engine's libraries into programs that talk to a daemon.
+ * Threads:  [owner]; the loader has locks of its own.
+ */
+#include "direct.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto_direct.h"
+
+#define PATH_BYTES 4096
+
+/* The file beside the one that this function is in; "": not known, or too long. */
+static void beside_us(char path[PATH_BYTES])
+{
+    Dl_info info;
+    const char *slash;
+
+    path[0] = '\0';
+    if (dladdr((const void *)(uintptr_t)&cli_direct_open, &info) == 0 ||
+        info.dli_fname == NULL || (slash = strrchr(info.dli_fname, '/')) == NULL) {
+        return;
+    }
+    int length = snprintf(path, PATH_BYTES, "%.*s/%s", (int)(slash - info.dli_fname),
+                          info.dli_fname, PROTO_DIRECT_LIBRARY);
+
+    if (length < 0 || length >= PATH_BYTES) {
+        path[0] = '\0';
+    }
+}
+
+static void *load(const char *path)
+{
+    return dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+}
+
+static void *find_library(struct pccd_client *client)
+{
+    const char *chosen = getenv("PCCD_DIRECT");
+    char beside[PATH_BYTES];
+    char why[CLI_TEXT_BYTES / 2] = "";
+    void *library = NULL;
+
+    if (chosen != NULL && chosen[0] != '\0') {
+        library = load(chosen);
+        if (library == NULL) {
+            (void)cli_fail(client, PCCD_E_SYSTEM, "direct: PCCD_DIRECT=%.150s: %.250s",
+                           chosen, dlerror());
+        }
+        return library;
+    }
+    beside_us(beside);
+    if (beside[0] != '\0') {
+        library = load(beside);
+        if (library == NULL) {
+            (void)snprintf(why, sizeof(why), "%s", dlerror());
+        }
+    }
+    if (library == NULL) {
+        library = load(PROTO_DIRECT_LIBRARY);
+    }
+    if (library == NULL) {
+        (void)cli_fail(client, PCCD_E_SYSTEM,
+                       "direct: needs %s, which cannot be loaded: %.250s; install it "
+                       "beside libpccd, name it in $PCCD_DIRECT, or use a daemon",
+                       PROTO_DIRECT_LIBRARY, why[0] != '\0' ? why : dlerror());
+    }
+    return library;
+}
+
+int cli_direct_open(struct pccd_client *client)
+{
+    char text[PROTO_DIRECT_TEXT_BYTES] = "";
+    struct cli_direct *direct = &client->direct;
+    void *library = find_library(client);
+    proto_direct_fn entrance = NULL;
+    int rc;
+
+    if (library == NULL) {
+        return PCCD_E_SYSTEM;
+    }
+    /* ISO C has no conversion from an object's address to a function's; POSIX has. */
+    void *symbol = dlsym(library, PROTO_DIRECT_SYMBOL);
+
+    memcpy(&entrance, &symbol, sizeof(entrance));
+    direct->host = entrance != NULL ? entrance(PROTO_DIRECT_VERSION) : NULL;
+    if (direct->host == NULL) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "direct: the %s that was found is of another release than "
+                        "libpccd %s",
+                        PROTO_DIRECT_LIBRARY, pccd_version());
+    }
+    memcpy(client->url, CLI_DIRECT_URL, sizeof(CLI_DIRECT_URL));
+    rc = direct->host->open(&direct->line, text);
+    return rc == 0 ? 0 : cli_fail(client, rc, "direct: %s", text);
+}
+
+void cli_direct_close(struct pccd_client *client)
+{
+    if (client->direct.line != NULL) {
+        client->direct.host->close(client->direct.line);
+    }
+    client->direct.line = NULL;
+}
+
+int cli_direct_send(struct pccd_client *client, const void *message, size_t bytes)
+{
+    return client->direct.host->send(client->direct.line, message, bytes);
+}
+
+int cli_direct_receive(struct pccd_client *client, size_t *bytes, int *fd_count)
+{
+    return client->direct.host->receive(client->direct.line, client->message,
+                                        sizeof(client->message), bytes, client->fds,
+                                        fd_count);
+}
+
+int cli_direct_descriptor(const struct pccd_client *client)
+{
+    return client->direct.host->descriptor(client->direct.line);
+}

@@ -1,0 +1,381 @@
+/* direct.c - the service in the process of its client.
+ *
+ * Room:     direct. May include: line.h, the service's headers, proto/direct.h.
+ * Does:     one service for all clients of the process, made with the first and freed
+ *           with the last; what a message asks for is computed at once, by the thread
+ *           that brings it.
+ * Does not: start threads (the engine's OpenMP team is the calling thread's), wait for
+ *           anything but its turn, handle signals, or bind threads to processors: the
+ *           process is not ours.
+ * Threads:  [any]; the turn makes whoever has it [loop] and [compute].
+ */
+#include <errno.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "dispatch.h"
+#include "invariant.h"
+#include "kernel.h"
+#include "limits.h"
+#include "line.h"
+#include "loop.h"
+#include "now.h"
+#include "pccd_types.h"
+#include "proto_direct.h"
+#include "session.h"
+
+/* Quotas keep users of a daemon from each other; here is one, and the memory is its own.
+ * Half, so that sums do not overflow. */
+#define UNLIMITED (UINT64_MAX / 2)
+
+#define CLIENTS_MAX 4096u
+
+struct proto_direct_line {
+    struct srv_conn conn; /* first */
+};
+
+/* Whose turn it is: everything below, and all that the service has. */
+static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
+static struct srv_options options;
+static struct srv_loop *service; /* NULL: no client */
+static struct srv_conn *conns;   /* newest first */
+
+/* OpenMP's team does not survive a fork: a copy of the process must not compute. */
+static volatile bool is_forked;
+
+static void on_forked(void)
+{
+    is_forked = true;
+}
+
+static void watch_forks(void)
+{
+    (void)pthread_atfork(NULL, NULL, on_forked);
+}
+
+static void take_turn(void)
+{
+    int failed = pthread_mutex_lock(&turn);
+    PCCD_ASSERT(failed == 0);
+    srv_thread_enter(SRV_THREAD_LOOP);
+}
+
+static void end_turn(void)
+{
+    srv_thread_enter(SRV_THREAD_OTHER);
+    int failed = pthread_mutex_unlock(&turn);
+    PCCD_ASSERT(failed == 0);
+}
+
+/* ---- what the service asks of its host --------------------------------------------- */
+
+void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message)
+{
+    (void)loop;
+    for (struct srv_conn *conn = conns; conn != NULL; conn = conn->next) {
+        srv_conn_send(conn, message, NULL, 0);
+    }
+}
+
+void srv_conn_established(struct srv_conn *conn)
+{
+    (void)conn; /* nobody waits for hello */
+}
+
+/* No session waits for its client or for the compute thread, so there is never a message
+ * that could come back. */
+int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes)
+{
+    (void)conn;
+    (void)message;
+    (void)bytes;
+    return PCCD_E_LIMIT;
+}
+
+void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user)
+{
+    (void)loop;
+    (void)user;
+}
+
+void srv_conn_orphan(struct srv_conn *conn)
+{
+    srv_conn_finish(conn);
+    conn->session = NULL;
+}
+
+void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session)
+{
+    conn->session = session;
+}
+
+void srv_host_client_joined(struct srv_loop *loop)
+{
+    loop->client_count++;
+}
+
+void srv_host_client_left(struct srv_loop *loop)
+{
+    PCCD_ASSERT(loop->client_count > 0);
+    loop->client_count--;
+}
+
+/* Nothing is left undone between two messages, so that no timer is ever due: a step is
+ * computed before its deadline can come in the queue, and no session waits. */
+struct srv_timer *srv_timer_new(struct srv_loop *loop, void (*fire)(void *context),
+                                void *context)
+{
+    (void)fire;
+    (void)context;
+    return (struct srv_timer *)loop;
+}
+
+void srv_timer_start(struct srv_timer *timer, uint64_t after_ms, uint64_t every_ms)
+{
+    (void)timer;
+    (void)after_ms;
+    (void)every_ms;
+}
+
+void srv_timer_stop(struct srv_timer *timer)
+{
+    (void)timer;
+}
+
+void srv_timer_free(struct srv_timer *timer)
+{
+    (void)timer;
+}
+
+/* ---- the service ------------------------------------------------------------------- */
+
+static uint32_t cpu_count(void)
+{
+    cpu_set_t cpus;
+    return sched_getaffinity(0, sizeof cpus, &cpus) == 0 ? (uint32_t)CPU_COUNT(&cpus) : 1;
+}
+
+/* As OpenMP reads it: the number of the outermost level; the processors at hand where it
+ * says nothing that makes sense. */
+static uint32_t threads_wanted(void)
+{
+    const char *text = getenv("OMP_NUM_THREADS");
+    char *end = NULL;
+    errno = 0;
+    unsigned long number = text != NULL ? strtoul(text, &end, 10) : 0;
+    if (number < 1 || number > UINT16_MAX || errno != 0 ||
+        (*end != '\0' && *end != ',' && *end != ' ')) {
+        return cpu_count();
+    }
+    return (uint32_t)number;
+}
+
+static void free_service(struct srv_loop *loop)
+{
+    srv_loop_deinit(loop);
+    srv_compute_deinit(&loop->compute);
+    srv_compute_deinit(&loop->pages);
+    free(loop);
+}
+
+static struct srv_loop *make_service(void)
+{
+    options = (struct srv_options){
+        .threads_max = threads_wanted(),
+        .pin = SRV_PIN_OFF,
+        .inflight_max = PROTO_INFLIGHT_MAX,
+        .queue_max = CLIENTS_MAX,
+        .contacts_max = PROTO_CONTACTS_PER_STEP,
+        .quota = {[SRV_QUOTA_CLIENTS] = CLIENTS_MAX,
+                  [SRV_QUOTA_SHM_BYTES] = UNLIMITED,
+                  [SRV_QUOTA_MESHES] = UNLIMITED,
+                  [SRV_QUOTA_TRIANGLES] = UNLIMITED},
+        .engine_bytes_max = UNLIMITED,
+        .ready_fd = -1,
+        .listen_fd = -1,
+        .log_level = SRV_LOG_ERROR,
+    };
+    srv_log_set_level(options.log_level);
+    struct srv_loop *loop = calloc(1, sizeof *loop);
+    if (loop == NULL) {
+        return NULL;
+    }
+    if (srv_compute_init(&loop->compute, options.queue_max) != 0) {
+        free(loop);
+        return NULL;
+    }
+    if (srv_compute_init(&loop->pages, options.queue_max) != 0) {
+        srv_compute_deinit(&loop->compute);
+        free(loop);
+        return NULL;
+    }
+    if (srv_loop_init(loop, &options) != 0) {
+        free_service(loop);
+        return NULL;
+    }
+    loop->start_ns = srv_now_ns();
+    return loop;
+}
+
+/* Compute all that there is to, also what comes of it. */
+static void work_off(struct srv_loop *loop)
+{
+    bool ran = true;
+    while (ran) {
+        srv_thread_enter(SRV_THREAD_COMPUTE);
+        ran = srv_compute_run_next(&loop->compute) || srv_compute_run_next(&loop->pages);
+        srv_thread_enter(SRV_THREAD_LOOP);
+        srv_compute_drain(&loop->compute);
+        srv_compute_drain(&loop->pages);
+    }
+}
+
+/* ---- lines ------------------------------------------------------------------------- */
+
+static int refuse(char text[PROTO_DIRECT_TEXT_BYTES], int status, const char *why)
+{
+    (void)snprintf(text, PROTO_DIRECT_TEXT_BYTES, "%s", why);
+    return status;
+}
+
+static void unlink_conn(struct srv_conn *conn)
+{
+    if (conn->prev != NULL) {
+        conn->prev->next = conn->next;
+    } else {
+        conns = conn->next;
+    }
+    if (conn->next != NULL) {
+        conn->next->prev = conn->prev;
+    }
+}
+
+static void link_conn(struct srv_conn *conn)
+{
+    conn->next = conns;
+    if (conns != NULL) {
+        conns->prev = conn;
+    }
+    conns = conn;
+}
+
+/* In its turn. */
+static int add_line(struct proto_direct_line *line, char text[PROTO_DIRECT_TEXT_BYTES])
+{
+    const struct srv_peer peer = {.uid = geteuid(), .pid = getpid()};
+    if (service == NULL) {
+        service = make_service();
+    }
+    if (service == NULL) {
+        return refuse(text, PCCD_E_NOMEM, "no memory for the service");
+    }
+    line->conn.session = srv_session_new(service, &line->conn, &peer);
+    if (line->conn.session == NULL) {
+        if (conns == NULL) {
+            free_service(service);
+            service = NULL;
+        }
+        return refuse(text, PCCD_E_NOMEM, "no memory for a session");
+    }
+    link_conn(&line->conn);
+    return 0;
+}
+
+static int open_line(struct proto_direct_line **line, char text[PROTO_DIRECT_TEXT_BYTES])
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    const char *cpu = getenv("PCCD_CPU");
+    if (is_forked) {
+        return refuse(text, PCCD_E_STATE,
+                      "this process was forked from one that computes; connect to a "
+                      "daemon, or start a program");
+    }
+    if (eng_kernels_named(cpu) == NULL) {
+        (void)snprintf(text, PROTO_DIRECT_TEXT_BYTES,
+                       "PCCD_CPU=%s: there is no such instruction set here", cpu);
+        return PCCD_E_INVAL;
+    }
+    struct proto_direct_line *made = malloc(sizeof *made);
+    if (made == NULL || srv_line_init(&made->conn) != 0) {
+        free(made);
+        return refuse(text, PCCD_E_NOMEM, "no memory for a client");
+    }
+    (void)pthread_once(&once, watch_forks);
+    take_turn();
+    int status = add_line(made, text);
+    end_turn();
+    if (status != 0) {
+        srv_line_deinit(&made->conn);
+        free(made);
+        return status;
+    }
+    *line = made;
+    return 0;
+}
+
+static int send_message(struct proto_direct_line *line, const void *message, size_t bytes)
+{
+    if (is_forked || srv_line_is_finished(&line->conn)) {
+        return PCCD_E_DISCONNECTED;
+    }
+    take_turn();
+    service->metrics.counters.messages++;
+    srv_dispatch(line->conn.session, message, bytes);
+    work_off(service);
+    end_turn();
+    return 0;
+}
+
+static int receive_message(struct proto_direct_line *line, void *buffer, size_t capacity,
+                           size_t *bytes, int *fds, int *fd_count)
+{
+    if (is_forked) {
+        *fd_count = 0;
+        return PCCD_E_DISCONNECTED;
+    }
+    return srv_line_take(&line->conn, buffer, capacity, bytes, fds, fd_count);
+}
+
+static int descriptor_of(struct proto_direct_line *line)
+{
+    return is_forked ? -1 : srv_line_descriptor(&line->conn);
+}
+
+static void close_line(struct proto_direct_line *line)
+{
+    if (is_forked) {
+        return; /* whose copy this is may have had the turn when it was copied */
+    }
+    take_turn();
+    unlink_conn(&line->conn);
+    if (line->conn.session != NULL) {
+        srv_session_detach(line->conn.session);
+    }
+    work_off(service);
+    if (conns == NULL) {
+        free_service(service);
+        service = NULL;
+    }
+    end_turn();
+    srv_line_deinit(&line->conn);
+    free(line);
+}
+
+/* ---- the entrance ------------------------------------------------------------------ */
+
+__attribute__((visibility("default"))) const struct proto_direct *
+pccd_direct_host(uint32_t version);
+
+const struct proto_direct *pccd_direct_host(uint32_t version)
+{
+    static const struct proto_direct host = {.open = open_line,
+                                             .send = send_message,
+                                             .receive = receive_message,
+                                             .descriptor = descriptor_of,
+                                             .close = close_line};
+    return version == PROTO_DIRECT_VERSION ? &host : NULL;
+}

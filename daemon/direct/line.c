@@ -1,0 +1,211 @@
+/* line.c - a client in the process of the service.
+ *
+ * Room:     direct. See line.h.
+ * Does:     a queue of messages in one block of memory.
+ * Threads:  [owner], and [loop] for what sends.
+ */
+#include "line.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "invariant.h"
+#include "pccd_types.h"
+
+#define CAPACITY_MIN 4096u
+
+struct head {
+    size_t bytes;
+    int fd_count;
+    int fds[PROTO_FDS_MAX]; /* ours until they are taken */
+};
+
+static void lock(struct srv_conn *conn)
+{
+    int failed = pthread_mutex_lock(&conn->mutex);
+    PCCD_ASSERT(failed == 0);
+}
+
+static void unlock(struct srv_conn *conn)
+{
+    int failed = pthread_mutex_unlock(&conn->mutex);
+    PCCD_ASSERT(failed == 0);
+}
+
+static void close_fds(const int *fds, int fd_count)
+{
+    for (int i = 0; i < fd_count; i++) {
+        close(fds[i]);
+    }
+}
+
+/* Whole heads, one behind the other. */
+static size_t room_of(size_t bytes)
+{
+    size_t all = sizeof(struct head) + bytes;
+    return (all + sizeof(struct head) - 1) / sizeof(struct head) * sizeof(struct head);
+}
+
+int srv_line_init(struct srv_conn *conn)
+{
+    *conn = (struct srv_conn){.event = -1};
+    return pthread_mutex_init(&conn->mutex, NULL) == 0 ? 0 : PCCD_E_NOMEM;
+}
+
+/* The oldest message is no longer there. Locked. */
+static void drop_first(struct srv_conn *conn, const struct head *head)
+{
+    conn->first += room_of(head->bytes);
+    if (--conn->count == 0) {
+        PCCD_ASSERT(conn->first == conn->end);
+        conn->first = 0;
+        conn->end = 0;
+    }
+}
+
+void srv_line_deinit(struct srv_conn *conn)
+{
+    while (conn->count > 0) {
+        struct head head;
+        memcpy(&head, conn->queue + conn->first, sizeof head);
+        close_fds(head.fds, head.fd_count);
+        drop_first(conn, &head);
+    }
+    if (conn->event >= 0) {
+        close(conn->event);
+    }
+    free(conn->queue);
+    pthread_mutex_destroy(&conn->mutex);
+}
+
+/* ---- in ---------------------------------------------------------------------------- */
+
+/* Room for `bytes` more behind the last message. Locked. */
+static bool make_room(struct srv_conn *conn, size_t bytes)
+{
+    size_t used = conn->end - conn->first;
+    if (conn->capacity - conn->end >= bytes) {
+        return true;
+    }
+    if (conn->capacity - used < bytes) {
+        size_t capacity = conn->capacity == 0 ? CAPACITY_MIN : conn->capacity;
+        while (capacity - used <
+               bytes) { /* ends: messages and their number are bounded */
+            capacity *= 2;
+        }
+        uint8_t *queue = realloc(conn->queue, capacity);
+        if (queue == NULL) {
+            return false;
+        }
+        conn->queue = queue;
+        conn->capacity = capacity;
+    }
+    memmove(conn->queue, conn->queue + conn->first, used);
+    conn->first = 0;
+    conn->end = used;
+    return true;
+}
+
+/* Let the descriptor be readable. Locked; it holds 0 now, and a write of 1 cannot
+ * block. */
+static void ring(const struct srv_conn *conn)
+{
+    uint64_t one = 1;
+    if (conn->event >= 0) {
+        ssize_t written = write(conn->event, &one, sizeof one);
+        PCCD_ASSERT(written == (ssize_t)sizeof one);
+    }
+}
+
+void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
+                   const int *fds, int fd_count)
+{
+    srv_assert_loop();
+    struct head head = {.bytes = message->bytes, .fd_count = fd_count, .fds = {-1, -1}};
+    PCCD_ASSERT(fd_count >= 0 && fd_count <= PROTO_FDS_MAX);
+    for (int i = 0; i < fd_count; i++) {
+        head.fds[i] = fds[i];
+    }
+    lock(conn);
+    if (conn->is_finished || conn->count >= SRV_LINE_MESSAGES_MAX ||
+        !make_room(conn, room_of(head.bytes))) {
+        conn->is_finished = true;
+        close_fds(fds, fd_count);
+    } else {
+        memcpy(conn->queue + conn->end, &head, sizeof head);
+        memcpy(conn->queue + conn->end + sizeof head, message->data, head.bytes);
+        conn->end += room_of(head.bytes);
+        if (conn->count++ == 0) {
+            ring(conn);
+        }
+    }
+    unlock(conn);
+}
+
+void srv_conn_finish(struct srv_conn *conn)
+{
+    lock(conn);
+    conn->is_finished = true;
+    if (conn->count == 0) {
+        ring(conn);
+    }
+    unlock(conn);
+}
+
+/* ---- out --------------------------------------------------------------------------- */
+
+int srv_line_take(struct srv_conn *conn, void *buffer, size_t capacity, size_t *bytes,
+                  int *fds, int *fd_count)
+{
+    struct head head = {.bytes = 0};
+    int status = 0;
+    *fd_count = 0;
+    lock(conn);
+    if (conn->count == 0) {
+        status = conn->is_finished ? PCCD_E_DISCONNECTED : PCCD_E_AGAIN;
+        unlock(conn);
+        return status;
+    }
+    memcpy(&head, conn->queue + conn->first, sizeof head);
+    if (head.bytes > capacity) {
+        close_fds(head.fds, head.fd_count);
+        status = PCCD_E_BADMSG;
+    } else {
+        memcpy(buffer, conn->queue + conn->first + sizeof head, head.bytes);
+        *bytes = head.bytes;
+        *fd_count = head.fd_count;
+        memcpy(fds, head.fds, sizeof head.fds);
+    }
+    drop_first(conn, &head);
+    if (conn->count == 0 && conn->event >= 0 && !conn->is_finished) {
+        uint64_t value = 0;
+        ssize_t got = read(conn->event, &value, sizeof value);
+        PCCD_ASSERT(got == (ssize_t)sizeof value);
+    }
+    unlock(conn);
+    return status;
+}
+
+int srv_line_descriptor(struct srv_conn *conn)
+{
+    lock(conn);
+    if (conn->event < 0) {
+        conn->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+        if (conn->count > 0 || conn->is_finished) {
+            ring(conn);
+        }
+    }
+    int event = conn->event;
+    unlock(conn);
+    return event;
+}
+
+bool srv_line_is_finished(struct srv_conn *conn)
+{
+    lock(conn);
+    bool is_finished = conn->is_finished;
+    unlock(conn);
+    return is_finished;
+}

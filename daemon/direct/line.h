@@ -1,0 +1,53 @@
+/* line.h - a client in the process of the service.
+ *
+ * Room:     direct. May include: the service's headers.
+ * Does:     keep the messages for the client until it takes them, and a descriptor that
+ *           tells of them, where it wants one.
+ * Does not: allocate for a message, once it has grown to what is usual.
+ * Threads:  the queue has a lock of its own: a client may look for answers while another
+ *           one's step is computed.
+ */
+#ifndef DIRECT_LINE_H
+#define DIRECT_LINE_H
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "host.h"
+#include "proto_direct.h"
+
+/* Messages that a client lets wait before it is dropped: it has no more requests in
+ * flight, and the rest are notifications that it does not read. */
+#define SRV_LINE_MESSAGES_MAX 1024u
+
+/* What host.h calls the way to a client. */
+struct srv_conn {
+    struct srv_conn *prev; /* of the process; under the turn (turn.c) */
+    struct srv_conn *next;
+    struct srv_session *session; /* NULL: it is over */
+    pthread_mutex_t mutex;       /* of all below */
+    uint8_t *queue;              /* [capacity] messages, each behind its head */
+    size_t capacity;
+    size_t first; /* of the oldest message */
+    size_t end;
+    uint32_t count;
+    int event;        /* descriptor; -1: nobody has asked for it */
+    bool is_finished; /* nothing more is sent either way */
+};
+
+/* Returns 0 or PCCD_E_NOMEM. */
+int srv_line_init(struct srv_conn *conn);
+/* Messages that nobody took go with it. */
+void srv_line_deinit(struct srv_conn *conn);
+
+/* As proto_receive. */
+int srv_line_take(struct srv_conn *conn, void *buffer, size_t capacity, size_t *bytes,
+                  int *fds, int *fd_count);
+/* -1: there is none to be had. */
+int srv_line_descriptor(struct srv_conn *conn);
+/* Nothing more comes. */
+bool srv_line_is_finished(struct srv_conn *conn);
+
+#endif

@@ -1,0 +1,54 @@
+/* proto_direct.h - where the client library meets the service in its own process.
+ *
+ * Room:     proto. May include: seqpacket.h.
+ * Does:     declare what libpccd-direct exports: a way to send messages of the protocol
+ *           and to receive them, as over a socket. Both libraries may be of different
+ *           releases: hello agrees on a version, as with a daemon.
+ * Threads:  functions say.
+ */
+#ifndef PROTO_DIRECT_H
+#define PROTO_DIRECT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "seqpacket.h"
+
+/* Changes when a member of struct proto_direct does. */
+#define PROTO_DIRECT_VERSION 1u
+
+/* The file, and what it exports: a proto_direct_fn. */
+#define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
+#define PROTO_DIRECT_SYMBOL  "pccd_direct_host"
+
+#define PROTO_DIRECT_TEXT_BYTES 256u
+
+struct proto_direct_line; /* of one client */
+
+struct proto_direct {
+    /* Another client of this process. Returns 0, PCCD_E_NOMEM, PCCD_E_QUOTA or
+     * PCCD_E_STATE (a forked process), with the reason in text. [any] */
+    int (*open)(struct proto_direct_line **line, char text[PROTO_DIRECT_TEXT_BYTES]);
+
+    /* Handle one message. What it asks for is computed before this returns, by the
+     * calling thread and its OpenMP team, and its answer can be received. While another
+     * client's message is handled by another thread, this waits. Returns 0 or
+     * PCCD_E_DISCONNECTED. [owner] */
+    int (*send)(struct proto_direct_line *line, const void *message, size_t bytes);
+
+    /* As proto_receive: 0, PCCD_E_AGAIN, PCCD_E_BADMSG or PCCD_E_DISCONNECTED. [owner] */
+    int (*receive)(struct proto_direct_line *line, void *buffer, size_t capacity,
+                   size_t *bytes, int fds[PROTO_FDS_MAX], int *fd_count);
+
+    /* A descriptor, the line's, that is readable while a message can be received; -1:
+     * there is none to be had. [owner] */
+    int (*descriptor)(struct proto_direct_line *line);
+
+    /* All that the client has is freed, with the last client everything. [owner] */
+    void (*close)(struct proto_direct_line *line);
+};
+
+/* NULL: this library does not have that version of struct proto_direct. */
+typedef const struct proto_direct *(*proto_direct_fn)(uint32_t version);
+
+#endif
