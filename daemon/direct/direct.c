@@ -28,9 +28,10 @@
 #include "proto_direct.h"
 #include "session.h"
 
-/* Quotas keep users of a daemon from each other; here is one, and the memory is its own.
- * Half, so that sums do not overflow. */
-#define UNLIMITED (UINT64_MAX / 2)
+/* Quotas keep the users of a daemon from each other. Here is one, and the memory is its
+ * own: only what no machine has is refused. Half, so that sums do not overflow. */
+#define UNLIMITED      (UINT64_MAX / 2)
+#define TRIANGLE_BYTES 56u /* of a mesh, at least */
 
 #define CLIENTS_MAX 4096u
 
@@ -182,6 +183,15 @@ static void free_service(struct srv_loop *loop)
     free(loop);
 }
 
+/* Of the machine; 2 GiB where it does not say. */
+static uint64_t memory_bytes(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES);
+    long page_bytes = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page_bytes > 0 ? (uint64_t)pages * (uint64_t)page_bytes
+                                       : 2ull << 30;
+}
+
 static struct srv_loop *make_service(void)
 {
     options = (struct srv_options){
@@ -191,9 +201,9 @@ static struct srv_loop *make_service(void)
         .queue_max = CLIENTS_MAX,
         .contacts_max = PROTO_CONTACTS_PER_STEP,
         .quota = {[SRV_QUOTA_CLIENTS] = CLIENTS_MAX,
-                  [SRV_QUOTA_SHM_BYTES] = UNLIMITED,
+                  [SRV_QUOTA_SHM_BYTES] = memory_bytes() / 2,
                   [SRV_QUOTA_MESHES] = UNLIMITED,
-                  [SRV_QUOTA_TRIANGLES] = UNLIMITED},
+                  [SRV_QUOTA_TRIANGLES] = memory_bytes() / TRIANGLE_BYTES},
         .engine_bytes_max = UNLIMITED,
         .ready_fd = -1,
         .listen_fd = -1,

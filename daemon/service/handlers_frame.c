@@ -218,7 +218,7 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
         scene->answer.number = ++scene->number;
     }
     scene->stepper = request->session->id;
-    request->last_step = srv_laststep_new(&step);
+    request->last_step = srv_laststep_new(&request->session->loop->spare_step, &step);
     scene->records = step.records;
     scene->has_answer = true;
     PCCD_ASSERT(step.count == 0 || step.record_bytes == scene->answer.record_bytes);
@@ -425,8 +425,8 @@ static void finish_submit(struct srv_request *request)
     if (last != NULL) {
         last->answer = request->result.FRAME_SUBMIT;
         last->number = number;
-        srv_laststep_set(&request->session->last_step, last);
-        srv_laststep_set(&loop->last_step, last);
+        srv_laststep_set(&loop->spare_step, &request->session->last_step, last);
+        srv_laststep_set(&loop->spare_step, &loop->last_step, last);
     }
     if (loop->monitors != NULL) {
         srv_monitor_step(request, number);

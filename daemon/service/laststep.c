@@ -12,25 +12,43 @@
 
 #include "invariant.h"
 
-struct srv_laststep *srv_laststep_new(const struct eng_step_result *step)
+struct srv_laststep *srv_laststep_new(struct srv_laststep_spare *spare,
+                                      const struct eng_step_result *step)
 {
     size_t bytes = step->threads * sizeof step->thread_records[0];
-    struct srv_laststep *last = malloc(sizeof *last + bytes);
+    /* Acquire: pairs with the release where it was put; what was in it is no longer read. */
+    struct srv_laststep *last =
+        atomic_exchange_explicit(&spare->last, NULL, memory_order_acquire);
+    if (last != NULL && last->capacity < step->threads) {
+        free(last);
+        last = NULL;
+    }
+    uint32_t capacity = last != NULL ? last->capacity : step->threads;
+    if (last == NULL) {
+        last = malloc(sizeof *last + bytes);
+    }
     if (last != NULL) {
-        *last = (struct srv_laststep){.thread_count = step->threads};
+        *last =
+            (struct srv_laststep){.thread_count = step->threads, .capacity = capacity};
         memcpy(last->threads, step->thread_records, bytes);
     }
     return last;
 }
 
-void srv_laststep_set(struct srv_laststep **slot, struct srv_laststep *last)
+void srv_laststep_set(struct srv_laststep_spare *spare, struct srv_laststep **slot,
+                      struct srv_laststep *last)
 {
     srv_assert_loop();
     if (last != NULL) {
         last->refs++;
     }
     if (*slot != NULL && --(*slot)->refs == 0) {
-        free(*slot);
+        free(atomic_exchange_explicit(&spare->last, *slot, memory_order_acq_rel));
     }
     *slot = last;
+}
+
+void srv_laststep_deinit(struct srv_laststep_spare *spare)
+{
+    free(atomic_exchange(&spare->last, NULL));
 }

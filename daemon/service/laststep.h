@@ -9,6 +9,7 @@
 #ifndef SRV_LASTSTEP_H
 #define SRV_LASTSTEP_H
 
+#include <stdatomic.h>
 #include <stdint.h>
 
 #include "messages.h"
@@ -19,14 +20,25 @@ struct srv_laststep {
     uint64_t number; /* [loop] of the step in this epoch */
     struct proto_FRAME_SUBMIT_result answer;
     uint32_t thread_count;
+    uint32_t capacity;                  /* of threads */
     struct eng_thread_record threads[]; /* [thread_count] */
+};
+
+/* The memory of the one that was freed last: a warm step asks the heap for none. */
+struct srv_laststep_spare {
+    struct srv_laststep *_Atomic last; /* NULL: none */
 };
 
 /* A copy of what the engine says of its threads, with no reference yet. NULL: no memory,
  * and then nobody can ask. [compute] */
-struct srv_laststep *srv_laststep_new(const struct eng_step_result *step);
+struct srv_laststep *srv_laststep_new(struct srv_laststep_spare *spare,
+                                      const struct eng_step_result *step);
 
 /* Let *slot hold `last` instead of what it holds; `last` may be NULL. [loop] */
-void srv_laststep_set(struct srv_laststep **slot, struct srv_laststep *last);
+void srv_laststep_set(struct srv_laststep_spare *spare, struct srv_laststep **slot,
+                      struct srv_laststep *last);
+
+/* No slot holds any more. [loop] */
+void srv_laststep_deinit(struct srv_laststep_spare *spare);
 
 #endif

@@ -48,7 +48,8 @@ void srv_loop_deinit(struct srv_loop *loop)
     srv_linger_deinit(loop);
     srv_overdue_deinit(&loop->overdue);
     srv_quota_deinit(&loop->quota);
-    srv_laststep_set(&loop->last_step, NULL);
+    srv_laststep_set(&loop->spare_step, &loop->last_step, NULL);
+    srv_laststep_deinit(&loop->spare_step);
     proto_decoder_free(loop->decoder);
     free(loop->encoder);
     free(loop->segments);

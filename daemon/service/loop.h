@@ -47,6 +47,7 @@ struct srv_loop {
     struct srv_linger linger;
     struct srv_overdue overdue;
     struct srv_laststep *last_step; /* of any session; NULL: none yet */
+    struct srv_laststep_spare spare_step;
     struct srv_tracing *tracing;    /* the one recording; NULL: none */
     struct eng_trace *step_trace;   /* [compute] what steps record to; NULL: nothing */
     struct proto_decoder *decoder;  /* one message is decoded at a time */

@@ -8,6 +8,7 @@
 #include "request.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "crashnote.h"
 #include "dispatch.h"
@@ -18,6 +19,8 @@
 #include "loop.h"
 #include "overdue.h"
 #include "session.h"
+
+#define SPARES_MAX 4u /* of a session */
 
 int srv_request_ring(struct srv_call *call, struct srv_ring **ring)
 {
@@ -139,6 +142,41 @@ static void drop_copy(struct srv_request *request)
     }
 }
 
+/* What a session has freed last it needs again with its next step: it asks the heap for
+ * nothing then. */
+static struct srv_request *take_memory(struct srv_session *session)
+{
+    struct srv_request *request = session->spare_requests;
+    if (request == NULL) {
+        return calloc(1, sizeof *request);
+    }
+    session->spare_requests = request->next;
+    session->spare_count--;
+    memset(request, 0, sizeof *request);
+    return request;
+}
+
+static void give_memory(struct srv_session *session, struct srv_request *request)
+{
+    if (session->state == SRV_SESSION_CLOSED || session->spare_count >= SPARES_MAX) {
+        free(request);
+        return;
+    }
+    request->next = session->spare_requests;
+    session->spare_requests = request;
+    session->spare_count++;
+}
+
+void srv_request_free_spares(struct srv_session *session)
+{
+    while (session->spare_requests != NULL) {
+        struct srv_request *request = session->spare_requests;
+        session->spare_requests = request->next;
+        session->spare_count--;
+        free(request);
+    }
+}
+
 void srv_request_conclude(struct srv_request *request)
 {
     struct srv_session *session = request->session;
@@ -157,7 +195,7 @@ void srv_request_conclude(struct srv_request *request)
     drop_copy(request);
     release(&request->plan);
     srv_session_unlist(session, request);
-    free(request);
+    give_memory(session, request);
     srv_session_settle(session);
 }
 
@@ -191,7 +229,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
 {
     srv_assert_loop();
     struct srv_session *session = call->session;
-    struct srv_request *request = calloc(1, sizeof *request);
+    struct srv_request *request = take_memory(session);
     if (request == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");
     }
@@ -212,7 +250,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
     if (status != 0) {
         srv_session_unlist(session, request);
         release(plan);
-        free(request);
+        give_memory(session, request);
         return proto_error_set(&call->error, status,
                                "%u requests wait to be computed already",
                                session->loop->options->queue_max);

@@ -100,6 +100,9 @@ bool srv_request_answer_early(struct srv_request *request,
  * call->error set: then neither function of the plan is called. [loop] */
 int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
 
+/* The session is over: the memory that it has kept for requests goes. [loop] */
+void srv_request_free_spares(struct srv_session *session);
+
 /* Give the slot back as soon as it has been read; once, further calls do nothing.
  * [compute] */
 void srv_request_return_slot(struct srv_request *request);

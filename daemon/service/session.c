@@ -273,8 +273,9 @@ void srv_session_settle(struct srv_session *session)
     }
     srv_handles_deinit(&session->scenes);
     srv_handles_deinit(&session->meshes);
-    srv_laststep_set(&session->last_step, NULL);
+    srv_laststep_set(&loop->spare_step, &session->last_step, NULL);
     srv_replies_free(session->replies);
+    srv_request_free_spares(session);
     struct srv_quota_user *user = session->user;
     free(session);
     PCCD_ASSERT(user->leaving > 0);

@@ -76,6 +76,8 @@ struct srv_session {
     struct srv_lane lane;
     struct srv_lane page_lane;    /* of loop->pages: its rings, which nothing uses */
     struct srv_request *requests; /* in flight, newest first */
+    struct srv_request *spare_requests; /* their memory, for the next ones */
+    uint32_t spare_count;
     uint32_t request_count;
     uint32_t overdue_count; /* of these, steps that were answered before their turn */
     uint32_t submit_count;  /* other steps */

@@ -26,7 +26,7 @@ static int start(void **state)
     static const char *const options[] = {"--threads", "3", NULL};
 
     (void)state;
-    return test_daemon_start(&test_shared, options) ? 0 : -1;
+    return test_shared_start_with(options);
 }
 
 /* Two turns of a grid in a scene of these settings; *answer is the second's. */

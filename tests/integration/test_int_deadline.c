@@ -152,6 +152,9 @@ static void cancel__answers_come_soon_after_it(void **state)
     struct prng prng = {prng_seed()};
     uint32_t count = 0;
 
+    if (test_is_direct()) { /* it is done before it can be cancelled */
+        skip();
+    }
     (void)state;
     for (uint32_t i = 0; i < rounds; i++) {
         uint64_t pause_us = prng_below(&prng, step_us);

@@ -379,9 +379,11 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
     create.vertex_count = UINT32_MAX;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
                      PCCD_E_INVAL);
-    create.vertex_count = INT32_MAX; /* legal, but beyond any quota */
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
-                     PCCD_E_QUOTA);
+    if (!test_is_direct()) { /* where some machines have the memory */
+        create.vertex_count = INT32_MAX; /* legal, but beyond any quota */
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
+                         PCCD_E_QUOTA);
+    }
 }
 
 /* ---- the memory itself ------------------------------------------------------------- */
@@ -464,7 +466,7 @@ static void memory__rings_of_impossible_sizes_are_refused(void **state)
         {{17, 65536, 65536}, PCCD_E_INVAL},
         {{2, 4095, 65536}, PCCD_E_INVAL},
         {{2, 65536, 65535}, PCCD_E_INVAL},
-        {{16, 1ull << 40, 65536}, PCCD_E_QUOTA},
+        {{16, 1ull << 40, 65536}, PCCD_E_QUOTA}, /* without a daemon, half the machine's */
         {{1, 65536, 1ull << 40}, PCCD_E_QUOTA},
         {{16, UINT64_MAX, 65536}, PCCD_E_LIMIT},
         {{1, 65536, UINT64_MAX}, PCCD_E_LIMIT},

@@ -182,6 +182,26 @@ bool test_daemon_restart(struct test_daemon *daemon, const char *const *options)
     return ready;
 }
 
+bool test_is_direct(void)
+{
+    const char *url = getenv("PCCD_TEST_URL");
+
+    return url != NULL && strcmp(url, TEST_DIRECT_URL) == 0;
+}
+
+void test_daemon_direct(struct test_daemon *daemon, const char *const *options)
+{
+    memset(daemon, 0, sizeof(*daemon));
+    memcpy(daemon->url, TEST_DIRECT_URL, sizeof(TEST_DIRECT_URL));
+    memcpy(daemon->socket, TEST_DIRECT_URL, sizeof(TEST_DIRECT_URL));
+    daemon->pid = getpid();
+    for (size_t i = 0; options != NULL && options[i] != NULL; i++) {
+        if (strcmp(options[i], "--threads") == 0) {
+            (void)setenv("OMP_NUM_THREADS", options[i + 1], 1);
+        }
+    }
+}
+
 bool test_daemon_start(struct test_daemon *daemon, const char *const *options)
 {
     memset(daemon, 0, sizeof(*daemon));

@@ -24,6 +24,14 @@ struct test_daemon {
     char log[80]; /* its standard error */
 };
 
+#define TEST_DIRECT_URL "direct:"
+
+/* Whether the program's subject is run without a daemon: $PCCD_TEST_URL is direct: */
+bool test_is_direct(void);
+
+/* No daemon: its url is direct:, and `--threads N` of the options is $OMP_NUM_THREADS. */
+void test_daemon_direct(struct test_daemon *daemon, const char *const *options);
+
 /* Start with `options` (NULL-terminated, may be NULL). False with a message on stderr
  * when it does not listen within 20 s or $PCCDD is not set. */
 bool test_daemon_start(struct test_daemon *daemon, const char *const *options);

@@ -10,16 +10,25 @@
 
 struct test_daemon test_shared;
 
+int test_shared_start_with(const char *const *options)
+{
+    if (test_is_direct()) {
+        test_daemon_direct(&test_shared, options);
+        return 0;
+    }
+    return test_daemon_start(&test_shared, options) ? 0 : -1;
+}
+
 int test_shared_start(void **state)
 {
     (void)state;
-    return test_daemon_start(&test_shared, NULL) ? 0 : -1;
+    return test_shared_start_with(NULL);
 }
 
 int test_shared_stop(void **state)
 {
     (void)state;
-    return test_daemon_finish(&test_shared) ? 0 : -1;
+    return test_is_direct() || test_daemon_finish(&test_shared) ? 0 : -1;
 }
 
 int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client **client)

@@ -12,8 +12,9 @@
 
 extern struct test_daemon test_shared;
 
-/* Of a group: start and stop the daemon. */
+/* Of a group: start and stop the daemon; none where test_is_direct. */
 int test_shared_start(void **state);
+int test_shared_start_with(const char *const *options);
 int test_shared_stop(void **state);
 
 /* Start it, and connect a client that waits for a minute, with a result region of so many

@@ -6,14 +6,17 @@
  */
 #include "raw.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "proto_direct.h"
 #include "seqpacket.h"
 
 #define DATAGRAMS_MAX 100000 /* messages skipped while waiting for one answer */
@@ -27,12 +30,33 @@ static int connect_socket(const char *socket_path)
     int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
 
     (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s", socket_path);
-    if (fd >= 0 &&
-        connect(fd, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+    if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof(address)) != 0) {
         (void)close(fd);
         return -1;
     }
     return fd;
+}
+
+/* The service in this process. Returns a descriptor to poll, or -1. */
+static int open_direct(struct test_raw *raw)
+{
+    const char *build = getenv("top_builddir");
+    char path[512];
+    char text[PROTO_DIRECT_TEXT_BYTES];
+    proto_direct_fn entrance = NULL;
+    void *library;
+    void *symbol;
+
+    (void)snprintf(path, sizeof(path), "%s/.libs/%s", build != NULL ? build : ".",
+                   PROTO_DIRECT_LIBRARY);
+    library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    symbol = library != NULL ? dlsym(library, PROTO_DIRECT_SYMBOL) : NULL;
+    memcpy(&entrance, &symbol, sizeof(entrance));
+    raw->host = entrance != NULL ? entrance(PROTO_DIRECT_VERSION) : NULL;
+    if (raw->host == NULL || raw->host->open(&raw->line, text) != 0) {
+        return -1;
+    }
+    return raw->host->descriptor(raw->line);
 }
 
 bool test_raw_reopen(struct test_raw *raw, const char *socket_path)
@@ -47,7 +71,8 @@ bool test_raw_open(struct test_raw *raw, const char *socket_path)
     memset(raw, 0, sizeof(*raw));
     raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
     raw->next_id = 1;
-    raw->socket = connect_socket(socket_path);
+    raw->socket = strcmp(socket_path, "direct:") == 0 ? open_direct(raw)
+                                                      : connect_socket(socket_path);
     raw->decoder = proto_decoder_new();
     if (raw->socket < 0 || raw->decoder == NULL) {
         test_raw_close(raw);
@@ -58,9 +83,12 @@ bool test_raw_open(struct test_raw *raw, const char *socket_path)
 
 void test_raw_close(struct test_raw *raw)
 {
-    if (raw->socket >= 0) {
+    if (raw->line != NULL) {
+        raw->host->close(raw->line);
+    } else if (raw->socket >= 0) {
         (void)close(raw->socket);
     }
+    raw->line = NULL;
     raw->socket = -1;
     proto_decoder_free(raw->decoder);
     raw->decoder = NULL;
@@ -79,6 +107,9 @@ static bool send_fds(struct test_raw *raw, const void *bytes, size_t count,
     struct msghdr header = {.msg_iov = &part, .msg_iovlen = 1};
     ssize_t sent;
 
+    if (raw->line != NULL) {
+        return raw->host->send(raw->line, bytes, count) == 0;
+    }
     if (fd_count > 0) {
         struct cmsghdr *rights;
 
@@ -126,6 +157,10 @@ static int receive_bytes(struct test_raw *raw, size_t *bytes, int fds[PROTO_FDS_
     } while (rc < 0 && errno == EINTR);
     if (rc <= 0) {
         return PCCD_E_TIMEOUT;
+    }
+    if (raw->line != NULL) {
+        return raw->host->receive(raw->line, raw->message, sizeof(raw->message), bytes,
+                                  fds, fd_count);
     }
     rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
                        fd_count);

@@ -18,7 +18,9 @@
 #include "shm.h"
 
 struct test_raw {
-    int socket; /* -1: none */
+    int socket; /* -1: none; of a service in this process, a descriptor to poll */
+    const struct proto_direct *host; /* of such a one; NULL: a daemon */
+    struct proto_direct_line *line;
     uint32_t next_id;
     struct proto_decoder *decoder;
     struct proto_envelope envelope; /* of the last message */

@@ -27,7 +27,9 @@ int test_witness_start(void **state)
     struct pccd_client *client;
 
     (void)state;
-    if (!test_daemon_start(&test_witness.daemon, NULL)) {
+    if (test_is_direct()) {
+        test_daemon_direct(&test_witness.daemon, NULL);
+    } else if (!test_daemon_start(&test_witness.daemon, NULL)) {
         return -1;
     }
     client = test_connect(test_witness.daemon.url);
@@ -39,7 +41,7 @@ int test_witness_stop(void **state)
 {
     (void)state;
     pccd_close(test_witness.crossing.client);
-    return test_daemon_finish(&test_witness.daemon) ? 0 : -1;
+    return test_is_direct() || test_daemon_finish(&test_witness.daemon) ? 0 : -1;
 }
 
 void test_witness_turn(void)

@@ -1,0 +1,534 @@
+/* test_int_direct.c - the url direct:, a service in the process of its client.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     the same answers as a daemon's; what is promised of threads, memory and the
+ *           descriptor; several clients of one process; what is missing is said.
+ * Threads:  one, but for the test of two.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "grid.h"
+#include "pccd.h"
+#include "prng.h"
+
+static struct pccd_client *connect_direct(void)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    pccd_options_init(&options);
+    options.url = "direct:";
+    return pccd_connect(&options, &client) == 0 ? client : NULL;
+}
+
+static struct pccd_client *connect_to(const char *url)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    pccd_options_init(&options);
+    options.url = url;
+    return pccd_connect(&options, &client) == 0 ? client : NULL;
+}
+
+static uint32_t count_entries(const char *path)
+{
+    uint32_t count = 0;
+    DIR *entries = opendir(path);
+
+    assert_non_null(entries);
+    while (readdir(entries) != NULL) {
+        count++;
+    }
+    (void)closedir(entries);
+    return count;
+}
+
+/* ---- what malloc is asked for ------------------------------------------------------- */
+
+static atomic_uint allocations;
+
+#if defined(PCCD_SANITIZED)
+#define CAN_COUNT false
+#else
+#define CAN_COUNT true
+#define EXPORTED  __attribute__((visibility("default"))) /* in the place of libc's */
+
+void *__libc_malloc(size_t bytes);
+void *__libc_calloc(size_t count, size_t bytes);
+void *__libc_realloc(void *old, size_t bytes);
+
+EXPORTED void *malloc(size_t bytes)
+{
+    (void)atomic_fetch_add(&allocations, 1);
+    return __libc_malloc(bytes);
+}
+
+EXPORTED void *calloc(size_t count, size_t bytes)
+{
+    (void)atomic_fetch_add(&allocations, 1);
+    return __libc_calloc(count, bytes);
+}
+
+EXPORTED void *realloc(void *old, size_t bytes)
+{
+    (void)atomic_fetch_add(&allocations, 1);
+    return __libc_realloc(old, bytes);
+}
+#endif
+
+/* ---- the same answers -------------------------------------------------------------- */
+
+/* What the same play comes to, wherever it is computed. */
+struct told {
+    uint64_t hash[2];
+    uint64_t total;
+    uint64_t vf;
+    uint64_t ee;
+};
+
+#define SHEETS 3u
+#define SIDE   24u
+#define FRAMES 12u
+
+/* A crumpled sheet; the same for the same numbers. */
+static void crumple(float (*x)[3], uint32_t sheet, uint32_t frame)
+{
+    struct prng prng = {1 + sheet * 1000 + frame};
+
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        x[i][0] = (float)(i % SIDE) * 0.1f;
+        x[i][1] = (float)(i / SIDE) * 0.1f;
+        x[i][2] = (float)sheet * 0.1f + (float)prng_below(&prng, 1000) * 0.0003f;
+    }
+}
+
+static void fill_triangles(uint32_t (*triangles)[3])
+{
+    uint32_t at = 0;
+
+    for (uint32_t y = 0; y + 1 < SIDE; y++) {
+        for (uint32_t x = 0; x + 1 < SIDE; x++) {
+            uint32_t corner = y * SIDE + x;
+            uint32_t a[3] = {corner, corner + 1, corner + SIDE};
+            uint32_t b[3] = {corner + 1, corner + SIDE + 1, corner + SIDE};
+
+            memcpy(triangles[at++], a, sizeof(a));
+            memcpy(triangles[at++], b, sizeof(b));
+        }
+    }
+}
+
+static void play(struct pccd_client *client, enum pccd_mode mode, struct told *told)
+{
+    static float x[SIDE * SIDE][3];
+    static uint32_t triangles[2 * (SIDE - 1) * (SIDE - 1)][3];
+    struct pccd_step_settings settings = {.mode = mode};
+    uint32_t scene = 0;
+    uint32_t mesh[SHEETS];
+    uint32_t object[SHEETS];
+
+    fill_triangles(triangles);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    for (uint32_t i = 0; i < SHEETS; i++) {
+        crumple(x, i, 0);
+        assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, SIDE * SIDE,
+                                          (const uint32_t(*)[3])triangles,
+                                          2 * (SIDE - 1) * (SIDE - 1), &mesh[i], NULL),
+                         0);
+        assert_int_equal(pccd_scene_add(client, scene, mesh[i], &object[i]), 0);
+    }
+    for (uint32_t frame = 0; frame < FRAMES; frame++) {
+        struct pccd_frame writing;
+        struct pccd_answer answer;
+        uint64_t step = 0;
+        void *x1 = NULL;
+
+        assert_int_equal(pccd_frame_begin(client, scene, SHEETS,
+                                          (uint64_t)SHEETS * sizeof(x), &writing),
+                         0);
+        for (uint32_t i = 0; i < SHEETS; i++) {
+            assert_int_equal(
+                pccd_frame_x1(&writing, object[i], PCCD_FORMAT_F32, 0, SIDE * SIDE, &x1),
+                0);
+            crumple(x1, i, frame + 1);
+        }
+        assert_int_equal(pccd_frame_commit(&writing, &settings, &step), 0);
+        assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+        assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+        memcpy(told[frame].hash, answer.hash, sizeof(answer.hash));
+        told[frame].total = answer.total;
+        told[frame].vf = answer.vf;
+        told[frame].ee = answer.ee;
+        pccd_answer_release(client, &answer);
+        if (frame == FRAMES / 2) { /* a body that is replaced, an object that goes */
+            crumple(x, 0, 99);
+            assert_int_equal(pccd_mesh_replace(client, mesh[0], x, PCCD_FORMAT_F32,
+                                               SIDE * SIDE,
+                                               (const uint32_t(*)[3])triangles,
+                                               (SIDE - 1) * (SIDE - 1), NULL),
+                             0);
+            assert_int_equal(pccd_scene_remove(client, scene, object[2]), 0);
+            assert_int_equal(pccd_scene_add(client, scene, mesh[2], &object[2]), 0);
+        }
+    }
+    assert_int_equal(pccd_scene_destroy(client, scene), 0);
+}
+
+/* If it failed, a game that goes from the daemon to its own process, or back, would see
+ * other contacts. */
+static void direct__answers_as_a_daemon_does(void **state)
+{
+    static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
+                                           PCCD_MODE_PAIRS};
+    struct test_daemon daemon;
+    struct pccd_client *there;
+    struct pccd_client *here = connect_direct();
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, NULL));
+    there = connect_to(daemon.url);
+    assert_non_null(here);
+    assert_non_null(there);
+    assert_string_equal(pccd_url(here), "direct:");
+    assert_int_equal(pccd_daemon_pid(here), getpid());
+    assert_string_equal(pccd_daemon_cpu(here), pccd_daemon_cpu(there));
+    for (size_t i = 0; i < sizeof(modes) / sizeof(modes[0]); i++) {
+        static struct told told[2][FRAMES];
+
+        memset(told, 0, sizeof(told));
+        play(here, modes[i], told[0]);
+        play(there, modes[i], told[1]);
+        assert_memory_equal(told[0], told[1], sizeof(told[0]));
+        assert_true(modes[i] == PCCD_MODE_ANY || told[0][0].total > 100);
+    }
+    pccd_close(here);
+    pccd_close(there);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* ---- threads ----------------------------------------------------------------------- */
+
+/* The rest of this program has had a team by then, so it is looked at in a fresh one. */
+static bool has_only_its_own_thread(void)
+{
+    struct pccd_step_settings settings = {.threads = 1};
+    struct pccd_client *client = connect_direct();
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t step = 0;
+    bool good = client != NULL && test_grid_make(client, 60, &grid) == 0;
+
+    for (int i = 0; good && i < 5; i++) {
+        good = test_grid_submit(&grid, &settings, &step) == 0 &&
+               pccd_wait(client, step, -1, &answer) == 0 &&
+               test_grid_is_right(&grid, &answer) &&
+               count_entries("/proc/self/task") == 3; /* ".", ".." and this */
+        pccd_answer_release(client, &answer);
+    }
+    return good;
+}
+
+/* If it failed, a game would find threads in its process that it did not ask for. */
+static void direct__starts_no_thread_for_a_step_of_one(void **state)
+{
+    int status = 0;
+    pid_t child;
+
+    (void)state;
+    (void)setenv("OMP_NUM_THREADS", "1", 1); /* meshes and hierarchies, too */
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        test_end_with_parent();
+        _exit(has_only_its_own_thread() ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    (void)unsetenv("OMP_NUM_THREADS");
+    assert_int_equal(status, 0);
+}
+
+/* If it failed, the threads of a step would be more than the environment allows. */
+static void direct__heeds_omp_num_threads(void **state)
+{
+    static const struct {
+        const char *text;
+        uint32_t threads;
+    } cases[] = {{"1", 1}, {"3", 3}, {"2,4", 2}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct pccd_client *client;
+
+        (void)setenv("OMP_NUM_THREADS", cases[i].text, 1);
+        client = connect_direct();
+        assert_non_null(client);
+        assert_int_equal(test_stat(client, "threads_max"), cases[i].threads);
+        pccd_close(client);
+    }
+    (void)unsetenv("OMP_NUM_THREADS");
+}
+
+struct worker {
+    uint32_t side;
+    bool good;
+};
+
+static void *work(void *context)
+{
+    struct worker *worker = context;
+    struct pccd_client *client = connect_direct();
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t step = 0;
+
+    worker->good = client != NULL && test_grid_make(client, worker->side, &grid) == 0;
+    for (int i = 0; worker->good && i < 100; i++) {
+        worker->good = test_grid_submit(&grid, NULL, &step) == 0 &&
+                       pccd_wait(client, step, -1, &answer) == 0 &&
+                       test_grid_is_right(&grid, &answer);
+        pccd_answer_release(client, &answer);
+    }
+    if (client != NULL) {
+        test_grid_free(&grid);
+    }
+    pccd_close(client);
+    return NULL;
+}
+
+/* If it failed, two parts of a program that know nothing of each other could not both
+ * use the library. */
+static void direct__clients_of_two_threads_do_not_disturb_each_other(void **state)
+{
+    struct worker workers[2] = {{.side = 20}, {.side = 45}};
+    pthread_t threads[2];
+
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pthread_create(&threads[i], NULL, work, &workers[i]), 0);
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pthread_join(threads[i], NULL), 0);
+        assert_true(workers[i].good);
+    }
+}
+
+/* If it failed, a copy of the process would hang, or take the client's memory along. */
+static void direct__copy_of_the_process_is_refused(void **state)
+{
+    struct pccd_client *client = connect_direct();
+    int status = 0;
+    pid_t child;
+
+    (void)state;
+    assert_non_null(client);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct pccd_client *another = connect_direct();
+        bool good = another == NULL && strstr(pccd_error_text(NULL), "forked") != NULL &&
+                    pccd_ping(client, NULL) == PCCD_E_DISCONNECTED;
+
+        pccd_close(client);
+        _exit(good ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    pccd_close(client);
+}
+
+/* ---- memory ------------------------------------------------------------------------ */
+
+/* If it failed, a game would allocate in every frame, and stutter when it least can. */
+static void direct__warm_frames_allocate_nothing(void **state)
+{
+    struct pccd_client *client = connect_direct();
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t step = 0;
+    unsigned before = 0;
+
+    (void)state;
+    if (!CAN_COUNT) {
+        skip();
+    }
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, 50, &grid), 0);
+    for (int i = 0; i < 20; i++) {
+        before = i == 10 ? atomic_load(&allocations) : before;
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_int_equal(answer.total, 2500);
+        pccd_answer_release(client, &answer);
+    }
+    assert_int_equal(atomic_load(&allocations) - before, 0);
+    assert_true(before > 0); /* they are counted */
+    test_grid_free(&grid);
+    pccd_close(client);
+}
+
+/* If it failed, a program that connects now and then would grow. */
+static void direct__last_client_leaves_nothing(void **state)
+{
+    uint32_t fds = count_entries("/proc/self/fd");
+
+    (void)state;
+    for (int round = 0; round < 3; round++) {
+        struct pccd_client *first = connect_direct();
+        struct pccd_client *second = connect_direct();
+        struct pccd_answer answer;
+        struct test_grid grid;
+        uint64_t step = 0;
+
+        assert_non_null(first);
+        assert_non_null(second);
+        assert_int_equal(test_stat(first, "sessions_now"), 2);
+        assert_int_equal(test_grid_make(first, 50, &grid), 0);
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0); /* nobody takes it */
+        assert_true(pccd_fd(first) >= 0);
+        assert_true(test_stat(second, "engine_bytes_now") > 0);
+        pccd_close(first);
+        test_grid_free(&grid);
+        assert_int_equal(test_stat(second, "engine_bytes_now"), 0);
+        assert_int_equal(test_stat(second, "shm_bytes_now"), 0);
+        assert_int_equal(test_stat(second, "sessions_now"), 1);
+        assert_int_equal(pccd_poll(second, &answer), PCCD_E_AGAIN);
+        pccd_close(second);
+    }
+    assert_int_equal(count_entries("/proc/self/fd"), fds);
+}
+
+/* ---- the descriptor ---------------------------------------------------------------- */
+
+static bool is_readable(int fd)
+{
+    struct pollfd watched = {.fd = fd, .events = POLLIN};
+
+    return poll(&watched, 1, 0) == 1;
+}
+
+/* If it failed, a program with an event loop would miss an answer, or spin. */
+static void direct__descriptor_is_readable_while_answers_wait(void **state)
+{
+    struct pccd_client *client = connect_direct();
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t steps[2];
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, 10, &grid), 0);
+    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
+    assert_true(is_readable(pccd_fd(client))); /* asked for after the answer had come */
+    assert_int_equal(pccd_poll(client, &answer), 0);
+    assert_int_equal(answer.step, steps[0]);
+    pccd_answer_release(client, &answer);
+    assert_false(is_readable(pccd_fd(client)));
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+        assert_true(is_readable(pccd_fd(client)));
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pccd_poll(client, &answer), 0);
+        assert_int_equal(answer.step, steps[i]);
+        pccd_answer_release(client, &answer);
+    }
+    assert_false(is_readable(pccd_fd(client)));
+    assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
+    test_grid_free(&grid);
+    pccd_close(client);
+}
+
+/* If it failed, a step would be cut short by the time that its program took to ask. */
+static void direct__deadline_counts_computing_alone(void **state)
+{
+    struct pccd_step_settings settings = {.deadline_ns = 20000000000u};
+    struct pccd_client *client = connect_direct();
+    struct pccd_answer answer;
+    struct test_grid grid;
+    uint64_t steps[3];
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, 60, &grid), 0);
+    for (int i = 0; i < 3; i++) {
+        settings.deadline_ns = i == 1 ? 1 : 20000000000u;
+        assert_int_equal(test_grid_submit(&grid, &settings, &steps[i]), 0);
+        assert_int_equal(pccd_cancel(client, steps[i]), 0); /* too late: it is done */
+    }
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(pccd_wait(client, steps[i], 0, &answer), 0);
+        assert_int_equal(answer.incomplete,
+                         i == 1 ? PCCD_INCOMPLETE_DEADLINE : PCCD_COMPLETE);
+        pccd_answer_release(client, &answer);
+    }
+    test_grid_free(&grid);
+    pccd_close(client);
+}
+
+/* ---- what is missing --------------------------------------------------------------- */
+
+/* If it failed, nobody would know what to install. */
+static void direct__missing_library_is_said(void **state)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    (void)state;
+    pccd_options_init(&options);
+    options.url = "direct:";
+    (void)setenv("PCCD_DIRECT", "/nonexistent/libpccd-direct.so.0", 1);
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_SYSTEM);
+    assert_non_null(strstr(pccd_error_text(NULL), "/nonexistent/libpccd-direct.so.0"));
+    assert_non_null(strstr(pccd_error_text(NULL), "PCCD_DIRECT"));
+    (void)setenv("PCCD_DIRECT", "libgmp.so.10", 1); /* a library, but another one */
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_VERSION);
+    (void)unsetenv("PCCD_DIRECT");
+    (void)setenv("PCCD_CPU", "abacus", 1);
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(NULL), "abacus"));
+    (void)unsetenv("PCCD_CPU");
+    options.url = "direct:4";
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_INVAL);
+    options.url = "direct:";
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    pccd_close(client);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        /* Before any other has made a team: OpenMP's does not survive a fork. */
+        cmocka_unit_test(direct__starts_no_thread_for_a_step_of_one),
+        cmocka_unit_test(direct__missing_library_is_said),
+        cmocka_unit_test(direct__copy_of_the_process_is_refused),
+        cmocka_unit_test(direct__heeds_omp_num_threads),
+        cmocka_unit_test(direct__answers_as_a_daemon_does),
+        cmocka_unit_test(direct__clients_of_two_threads_do_not_disturb_each_other),
+        cmocka_unit_test(direct__warm_frames_allocate_nothing),
+        cmocka_unit_test(direct__last_client_leaves_nothing),
+        cmocka_unit_test(direct__descriptor_is_readable_while_answers_wait),
+        cmocka_unit_test(direct__deadline_counts_computing_alone),
+    };
+
+    return cmocka_run_group_tests_name("direct", tests, NULL, NULL);
+}
