@@ -5,7 +5,7 @@
 # make bench BENCH_ARGS=cloth-20k   one scene
 
 bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild \
-    bench/kernels bench/roofline bench/wide bench/ipc
+    bench/kernels bench/roofline bench/wide bench/ipc bench/direct
 check_PROGRAMS += $(bench_names)
 
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
@@ -115,6 +115,13 @@ death: bench/death$(EXEEXT) pccdd$(EXEEXT)
 bench_ipc_SOURCES = bench/asker.c bench/asker.h bench/ipc.c bench/report.c bench/report.h
 bench_ipc_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
 bench_ipc_LDADD = libpccd.la
+
+bench_direct_SOURCES = bench/direct.c bench/report.c bench/report.h \
+    bench/workload.c bench/workload.h $(bench_scenes_sources)
+# -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
+bench_direct_CPPFLAGS = $(bench_cppflags) -iquote $(top_srcdir)/client/lib \
+    -iquote $(top_srcdir)/proto -I$(top_srcdir)/tests/support
+bench_direct_LDADD = libpccd.la $(GMP_LIBS) $(LIBM)
 
 TESTS += bench/smoke.sh
 dist_check_SCRIPTS += bench/smoke.sh

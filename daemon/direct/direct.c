@@ -5,8 +5,8 @@
  *           with the last; what a message asks for is computed at once, by the thread
  *           that brings it.
  * Does not: start threads (the engine's OpenMP team is the calling thread's), wait for
- *           anything but its turn, handle signals, or bind threads to processors: the
- *           process is not ours.
+ *           anything but its turn, handle signals, or bind the thread that calls to a
+ *           processor: the process is not ours.
  * Threads:  [any]; the turn makes whoever has it [loop] and [compute].
  */
 #include <errno.h>
@@ -227,6 +227,8 @@ static struct srv_loop *make_service(void)
         free_service(loop);
         return NULL;
     }
+    loop->is_pinned = true;
+    loop->places.is_guest = true;
     loop->start_ns = srv_now_ns();
     return loop;
 }
@@ -235,6 +237,8 @@ static struct srv_loop *make_service(void)
 static void work_off(struct srv_loop *loop)
 {
     bool ran = true;
+    int cpu = sched_getcpu();
+    loop->places.first_on = cpu < 0 ? 0 : cpu;
     while (ran) {
         srv_thread_enter(SRV_THREAD_COMPUTE);
         ran = srv_compute_run_next(&loop->compute) || srv_compute_run_next(&loop->pages);

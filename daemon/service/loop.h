@@ -40,8 +40,8 @@ struct srv_loop {
     struct srv_options live;                 /* where `options` points: config.set */
     struct srv_compute compute;
     struct srv_compute pages; /* makes and frees rings: 2 us a page */
-    struct eng_places places; /* processors that may be used; constant */
-    bool is_pinned;           /* threads of steps are bound to them; constant */
+    struct eng_places places; /* processors that may be used; constant in the daemon */
+    bool is_pinned;           /* threads of steps are put on them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
     struct srv_linger linger;

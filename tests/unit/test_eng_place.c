@@ -194,6 +194,41 @@ static void place__steps_bind_their_team_only(void **state)
     assert_int_equal(allowed_count(), before);
 }
 
+static void *as_guest(void *data)
+{
+    struct rounds *rounds = data;
+    for (uint32_t i = 0; i < 2; i++) { /* it has moved in between */
+        rounds->places.first_on = rounds->places.cpu[i];
+        rounds->sights[i] = look(&rounds->places, rounds->threads);
+    }
+    rounds->sights[2] = look(&rounds->places, rounds->threads + 1);
+    return NULL;
+}
+
+/* If it failed: a step in a game's process would bind the game's own thread, or the
+ * others would wait behind it on its processor. */
+static void place__guests_keep_off_the_first_thread_and_let_it_be(void **state)
+{
+    static struct rounds rounds;
+    (void)state;
+    rounds.threads = usable(&rounds.places);
+    if (rounds.threads == TEAM_MAX) {
+        skip();
+    }
+    rounds.places.is_guest = true;
+    apart(as_guest, &rounds);
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_int_equal(rounds.sights[i].allowed[0], rounds.places.count);
+    }
+    for (uint32_t i = 1; i < rounds.threads; i++) {
+        assert_int_equal(rounds.sights[0].allowed[i], rounds.places.count - 1);
+        assert_int_not_equal(rounds.sights[0].cpu[i], rounds.places.cpu[0]);
+        assert_int_equal(rounds.sights[1].allowed[i], rounds.places.count - 1);
+        assert_int_not_equal(rounds.sights[1].cpu[i], rounds.places.cpu[1]);
+        assert_int_equal(rounds.sights[2].allowed[i], rounds.places.count); /* a crowd */
+    }
+}
+
 /* ---- lending ----------------------------------------------------------------------- */
 
 #define BURNERS 3
@@ -336,6 +371,7 @@ int main(void)
         /* First, because clang's OpenMP library lends threads that were bound to the next
          * who asks; gcc's ends them with their team. */
         cmocka_unit_test(place__without_places_nobody_is_bound),
+        cmocka_unit_test(place__guests_keep_off_the_first_thread_and_let_it_be),
         cmocka_unit_test(place__each_thread_has_its_own_processor),
         cmocka_unit_test(place__crowd_may_run_anywhere),
         cmocka_unit_test(place__who_waits_lends_its_processor),

@@ -13,7 +13,8 @@
 
 #include "seat.h"
 
-enum { UNKNOWN = -2, ANYWHERE = -1 };
+/* KEPT_OFF - n: bound to all but the n-th. */
+enum { KEPT_OFF = -3, UNKNOWN = -2, ANYWHERE = -1 };
 
 /* Where this thread was bound. A new one inherits the mask of the thread that opened the
  * region, not this. */
@@ -23,6 +24,8 @@ void eng_places_init(struct eng_places *places)
 {
     cpu_set_t set;
     places->count = 0;
+    places->is_guest = false;
+    places->first_on = 0;
     (void)omp_get_max_threads();
     if (sched_getaffinity(0, sizeof set, &set) != 0) {
         return;
@@ -39,7 +42,9 @@ bool eng_places_bind(const struct eng_places *places, int cpu, pthread_t thread)
     cpu_set_t set;
     CPU_ZERO(&set);
     for (uint32_t i = 0; i < places->count; i++) {
-        if (cpu == ANYWHERE || places->cpu[i] == cpu) {
+        bool is_meant = cpu == ANYWHERE || places->cpu[i] == cpu ||
+                        (cpu <= KEPT_OFF && places->cpu[i] != KEPT_OFF - cpu);
+        if (is_meant) {
             CPU_SET(places->cpu[i], &set);
         }
     }
@@ -52,11 +57,16 @@ void eng_place_thread(const struct eng_places *places, uint32_t thread,
     if (!places || places->count == 0) {
         return;
     }
+    if (places->is_guest && thread == 0) {
+        return;
+    }
     eng_seat_take(places, thread, team_count);
     if (eng_seat_end_loan(places, thread, team_count)) {
         placed_on = UNKNOWN;
     }
-    int place = team_count <= places->count ? places->cpu[thread] : ANYWHERE;
+    int place = team_count > places->count ? ANYWHERE
+                : places->is_guest         ? KEPT_OFF - places->first_on
+                                           : places->cpu[thread];
     if (placed_on != place && eng_places_bind(places, place, pthread_self())) {
         placed_on = place;
     }

@@ -15,9 +15,15 @@
 
 #define ENG_PLACES_MAX 1024u
 
+/* In a process that is not ours the first thread is somebody's who asks for a step: it
+ * stays as it is. The others may be anywhere but where it is, for the kernel wakes them
+ * there, behind it: a step of two threads took as long as one of one, as a rule. They are
+ * not bound to one processor each: another thread of the process may be on it. */
 struct eng_places {
     uint32_t count; /* processors the process may use; 0: unknown, nobody is placed */
     uint16_t cpu[ENG_PLACES_MAX];
+    bool is_guest; /* in a process that is not ours */
+    int first_on;  /* then: where the first thread is; set by it before each step */
 };
 
 /* The processors that the calling thread may use. Before it is placed. The runtime sets

@@ -72,12 +72,12 @@ static void sit_down(const struct eng_places *places, struct seat *seat)
     own_seat = seat;
 }
 
-/* NULL: none, as nobody is placed. */
+/* NULL: none, as nobody has a processor of its own. */
 static struct seat *seat_of(const struct eng_places *places, uint32_t thread,
                             uint32_t team_count)
 {
-    return places && team_count <= places->count && thread < SEATS_MAX ? &seats[thread]
-                                                                       : NULL;
+    bool has_own = places && !places->is_guest && team_count <= places->count;
+    return has_own && thread < SEATS_MAX ? &seats[thread] : NULL;
 }
 
 void eng_seat_take(const struct eng_places *places, uint32_t thread, uint32_t team_count)
