@@ -144,6 +144,15 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
     unlock(conn);
 }
 
+bool srv_conn_is_free(const struct srv_conn *conn)
+{
+    struct srv_conn *locked = (struct srv_conn *)(uintptr_t)conn;
+    lock(locked);
+    bool is_free = conn->count < SRV_LINE_FREE_MAX && !conn->is_finished;
+    unlock(locked);
+    return is_free;
+}
+
 void srv_conn_finish(struct srv_conn *conn)
 {
     lock(conn);

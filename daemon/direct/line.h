@@ -22,6 +22,9 @@
  * flight, and the rest are notifications that it does not read. */
 #define SRV_LINE_MESSAGES_MAX 1024u
 
+/* Beyond so many, steps that the client watches are counted and no longer told. */
+#define SRV_LINE_FREE_MAX 256u
+
 /* What host.h calls the way to a client. */
 struct srv_conn {
     struct srv_conn *prev; /* of the process; under the turn (turn.c) */
