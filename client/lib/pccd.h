@@ -5,7 +5,8 @@
  *           scenes, stream vertex positions through shared memory, and read the contacts
  *           of a step.
  * Threads:  a client and everything made from it belong to one thread at a time;
- *           different clients are independent.
+ *           different clients are independent. The library has no threads of its own; the
+ *           url direct: has those that compute a step.
  *
  * Every function that returns int returns 0 (PCCD_OK) or a negative status of
  * enum pccd_status, and leaves its outputs untouched on failure unless it says otherwise.
@@ -70,7 +71,8 @@ const char *pccd_version(void);
 
 struct pccd_options {
     size_t struct_bytes;   /* sizeof(struct pccd_options); 0 reads as that */
-    const char *url;       /* "unix:PATH"; NULL: $PCCD_URL, else the user's own socket */
+    const char *url;       /* "unix:PATH", or "direct:" for no daemon at all (see below);
+                              NULL: $PCCD_URL, else the user's own socket */
     const char *daemon;    /* program to start when nobody listens on the user's own
                               socket; NULL: $PCCD_DAEMON, else pccdd beside the
                               running program, installed, or in $PATH */
@@ -102,8 +104,28 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
  * there. */
 void pccd_close(struct pccd_client *client);
 
-/* The socket, to watch for readability in a loop of one's own; then call pccd_poll. */
+/* The socket, to watch for readability in a loop of one's own; then call pccd_poll. With
+ * direct: a descriptor made by the first call, or -1 when there is none to be had. */
 int pccd_fd(const struct pccd_client *client);
+
+/* The url "direct:" computes in this process, without a daemon: the same calls, answers,
+ * hashes and errors. It needs libpccd-direct.so.0 beside libpccd, or where the loader
+ * finds it, or where $PCCD_DIRECT says (else pccd_connect: E_SYSTEM); other clients do not
+ * load it. What is otherwise than with a daemon:
+ * - A step is computed inside pccd_frame_commit (pccd_submit_still, pccd_step_x1), by the
+ *   calling thread and its OpenMP team; its answer waits for pccd_poll or pccd_wait as
+ *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late. Who
+ *   wants steps beside the frame gives the client to a thread of its own.
+ * - The team is settings.threads - 1 further threads, of $OMP_NUM_THREADS or the
+ *   processors at hand in all; with 1 there is none. They keep off the processor that the
+ *   calling thread is on, which is left as it is. OpenMP's environment is the process's:
+ *   GOMP_SPINCOUNT=2000 lets them sleep between steps, as in the daemon.
+ * - The calls of several clients of the process are served one after the other; each has
+ *   a session of its own, and all of them are freed with the last one.
+ * - A warm step allocates nothing. Quotas are the machine's memory. There is nothing to
+ *   reconnect to, and nothing is kept for it.
+ * - A forked copy of the process cannot compute: E_DISCONNECTED, and E_STATE for another
+ *   pccd_connect. */
 
 /* When the connection is lost the library makes another one, and every call just takes
  * longer: to the same daemon, where the session goes on, or to the next one (started by
@@ -132,15 +154,15 @@ struct pccd_link_info {
 };
 int pccd_link(const struct pccd_client *client, struct pccd_link_info *info);
 
-/* Process id of the daemon. */
+/* Process id of the daemon; with direct: of this process. */
 uint32_t pccd_daemon_pid(const struct pccd_client *client);
 
 /* The instruction set that its steps use: scalar, sse4, avx2, avx512 or neon; "" from a
  * daemon that does not tell. Lives as long as the client. */
 const char *pccd_daemon_cpu(const struct pccd_client *client);
 
-/* "unix:PATH" of the daemon, for other processes to connect to; lives as long as the
- * client. */
+/* "unix:PATH" of the daemon, for other processes to connect to, or "direct:"; lives as
+ * long as the client. */
 const char *pccd_url(const struct pccd_client *client);
 
 /* Round trip through the daemon's loop, nanoseconds. */

@@ -60,6 +60,27 @@ else
     tap_skip symbols__are_those_of_the_map "no shared library was built"
 fi
 
+direct=$top_builddir/.libs/libpccd-direct.so.0
+if [ -e "$direct" ]; then
+    nm -D --defined-only "$direct" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' \
+        >"$work/exported"
+    echo pccd_direct_host >"$work/wanted"
+    diff "$work/wanted" "$work/exported" >"$work/log" 2>&1
+    # If this failed, a program that loads the engine would see names of its insides.
+    tap_result $? direct__exports_its_entrance_alone "$work/log"
+    { ldd "$library" || echo none; } | grep -E 'gomp|libomp|gmp|xxhash|libuv|pccd-direct' \
+        >"$work/log"
+    [ ! -s "$work/log" ]
+    # If this failed, every client would load what only the engine needs.
+    tap_result $? symbols__libpccd_loads_nothing_of_the_engine "$work/log"
+    ldd "$direct" | grep libuv >"$work/log"
+    [ ! -s "$work/log" ]
+    # If this failed, the service could have threads and loops that nobody asked for.
+    tap_result $? direct__has_no_event_loop "$work/log"
+else
+    tap_skip direct__exports_its_entrance_alone "no shared library was built"
+fi
+
 # Functions that pccd.h declares: a name before "(", not a type, comments taken away.
 # shellcheck disable=SC2086
 ${CC-cc} -std=c11 -E -P -I"$work/include" "$work/include/pccd.h" |
