@@ -3,8 +3,8 @@
  * Room:     bench; the public header of the client library.
  * Does:     ping, an empty step and the steps of large scenes by a daemon and by direct:,
  *           by turns, after their answers have been compared.
- * Does not: set OpenMP's environment, which a game's process would not have either: run it
- *           with GOMP_SPINCOUNT=2000 and without to see what that is worth.
+ * Does not: set OpenMP's environment, which a game's process would not have either: run
+ *           it with GOMP_SPINCOUNT=2000 and without to see what that is worth.
  * Threads:  one, and the team of direct:; the daemon is a private one.
  */
 #include <stdio.h>

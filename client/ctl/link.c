@@ -17,7 +17,8 @@
 enum { OPTION_URL = 256, OPTION_SOCKET, OPTION_PRIVATE, OPTION_DAEMON, OPTION_TIMEOUT };
 
 static const struct argp_option options[] = {
-    {"url", OPTION_URL, "URL", 0, "Talk to the daemon at URL, unix:PATH; direct: needs none", 0},
+    {"url", OPTION_URL, "URL", 0,
+     "Talk to the daemon at URL, unix:PATH; direct: needs none", 0},
     {"socket", OPTION_SOCKET, "PATH", 0, "The same as --url unix:PATH", 0},
     {"private", OPTION_PRIVATE, NULL, 0,
      "Start a daemon for this command alone; it goes away with it", 0},

@@ -17,11 +17,10 @@
 #define CLI_CLIENT_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
-#include <sys/types.h>
 
 #include "codec.h"
+#include "direct.h"
 #include "limits.h"
 #include "memfd.h"
 #include "messages.h"
@@ -114,17 +113,6 @@ struct cli_child {
 
 enum cli_way { CLI_WAY_URL = 0, CLI_WAY_USER, CLI_WAY_PRIVATE, CLI_WAY_DIRECT };
 
-#define CLI_DIRECT_URL "direct:"
-
-struct proto_direct;
-struct proto_direct_line;
-
-/* The service in this process. */
-struct cli_direct {
-    const struct proto_direct *host;
-    struct proto_direct_line *line; /* NULL: not open */
-};
-
 /* How the daemon is reached, and reached again. */
 struct cli_link {
     enum cli_way way;
@@ -152,8 +140,7 @@ struct cli_link {
 };
 
 struct pccd_client {
-    int socket;               /* -1: none, or not connected */
-    struct cli_direct direct; /* in the place of the socket */
+    int socket;
     struct cli_link link;
     bool keeps; /* what it registers, for another daemon (keep.h) */
     struct cli_kept_scene *kept_scenes;
@@ -189,6 +176,7 @@ struct pccd_client {
     struct cli_page pages[CLI_PAGES]; /* a ring: serial modulo CLI_PAGES */
     uint64_t page_first;              /* serial of the oldest unreleased page */
     uint64_t page_end;                /* serial of the next page */
+    struct cli_direct direct;         /* in the place of the socket */
     char url[CLI_SOCKET_BYTES + 8];
     char dead_text[CLI_TEXT_BYTES];
     char error[CLI_TEXT_BYTES];

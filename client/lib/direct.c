@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client.h"
 #include "proto_direct.h"
 
 #define PATH_BYTES 4096

@@ -1,13 +1,25 @@
 /* direct.h - the service in this process.
  *
- * Room:     client/lib, private. May include: client.h, proto.
+ * Room:     client/lib, private. May include: proto.
  * Does:     load libpccd-direct, and exchange messages with it as with a daemon.
  * Threads:  [owner].
  */
 #ifndef CLI_DIRECT_H
 #define CLI_DIRECT_H
 
-#include "client.h"
+#include <stddef.h>
+
+#define CLI_DIRECT_URL "direct:"
+
+struct pccd_client;
+struct proto_direct;
+struct proto_direct_line;
+
+/* In the place of a socket. */
+struct cli_direct {
+    const struct proto_direct *host;
+    struct proto_direct_line *line; /* NULL: not open */
+};
 
 /* Load the library where it is not loaded yet, and be another client of it. Returns 0, or
  * PCCD_E_SYSTEM with the reason: it is not installed, or of another release. */

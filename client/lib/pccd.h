@@ -110,16 +110,16 @@ int pccd_fd(const struct pccd_client *client);
 
 /* The url "direct:" computes in this process, without a daemon: the same calls, answers,
  * hashes and errors. It needs libpccd-direct.so.0 beside libpccd, or where the loader
- * finds it, or where $PCCD_DIRECT says (else pccd_connect: E_SYSTEM); other clients do not
- * load it. What is otherwise than with a daemon:
+ * finds it, or where $PCCD_DIRECT says (else pccd_connect: E_SYSTEM); others do not load
+ * it. What is otherwise than with a daemon:
  * - A step is computed inside pccd_frame_commit (pccd_submit_still, pccd_step_x1), by the
  *   calling thread and its OpenMP team; its answer waits for pccd_poll or pccd_wait as
  *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late. Who
  *   wants steps beside the frame gives the client to a thread of its own.
  * - The team is settings.threads - 1 further threads, of $OMP_NUM_THREADS or the
- *   processors at hand in all; with 1 there is none. They keep off the processor that the
- *   calling thread is on, which is left as it is. OpenMP's environment is the process's:
- *   GOMP_SPINCOUNT=2000 lets them sleep between steps, as in the daemon.
+ *   processors at hand in all; with 1 there is none. They keep off the processor that
+ *   the calling thread is on, which is left as it is. OpenMP's environment is the
+ *   process's: GOMP_SPINCOUNT=2000 lets them sleep between steps, as in the daemon.
  * - The calls of several clients of the process are served one after the other; each has
  *   a session of its own, and all of them are freed with the last one.
  * - A warm step allocates nothing. Quotas are the machine's memory. There is nothing to

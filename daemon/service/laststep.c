@@ -16,7 +16,8 @@ struct srv_laststep *srv_laststep_new(struct srv_laststep_spare *spare,
                                       const struct eng_step_result *step)
 {
     size_t bytes = step->threads * sizeof step->thread_records[0];
-    /* Acquire: pairs with the release where it was put; what was in it is no longer read. */
+    /* Acquire: pairs with the release where it was put; what was in it is not read any
+     * more. */
     struct srv_laststep *last =
         atomic_exchange_explicit(&spare->last, NULL, memory_order_acquire);
     if (last != NULL && last->capacity < step->threads) {

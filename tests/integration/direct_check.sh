@@ -58,7 +58,7 @@ same_recorded n_body n-body-simulation/frames/balls16_1{8,9}.ply
 
 # If this failed, a user would not know what to install.
 PCCD_DIRECT=/nonexistent timeout 60 "$PCCDCTL" ping --url=direct: >"$work/out" 2>"$work/log"
-[ $? -eq 1 ] && [ ! -s "$work/out" ] && grep -q 'PCCD_DIRECT=/nonexistent' "$work/log"
+[ $? -ne 0 ] && [ ! -s "$work/out" ] && grep -q 'PCCD_DIRECT=/nonexistent' "$work/log"
 tap_result $? direct__missing_library_is_said_by_pccdctl "$work/log"
 
 tap_end

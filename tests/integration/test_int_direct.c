@@ -62,7 +62,7 @@ static uint32_t count_entries(const char *path)
     return count;
 }
 
-/* ---- what malloc is asked for ------------------------------------------------------- */
+/* ---- what malloc is asked for ------------------------------------------------------ */
 
 static atomic_uint allocations;
 

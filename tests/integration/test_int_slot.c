@@ -466,7 +466,7 @@ static void memory__rings_of_impossible_sizes_are_refused(void **state)
         {{17, 65536, 65536}, PCCD_E_INVAL},
         {{2, 4095, 65536}, PCCD_E_INVAL},
         {{2, 65536, 65535}, PCCD_E_INVAL},
-        {{16, 1ull << 40, 65536}, PCCD_E_QUOTA}, /* without a daemon, half the machine's */
+        {{16, 1ull << 40, 65536}, PCCD_E_QUOTA}, /* in a process, half the machine's */
         {{1, 65536, 1ull << 40}, PCCD_E_QUOTA},
         {{16, UINT64_MAX, 65536}, PCCD_E_LIMIT},
         {{1, 65536, UINT64_MAX}, PCCD_E_LIMIT},
