@@ -82,6 +82,19 @@ void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *messag
     }
 }
 
+/* All clients are this process. */
+gid_t srv_conn_group(const struct srv_conn *conn)
+{
+    (void)conn;
+    return getegid();
+}
+
+bool srv_conn_has_group(const struct srv_conn *conn, gid_t gid)
+{
+    (void)conn;
+    return gid == getegid() || group_member(gid) != 0;
+}
+
 void srv_conn_established(struct srv_conn *conn)
 {
     (void)conn; /* nobody waits for hello */
@@ -125,8 +138,9 @@ void srv_host_client_left(struct srv_loop *loop)
     loop->client_count--;
 }
 
-/* Nothing is left undone between two messages, so that no timer is ever due: a step is
- * computed before its deadline can come in the queue, and no session waits. */
+/* Nothing is left undone between two messages: a step is computed before its deadline can
+ * come in the queue, and no session waits. Only a frame that is held for the step of
+ * another session is, and waits for that whatever its deadline. */
 struct srv_timer *srv_timer_new(struct srv_loop *loop, void (*fire)(void *context),
                                 void *context)
 {
