@@ -6,7 +6,9 @@
 example_names = \
     client/examples/hello \
     client/examples/cloth \
-    client/examples/two_clients
+    client/examples/game_loop \
+    client/examples/two_processes
+noinst_HEADERS += client/examples/sheet.h
 check_PROGRAMS += $(example_names)
 
 example_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
@@ -17,9 +19,12 @@ client_examples_hello_LDADD = libpccd.la
 client_examples_cloth_SOURCES = client/examples/cloth.c
 client_examples_cloth_CPPFLAGS = $(example_cppflags)
 client_examples_cloth_LDADD = libpccd.la -lm
-client_examples_two_clients_SOURCES = client/examples/two_clients.c
-client_examples_two_clients_CPPFLAGS = $(example_cppflags)
-client_examples_two_clients_LDADD = libpccd.la
+client_examples_game_loop_SOURCES = client/examples/game_loop.c
+client_examples_game_loop_CPPFLAGS = $(example_cppflags)
+client_examples_game_loop_LDADD = libpccd.la -lm
+client_examples_two_processes_SOURCES = client/examples/two_processes.c
+client_examples_two_processes_CPPFLAGS = $(example_cppflags)
+client_examples_two_processes_LDADD = libpccd.la
 
 TESTS += client/examples/run_examples.sh
 dist_check_SCRIPTS += client/examples/run_examples.sh

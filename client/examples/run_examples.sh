@@ -5,7 +5,7 @@
 #           printed. A daemon that it leaves behind would show in the private folder check.
 set -u
 
-examples="hello cloth two_clients"
+examples="hello cloth game_loop two_processes"
 runtime=$(mktemp -d)
 trap 'rm -rf "$runtime"' EXIT
 export XDG_RUNTIME_DIR=$runtime
@@ -13,7 +13,7 @@ unset PCCD_URL
 
 number=0
 failed=0
-echo "1..4"
+echo "1..6"
 for example in $examples; do
     number=$((number + 1))
     if output=$("$top_builddir/client/examples/$example" 2>&1); then
@@ -27,10 +27,20 @@ done
 
 # A private daemon's folder that is still there means that it was not stopped.
 if [ -z "$(ls -A "$runtime")" ]; then
-    echo "ok 4 - examples leave nothing behind"
+    echo "ok 5 - examples leave nothing behind"
 else
     failed=1
-    echo "not ok 4 - examples leave nothing behind"
+    echo "not ok 5 - examples leave nothing behind"
     find "$runtime" | sed 's/^/# /'
+fi
+
+# Longer ones are not read.
+if long=$(wc -l "$top_srcdir"/client/examples/*.c | awk '$1 >= 120 && $2 != "total"') &&
+    [ -z "$long" ]; then
+    echo "ok 6 - examples have less than 120 lines"
+else
+    failed=1
+    echo "not ok 6 - examples have less than 120 lines"
+    printf '%s\n' "$long" | sed 's/^/# /'
 fi
 exit $failed
