@@ -15,6 +15,7 @@ deb-check:
 EXTRA_DIST += \
     debian/changelog debian/control debian/copyright debian/rules \
     debian/libpccd1.install debian/libpccd1.symbols \
+    debian/libpccd-direct0.install debian/libpccd-direct0.symbols \
     debian/libpccd-dev.examples debian/libpccd-dev.install \
     debian/pccd.install \
     debian/python3-pccd.examples debian/python3-pccd.install \
