@@ -70,7 +70,7 @@ c_library='argp.h assert.h ctype.h dirent.h dlfcn.h errno.h execinfo.h fcntl.h f
     poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h sys/epoll.h sys/eventfd.h sys/file.h sys/ioctl.h sys/mman.h
     sys/prctl.h sys/ptrace.h sys/random.h sys/resource.h sys/signalfd.h sys/socket.h sys/stat.h sys/syscall.h
-    sys/time.h
+    sys/time.h sys/timerfd.h
     sys/types.h sys/uio.h sys/un.h sys/wait.h time.h unistd.h'
 
 # Not for the engine: it computes, and talks to nobody.
