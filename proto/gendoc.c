@@ -2,8 +2,10 @@
  *
  * Room:     proto; a program of the build, not installed. May include: codec.h.
  * Does:     copies standard input to standard output and writes anew what stands between
- *           "<!-- begin: NAME -->" and "<!-- end: NAME -->"; with the argument `manifest`
- *           prints one line a field, which tests/abi compares with what was frozen.
+ *           "<!-- begin: NAME -->" and "<!-- end: NAME -->"; with the argument `manual`
+ *           the same for the manual page, between "; begin: NAME" and "; end: NAME"; with
+ *           the argument `manifest` prints one line a field, which tests/abi compares
+ *           with what was frozen.
  * Does not: write any prose.
  * Threads:  one.
  */
@@ -166,14 +168,68 @@ static const struct region regions[] = {
     {"statuses", print_statuses}, {"limits", print_limits},
 };
 
-#define REGION_COUNT (sizeof(regions) / sizeof(regions[0]))
+/* ---- the manual page --------------------------------------------------------------- */
+
+/* A sentence for scdoc, which gives underscores and stars a meaning. */
+static void print_manual_text(const char *text)
+{
+    putchar(toupper((unsigned char)text[0]));
+    for (text++; *text != '\0'; text++) {
+        if (*text == '_' || *text == '*' || *text == '`') {
+            putchar('\\');
+        }
+        putchar(*text);
+    }
+}
+
+static void print_manual_methods(void)
+{
+    for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
+        printf("%s*%s*\n\t", i > 0 ? "\n" : "", proto_messages[i].name);
+        print_manual_text(proto_messages[i].text);
+        puts(i < PROTO_METHOD_COUNT ? "." : " (a notification).");
+    }
+}
+
+static void print_manual_statuses(void)
+{
+    int first = 1;
+#define ROW(name, value, text)                                                           \
+    printf("%s*%s*, %d\n\t", first ? "" : "\n", #name, value);                           \
+    print_manual_text(text);                                                             \
+    puts(".");                                                                           \
+    first = 0;
+    PCCD_STATUS_LIST(ROW)
+#undef ROW
+}
+
+static const struct region manual_regions[] = {
+    {"methods", print_manual_methods},
+    {"statuses", print_manual_statuses},
+};
+
+/* ---- rewriting --------------------------------------------------------------------- */
+
+/* A kind of document: its regions, and how their edges are marked. */
+struct document {
+    const struct region *regions;
+    size_t region_count;
+    const char *marker; /* of edge and name */
+};
+
+static const struct document protocol = {regions, sizeof(regions) / sizeof(regions[0]),
+                                         "<!-- %s: %s -->\n"};
+static const struct document manual = {
+    manual_regions, sizeof(manual_regions) / sizeof(manual_regions[0]), "; %s: %s\n"};
 
 /* Number of the region whose marker `line` is ("begin" or "end"), or -1. */
-static int find_region(const char *line, const char *edge)
+static int find_region(const struct document *document, const char *line,
+                       const char *edge)
 {
     char marker[64];
-    for (size_t i = 0; i < REGION_COUNT; i++) {
-        snprintf(marker, sizeof(marker), "<!-- %s: %s -->\n", edge, regions[i].name);
+    for (size_t i = 0; i < document->region_count; i++) {
+        snprintf(marker, sizeof(marker), document->marker, edge,
+                 document->regions[i].name);
         if (strcmp(line, marker) == 0) {
             return (int)i;
         }
@@ -183,7 +239,7 @@ static int find_region(const char *line, const char *edge)
 
 /* Returns 0, or 1 when a region is missing, open at the end or closed by another's
  * end. */
-static int rewrite(void)
+static int rewrite(const struct document *document)
 {
     static char line[LINE_BYTES];
     size_t found = 0;
@@ -191,21 +247,22 @@ static int rewrite(void)
     while (fgets(line, sizeof(line), stdin) != NULL) {
         if (open < 0) {
             fputs(line, stdout);
-            open = find_region(line, "begin");
+            open = find_region(document, line, "begin");
             if (open >= 0) {
                 puts("");
-                regions[open].print();
+                document->regions[open].print();
                 puts("");
                 found++;
             }
-        } else if (find_region(line, "end") == open) {
+        } else if (find_region(document, line, "end") == open) {
             fputs(line, stdout);
             open = -1;
         }
     }
-    if (open >= 0 || found != REGION_COUNT) {
+    if (open >= 0 || found != document->region_count) {
         fprintf(stderr, "gendoc: %zu of %zu regions, %s open at the end\n", found,
-                REGION_COUNT, open >= 0 ? regions[open].name : "none");
+                document->region_count,
+                open >= 0 ? document->regions[open].name : "none");
         return 1;
     }
     return 0;
@@ -238,13 +295,17 @@ int main(int argc, char **argv)
     int rc = 0;
     if (argc == 2 && strcmp(argv[1], "manifest") == 0) {
         print_manifest();
+    } else if (argc == 2 && strcmp(argv[1], "manual") == 0) {
+        rc = rewrite(&manual);
     } else if (argc == 1) {
-        rc = rewrite();
+        rc = rewrite(&protocol);
     } else {
         rc = 2;
     }
     if (rc == 2) {
-        fputs("usage: gendoc < PROTOCOL.md > NEW, or gendoc manifest\n", stderr);
+        fputs("usage: gendoc <PROTOCOL.md >NEW, gendoc manual <PAGE >NEW, or gendoc "
+              "manifest\n",
+              stderr);
     }
     return fflush(stdout) == 0 ? rc : 1;
 }

@@ -36,5 +36,7 @@ proto_gendoc_LDADD = libproto.la
 
 protocol-doc: proto/gendoc$(EXEEXT)
 	$(AM_V_GEN)proto/gendoc$(EXEEXT) <$(srcdir)/proto/PROTOCOL.md >PROTOCOL.new && \
-	    cat PROTOCOL.new >$(srcdir)/proto/PROTOCOL.md && rm PROTOCOL.new
+	    cat PROTOCOL.new >$(srcdir)/proto/PROTOCOL.md && \
+	    proto/gendoc$(EXEEXT) manual <$(srcdir)/man/pccd-protocol.7.scd >PROTOCOL.new && \
+	    cat PROTOCOL.new >$(srcdir)/man/pccd-protocol.7.scd && rm PROTOCOL.new
 .PHONY: protocol-doc

@@ -100,13 +100,3 @@ client/ctl/completion/_pccdctl: pccdctl$(EXEEXT)
 	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion zsh >$@
 client/ctl/completion/pccdctl.fish: pccdctl$(EXEEXT)
 	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion fish >$@
-
-# The manual page, where scdoc is installed.
-EXTRA_DIST += client/ctl/pccdctl.1.scd
-if HAVE_SCDOC
-man1_MANS = client/ctl/pccdctl.1
-CLEANFILES += client/ctl/pccdctl.1
-client/ctl/pccdctl.1: client/ctl/pccdctl.1.scd
-	$(AM_V_GEN)$(MKDIR_P) client/ctl && $(SCDOC) <$(top_srcdir)/client/ctl/pccdctl.1.scd >$@.tmp && \
-	    mv $@.tmp $@
-endif

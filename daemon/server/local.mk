@@ -32,13 +32,3 @@ pccdd_SOURCES = daemon/server/main.c
 pccdd_CPPFLAGS = $(server_cppflags)
 pccdd_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
 pccdd_LDADD = libserver.la libengine.la libproto.la $(UV_LIBS)
-
-# The manual page, where scdoc is installed.
-EXTRA_DIST += daemon/server/pccdd.8.scd
-if HAVE_SCDOC
-man8_MANS = daemon/server/pccdd.8
-CLEANFILES += daemon/server/pccdd.8
-daemon/server/pccdd.8: daemon/server/pccdd.8.scd
-	$(AM_V_GEN)$(MKDIR_P) daemon/server && $(SCDOC) <$(top_srcdir)/daemon/server/pccdd.8.scd >$@.tmp && \
-	    mv $@.tmp $@
-endif

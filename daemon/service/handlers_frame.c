@@ -412,8 +412,10 @@ static void finish_submit(struct srv_request *request)
     struct srv_laststep *last = request->last_step;
     uint64_t number = 0;
     srv_held_answer(request);
-    if (request->status == 0) {
+    if (request->status == 0 || last != NULL) {
         number = ++loop->step_last;
+    }
+    if (request->status == 0) {
         srv_metrics_add_step(&loop->metrics, &request->result.FRAME_SUBMIT);
         tell_step(request, number);
     }
@@ -429,7 +431,7 @@ static void finish_submit(struct srv_request *request)
         srv_laststep_set(&loop->spare_step, &loop->last_step, last);
     }
     if (loop->monitors != NULL) {
-        srv_monitor_step(request, number);
+        srv_monitor_step(request, request->status == 0 ? number : 0);
     }
 }
 

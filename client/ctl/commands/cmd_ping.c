@@ -8,6 +8,7 @@
  */
 #include <errno.h>
 #include <inttypes.h>
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -15,6 +16,8 @@
 #include "ctl.h"
 #include "link.h"
 #include "statistics.h"
+
+enum { OPTION_JSON = 256 + 64 };
 
 #define PINGS_MAX          100000000u
 #define PINGS_DEFAULT      10u
@@ -25,12 +28,14 @@ struct ping_options {
     uint32_t count;
     double interval_s;
     bool is_quiet;
+    bool is_json;
 };
 
 static const struct argp_option option_list[] = {
     {"count", 'c', "N", 0, "Round trips (default: 10)", 0},
     {"interval", 'i', "SECONDS", 0, "Between them (default: 0.1; 0: none)", 0},
     {"quiet", 'q', NULL, 0, "Only the summary", 0},
+    {"json", OPTION_JSON, NULL, 0, "The summary as one JSON object, and nothing else", 0},
     {0},
 };
 
@@ -48,6 +53,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->interval_s = ctl_option_real(state, "interval", text, 0.0, 3600.0);
         return 0;
     case 'q':
+        options->is_quiet = true;
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
         options->is_quiet = true;
         return 0;
     default:
@@ -90,6 +99,18 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
         }
     }
     statistics_sort(times_us, options->count);
+    if (options->is_json) {
+        json_t *object = json_pack(
+            "{s:I, s:I, s:f, s:f, s:f, s:f}", "pid", (json_int_t)pccd_daemon_pid(client),
+            "count", (json_int_t)options->count, "min_us", times_us[0], "p50_us",
+            statistics_median(times_us, options->count), "p99_us",
+            statistics_quantile(times_us, options->count, 0.99), "max_us",
+            times_us[options->count - 1]);
+        json_dumpf(object, stdout, JSON_INDENT(2));
+        putchar('\n');
+        json_decref(object);
+        return CTL_DONE;
+    }
     printf("%" PRIu32
            " round trips: min %.1f us, median %.1f us, p99 %.1f us, max %.1f us\n",
            options->count, times_us[0], statistics_median(times_us, options->count),

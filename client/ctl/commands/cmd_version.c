@@ -7,45 +7,90 @@
  * Threads:  one.
  * Source:   pccd.h.
  */
+#include <jansson.h>
 #include <stdio.h>
 
 #include "ctl.h"
 #include "link.h"
 
+struct version_options {
+    struct ctl_link link;
+    bool is_json;
+};
+
+enum { OPTION_JSON = 256 + 64 };
+
+static const struct argp_option option_list[] = {
+    {"json", OPTION_JSON, NULL, 0, "One JSON object", 0},
+    {0},
+};
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
+    struct version_options *options = state->input;
     (void)text;
-    if (key != ARGP_KEY_INIT) {
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
+        return 0;
+    default:
         return ARGP_ERR_UNKNOWN;
     }
-    state->child_inputs[0] = state->input;
-    return 0;
 }
 
 static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_version = {.parser = parse,
-                                      .doc = "Tell the versions of this tool and of the "
-                                             "library, and whether a daemon answers.",
-                                      .children = children};
+const struct argp ctl_argp_version = {
+    .options = option_list,
+    .parser = parse,
+    .doc = "Tell the versions of this tool and of the library, and whether a daemon "
+           "answers.",
+    .children = children};
 
-int ctl_cmd_version(int argc, char **argv)
+static void print(struct pccd_client *client)
 {
-    struct ctl_link link = {.policy = CTL_LINK_EXISTING};
-    struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_version, argc, argv, 0, NULL, &link) != 0) {
-        return CTL_USAGE;
-    }
     printf("tool     %s\n", argp_program_version);
     printf("library  libpccd %s\n", pccd_version());
-    fflush(stdout);
-    int status = ctl_link_open(&link, &client);
-    if (status == CTL_DONE) {
+    if (client != NULL) {
         printf("daemon   answers, process %u, %s\n", pccd_daemon_pid(client),
                pccd_daemon_cpu(client));
     } else {
         printf("daemon   does not answer\n");
     }
+}
+
+static void print_json(struct pccd_client *client)
+{
+    struct pccd_daemon_info daemon;
+    json_t *object = json_pack("{s:s, s:s, s:n}", "tool", argp_program_version, "library",
+                               pccd_version(), "daemon");
+    if (client != NULL && pccd_daemon(client, &daemon) == PCCD_OK) {
+        json_object_set_new(object, "daemon",
+                            json_pack("{s:s, s:I, s:s, s:I}", "name", daemon.name, "pid",
+                                      (json_int_t)daemon.pid, "cpu", daemon.cpu,
+                                      "protocol", (json_int_t)daemon.version));
+    }
+    json_dumpf(object, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(object);
+}
+
+int ctl_cmd_version(int argc, char **argv)
+{
+    struct version_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct pccd_client *client = NULL;
+    if (argp_parse(&ctl_argp_version, argc, argv, 0, NULL, &options) != 0) {
+        return CTL_USAGE;
+    }
+    (void)ctl_link_open(&options.link, &client); /* says itself why there is none */
+    if (options.is_json) {
+        print_json(client);
+    } else {
+        print(client);
+    }
     pccd_close(client);
-    ctl_link_deinit(&link);
+    ctl_link_deinit(&options.link);
     return CTL_DONE;
 }

@@ -1,0 +1,156 @@
+#!/bin/bash
+# docs_commands.sh - every command of README.md and of the manual pages' examples works (TAP).
+#
+# Room:     tests/docs.
+# Does:     take the command blocks of README.md (four blanks, after an empty line), the commands
+#           in its tables, and the commands of every EXAMPLES section (a tab); run each as it is
+#           written, where its files are: frames of a mesh, build/, a daemon of the user's own
+#           with a client that plays. Compile and run the program of libpccd(3).
+# Does not: run what excluded.txt names, with the reason; such a line that stands in no document
+#           any more fails.
+
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDD:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-docs-XXXXXX") || exit 99
+pids=
+finish() {
+    # shellcheck disable=SC2086 # words
+    [ -z "$pids" ] || kill $pids 2>/dev/null
+    for lock in "$work"/run/pccd/pccd.sock.lock "$work"/run2/*.lock "$work"/run2/pccd/*.lock; do
+        [ ! -s "$lock" ] || kill "$(cat "$lock")" 2>/dev/null
+    done
+    rm -rf "$work"
+}
+trap finish EXIT
+mkdir "$work/run" "$work/here" && cd "$work/here" || exit 99
+log=$work/log
+
+# ---- what a reader has ----------------------------------------------------------------
+
+export XDG_RUNTIME_DIR=$work/run PCCD_DAEMON=$top_builddir/pccdd
+unset PCCD_URL MAKEFLAGS MAKELEVEL MFLAGS
+ln -s "$top_builddir" build
+PATH=$top_builddir:$PATH
+frame() { # HEIGHT
+    printf 'ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n'
+    printf 'property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n'
+    printf '%s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" "0.75 0.25 $((3 + $1))" \
+        "0.25 0.75 $((3 + $1))" '3 0 1 2' '3 3 4 5'
+}
+for name in frame0 cloth_92; do frame 1 >$name.ply; done
+for name in frame1 cloth_93; do frame -1 >$name.ply; done
+"$top_builddir/pccdctl" load --hz 100 --seconds 600 frame0.ply frame1.ply >/dev/null 2>"$log" &
+pids=$!
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    "$top_builddir/pccdctl" list objects --json 2>/dev/null | grep -q object && break
+    sleep 0.5
+done
+
+# ---- what is written ------------------------------------------------------------------
+
+# Blocks of four blanks after an empty line; a list goes on without one.
+awk '/^```/ { fence = !fence }
+    fence { next }
+    /^    [^ ]/ && (empty || block) { print substr($0, 5); block = 1; next }
+    { empty = $0 == ""; block = 0 }' "$top_srcdir/README.md" >"$work/readme"
+sed -n 's/^| `\([^`]*\)` |.*/\1/p' "$top_srcdir/README.md" | grep -E '^(make|build/|pccd|\./)' \
+    >>"$work/readme"
+# Examples: a tab before each; "++" ends a line, a backslash escapes.
+for page in "$top_srcdir"/man/*.scd; do
+    awk '/^# / { examples = $0 == "# EXAMPLES" }
+        /^```/ { fence = !fence }
+        examples && !fence && /^\t/ { sub(/^\t/, ""); sub(/[+][+]$/, ""); gsub(/\\/, ""); print }' \
+        "$page"
+done >"$work/pages"
+sed -n 's/ :: .*//p' "$top_srcdir/tests/docs/excluded.txt" | grep -v '^#' >"$work/excluded"
+
+[ "$(wc -l <"$work/readme")" -gt 15 ] && [ "$(wc -l <"$work/pages")" -gt 12 ]
+# If it failed, the documents would have changed their form, and nothing would be run.
+tap_result $? documents__have_commands "$work/readme"
+
+# ---- what it does ---------------------------------------------------------------------
+
+# Whether the target of an excluded command of make is there.
+has_target() {
+    local words=${1#make }
+    words=${words#-C build }
+    grep -qE "^${words%% *}:" "$top_builddir/Makefile" || echo "no target ${words%% *}"
+}
+
+# A command that stays: it is still there after a while, and where it listens somebody answers.
+run_daemon() {
+    local socket=$work/run2/pccd/pccd.sock
+    case $1 in
+    *--socket*)
+        socket=${1#*--socket } socket=${socket%% *}
+        socket=$work/run2${socket#\$XDG_RUNTIME_DIR}
+        ;;
+    esac
+    mkdir -p "$work/run2"
+    XDG_RUNTIME_DIR=$work/run2 timeout 120 bash -c "$1"' for try in 1 2 3 4 5 6 7 8 9 10; do
+        sleep 0.3
+        pccdctl ping -c 1 --socket "$0" && break
+    done
+    status=$?
+    kill $! && wait $!
+    exit $status' "$socket"
+}
+
+# If one of these failed, a reader would type it and be let down.
+run_all() {
+    local document=$1 command name
+    while IFS= read -r command; do
+        name=$(printf '%s' "$command" | tr -cs 'a-zA-Z0-9' _)
+        name=${document}__${name:0:70}
+        if ! grep -Fqx -- "$command" "$work/excluded"; then
+            case $command in
+            *'&') run_daemon "$command" >"$log" 2>&1 </dev/null ;;
+            *) timeout 120 bash -c "$command" >"$log" 2>&1 </dev/null ;;
+            esac
+            tap_result $? "$name" "$log"
+            continue
+        fi
+        case $command in
+        "make check"*) tap_skip "$name" "of make check itself" ;;
+        make*)
+            has_target "$command" >"$log"
+            [ ! -s "$log" ]
+            tap_result $? "$name" "$log"
+            ;;
+        *) tap_skip "$name" "takes too long" ;;
+        esac
+    done
+}
+run_all readme <"$work/readme"
+run_all page <"$work/pages"
+
+# If it failed, something would be left out that nobody remembers, or run twice as long for
+# nothing.
+while IFS= read -r command; do
+    grep -Fqx -- "$command" "$work/readme" "$work/pages" || echo "not written anywhere: $command"
+done <"$work/excluded" >"$log"
+grep -vE '^#|^$|.+ :: .+' "$top_srcdir/tests/docs/excluded.txt" >>"$log"
+[ ! -s "$log" ]
+tap_result $? excluded__are_all_written_somewhere "$log"
+
+# ---- the program of libpccd(3) ----------------------------------------------------------
+
+awk '/^```/ { fence = !fence; next } fence' "$top_srcdir/man/libpccd.3.scd" >program.c
+mkdir include && cp "$top_srcdir"/client/lib/pccd.h "$top_srcdir"/proto/pccd_*.h include
+library=$top_builddir/.libs
+# shellcheck disable=SC2086 # CC may hold flags
+${CC-cc} -std=c11 -Wall -Wextra -Werror -Iinclude program.c -L"$library" -lpccd \
+    -Wl,-rpath,"$library" -o program >"$log" 2>&1 && ./program >out 2>>"$log" &&
+    grep -q '^vertex-face at t = 0\.\(5\|4999\)' out
+status=$?
+if [ $status -ne 0 ] && grep -qE 'asan|ubsan|tsan' "$log"; then
+    tap_skip page__program_of_libpccd_works "the library is built with a sanitiser"
+else
+    # If it failed, the first program that somebody copies would not work.
+    tap_result $status page__program_of_libpccd_works "$log"
+fi
+
+tap_end

@@ -1,0 +1,72 @@
+#!/bin/bash
+# docs_pages.sh - the manual pages name every option and function, and scdoc takes them (TAP).
+#
+# Room:     tests/docs.
+# Does:     compare what programs print with --help, and what pccd.h declares, with the pages.
+
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+log=$work/log
+man=$top_srcdir/man
+
+# The options that a help text has, one a line.
+options() { grep -oE -- '(^|[ ,])--[a-z][a-z0-9-]*' | grep -oE -- '--.*' | sort -u; }
+# missing PAGE: options of stdin that the page does not have in bold.
+missing() {
+    while read -r option; do
+        grep -qF -- "*$option*" "$man/$1" || echo "$1 lacks $option"
+    done
+}
+
+"$top_builddir/pccdctl" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >"$work/commands"
+while read -r command; do
+    grep -q "^\*$command\*\$" "$man/pccdctl.1.scd" || echo "pccdctl.1 lacks $command"
+    grep -q "^\*pccdctl $command\*" "$man/pccdctl.1.scd" || echo "no synopsis of $command"
+    "$top_builddir/pccdctl" "$command" --help | options | missing pccdctl.1.scd
+done <"$work/commands" >"$log"
+[ -s "$work/commands" ] && [ ! -s "$log" ]
+# If it failed, a command or an option of pccdctl would be described nowhere.
+tap_result $? pages__pccdctl_has_every_command_and_option "$log"
+
+"$top_builddir/pccdd" --help | options | grep -vE -- '--(help|usage|version)' |
+    missing pccdd.8.scd >"$log"
+[ ! -s "$log" ]
+# If it failed, an option of the daemon would be described nowhere.
+tap_result $? pages__pccdd_has_every_option "$log"
+
+"$top_builddir/pccd-load" --help | options | grep -vE -- '--(help|usage|version)' |
+    missing pccd-load.1.scd >"$log"
+[ ! -s "$log" ]
+# If it failed, an option of pccd-load would be described nowhere.
+tap_result $? pages__pccd_load_has_every_option "$log"
+
+grep -oE '\*pccd_[a-z0-9_]+\*\(\)' "$man/libpccd.3.scd" | tr -d '*()' | sort -u |
+    while read -r name; do
+        grep -q "^ *$name;\$" "$top_srcdir/client/lib/libpccd.map" || echo "no such function: $name"
+    done >"$log"
+[ ! -s "$log" ]
+# If it failed, the page would lead to functions that are not there.
+tap_result $? pages__libpccd_names_functions_that_are "$log"
+
+for page in "$man"/*.scd; do
+    name=${page##*/}
+    head -n 1 "$page" | grep -qE "^${name%.*.scd}\\([1-8]\\)\$" || echo "$name: its first line"
+    grep -q '^# NAME$' "$page" && grep -q '^# SEE ALSO$' "$page" || echo "$name: a heading is missing"
+    grep -oE '\*[a-z-]+\*\([1-8]\)' "$page" | tr -d '*()' | sed 's/\(.\)$/.\1/' |
+        while read -r other; do
+            [ -e "$man/$other.scd" ] || echo "$name: see also $other, which is not there"
+        done
+    if command -v scdoc >/dev/null; then
+        scdoc <"$page" >/dev/null || echo "$name: scdoc does not take it"
+    fi
+done >"$log" 2>&1
+[ ! -s "$log" ]
+# If it failed, a page would not be built, or would lead nowhere.
+tap_result $? pages__are_well_formed "$log"
+
+tap_end
