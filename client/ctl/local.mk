@@ -73,7 +73,7 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/observe \
     -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/picture \
     -iquote $(top_srcdir)/client/ctl/record \
-    -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/oracle \
+    -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto
 libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
     $(XXHASH_CFLAGS)

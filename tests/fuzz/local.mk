@@ -16,7 +16,7 @@ fuzz_sources = \
     tests/fuzz/fuzz_spans_long.c \
     tests/fuzz/fuzz_truth.c \
     tests/fuzz/fuzz_truth.h
-FUZZ_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/oracle \
+FUZZ_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/client/oracle \
     -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/fuzz $(CMOCKA_CFLAGS)
 FUZZ_LDADD = libengine.la liboracle.la $(GMP_LIBS) $(LIBM)
 
@@ -62,7 +62,7 @@ check_LTLIBRARIES += libfuzztargets.la
 libfuzztargets_la_SOURCES = $(target_sources)
 libfuzztargets_la_CPPFLAGS = $(server_cppflags) $(MSGPACK_CFLAGS) \
     -iquote $(top_srcdir)/tests/fault -iquote $(top_srcdir)/tests/fuzz \
-    -iquote $(top_srcdir)/tests/support -iquote $(top_srcdir)/oracle
+    -iquote $(top_srcdir)/tests/support -iquote $(top_srcdir)/client/oracle
 libfuzztargets_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) -pthread
 # By itself: two rooms have a step.h.
 check_LTLIBRARIES += libfuzzreader.la

@@ -6,7 +6,7 @@ property_names = \
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
 
-PROPERTY_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/oracle \
+PROPERTY_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/client/oracle \
     -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/property \
     -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
 PROPERTY_LDADD = libengkit.la libengine.la liboracle.la libtestscenes.la $(CMOCKA_LIBS) \

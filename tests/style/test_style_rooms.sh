@@ -19,14 +19,14 @@ cd "$top_srcdir" || exit 99
 # alone, with the types that it includes.
 rooms='
 proto
-oracle
+client/oracle
 daemon/engine
 daemon/service      proto daemon/engine
 daemon/direct       proto daemon/engine daemon/service
 daemon/server       proto daemon/engine daemon/service
 client/record       client/lib+
 client/lib          proto client/record
-client/ctl          client/lib+ client/record oracle
+client/ctl          client/lib+ client/record client/oracle
 client/load         client/lib+
 client/examples     client/lib+
 bench/scenes        tests/support
@@ -36,21 +36,21 @@ bench/peers         bench daemon/engine bench/scenes
 bench/redis         bench proto client/lib+
 tests/proto         proto
 tests/abi           proto client/lib+
-tests/support       proto client/lib+ oracle
-tests/integration   proto client/record client/lib+ tests/support oracle
-tests/unit          proto daemon/engine daemon/service daemon/server client/record client/lib client/ctl client/load tests/support oracle
-tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/ctl tests/support oracle tests/fault
-tests/fault         proto client/lib+ tests/support oracle
+tests/support       proto client/lib+ client/oracle
+tests/integration   proto client/record client/lib+ tests/support client/oracle
+tests/unit          proto daemon/engine daemon/service daemon/server client/record client/lib client/ctl client/load tests/support client/oracle
+tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/ctl tests/support client/oracle tests/fault
+tests/fault         proto client/lib+ tests/support client/oracle
 tests/zoo           proto client/lib+ tests/support
-tests/determinism   daemon/engine tests/support oracle tests/unit
-tests/property      proto daemon/engine client/lib+ tests/support oracle tests/unit
-tests/truth         proto daemon/engine client/lib+ tests/support oracle tests/unit
+tests/determinism   daemon/engine tests/support client/oracle tests/unit
+tests/property      proto daemon/engine client/lib+ tests/support client/oracle tests/unit
+tests/truth         proto daemon/engine client/lib+ tests/support client/oracle tests/unit
 '
 
 # Folder prefix, then the libraries beside the C library.
 libraries='
 proto               msgpack.h
-oracle              gmp.h
+client/oracle       gmp.h
 daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
 daemon/server       uv.h seccomp.h
 client/record       xxhash.h zstd.h
@@ -80,7 +80,7 @@ engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eve
 service_not='dirent.h fcntl.h grp.h netinet/in.h pwd.h sys/epoll.h sys/eventfd.h sys/socket.h sys/un.h sys/wait.h
     spawn.h glob.h'
 
-find proto oracle daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
+find proto daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
 # The engine's folders are one room, in which every name is given once; so are pccdctl's.
 one_room='s|^\(daemon/engine\)/[a-z]*/|\1/|; s|^\(client/ctl\)/[a-z]*/|\1/|'
 sed "$one_room" "$work/paths" | LC_ALL=C sort >"$work/files"

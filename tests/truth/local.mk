@@ -1,6 +1,6 @@
 # tests/truth/local.mk - published ground truth; skipped by name where it is absent.
 
-TRUTH_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/oracle -I$(top_srcdir)/tests/support \
+TRUTH_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle -I$(top_srcdir)/tests/support \
     $(CMOCKA_CFLAGS)
 TRUTH_LDADD = liboracle.la libtestscenes.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
 

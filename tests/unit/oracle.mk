@@ -4,6 +4,6 @@ check_PROGRAMS += tests/unit/test_oracle
 TESTS += tests/unit/test_oracle
 
 tests_unit_test_oracle_SOURCES = tests/unit/test_oracle.c
-tests_unit_test_oracle_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/oracle \
+tests_unit_test_oracle_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle \
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 tests_unit_test_oracle_LDADD = liboracle.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)

@@ -1,6 +1,6 @@
 /* oracle_poly.c - polynomials in t with integer coefficients, without rounding.
  *
- * Room:     oracle.
+ * Room:     client/oracle.
  * Does:     plain school arithmetic: degrees are at most 4, coefficients may have
  *           thousands of bits.
  * Threads:  one thread for one polynomial.

@@ -1,6 +1,6 @@
 /* oracle_root.h - real algebraic numbers in [0, 1].
  *
- * Room:     oracle. May include: oracle_poly.h.
+ * Room:     client/oracle. May include: oracle_poly.h.
  * Does:     isolate the roots of a polynomial, narrow them, and find the exact sign of
  *           another polynomial at them.
  * Threads:  one thread for one root.

@@ -1,6 +1,6 @@
 /* oracle_poly.h - polynomials in t with integer coefficients, without rounding.
  *
- * Room:     oracle. May include: the C library, GMP.
+ * Room:     client/oracle. May include: the C library, GMP.
  * Does:     sums, products, greatest common divisors, square-free parts, signs at dyadic
  *           points and sign variations on dyadic intervals, up to degree 4.
  * Does not: find roots (oracle_root.h).

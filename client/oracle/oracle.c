@@ -1,6 +1,6 @@
 /* oracle.c - the exact truth about one elementary test.
  *
- * Room:     oracle.
+ * Room:     client/oracle.
  * Does:     decide whether and when a point meets a triangle or two edges meet, in
  *           integers, without rounding.
  * Threads:  [any].

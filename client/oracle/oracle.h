@@ -1,6 +1,6 @@
 /* oracle.h - the exact truth about one elementary test.
  *
- * Room:     oracle. May include: the C library, GMP.
+ * Room:     client/oracle. May include: the C library, GMP.
  * Does:     decide on the binary inputs, by the definition and without rounding, whether
  *           and when a vertex meets a closed triangle or two closed edges meet.
  * Does not: share a line with the engine.

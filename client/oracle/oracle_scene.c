@@ -1,6 +1,6 @@
 /* oracle_scene.c - every contact of a small scene, by brute force.
  *
- * Room:     oracle.
+ * Room:     client/oracle.
  * Does:     list vertices in use, edges and faces of all objects with the boxes of their
  *           motion, and try every pair.
  * Threads:  [any].

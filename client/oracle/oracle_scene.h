@@ -1,6 +1,6 @@
 /* oracle_scene.h - every contact of a small scene, by brute force.
  *
- * Room:     oracle. May include: oracle.h.
+ * Room:     client/oracle. May include: oracle.h.
  * Does:     put all vertex-face and edge-edge pairs that share no vertex to the oracle.
  * Does not: use a hierarchy; pairs are passed over only where the boxes of their motion,
  *           compared without rounding, are apart.

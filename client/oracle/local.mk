@@ -1,0 +1,15 @@
+# client/oracle/local.mk - exact ground truth; shares nothing with the engine.
+
+noinst_LTLIBRARIES += liboracle.la
+
+liboracle_la_SOURCES = \
+    client/oracle/oracle.c \
+    client/oracle/oracle.h \
+    client/oracle/oracle_scene.c \
+    client/oracle/oracle_scene.h \
+    client/oracle/oracle_poly.c \
+    client/oracle/oracle_poly.h \
+    client/oracle/oracle_root.c \
+    client/oracle/oracle_root.h
+liboracle_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle
+liboracle_la_LIBADD = $(GMP_LIBS) $(LIBM)
