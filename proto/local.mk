@@ -37,6 +37,6 @@ proto_gendoc_LDADD = libproto.la
 protocol-doc: proto/gendoc$(EXEEXT)
 	$(AM_V_GEN)proto/gendoc$(EXEEXT) <$(srcdir)/proto/PROTOCOL.md >PROTOCOL.new && \
 	    cat PROTOCOL.new >$(srcdir)/proto/PROTOCOL.md && \
-	    proto/gendoc$(EXEEXT) manual <$(srcdir)/man/pccd-protocol.7.scd >PROTOCOL.new && \
-	    cat PROTOCOL.new >$(srcdir)/man/pccd-protocol.7.scd && rm PROTOCOL.new
+	    proto/gendoc$(EXEEXT) manual <$(srcdir)/client/man/pccd-protocol.7.scd >PROTOCOL.new && \
+	    cat PROTOCOL.new >$(srcdir)/client/man/pccd-protocol.7.scd && rm PROTOCOL.new
 .PHONY: protocol-doc

@@ -59,7 +59,7 @@ awk '/^```/ { fence = !fence }
 sed -n 's/^| `\([^`]*\)` |.*/\1/p' "$top_srcdir/README.md" | grep -E '^(make|build/|pccd|\./)' \
     >>"$work/readme"
 # Examples: a tab before each; "++" ends a line, a backslash escapes.
-for page in "$top_srcdir"/man/*.scd; do
+for page in "$top_srcdir"/client/man/*.scd; do
     awk '/^# / { examples = $0 == "# EXAMPLES" }
         /^```/ { fence = !fence }
         examples && !fence && /^\t/ { sub(/^\t/, ""); sub(/[+][+]$/, ""); gsub(/\\/, ""); print }' \
@@ -138,7 +138,7 @@ tap_result $? excluded__are_all_written_somewhere "$log"
 
 # ---- the program of libpccd(3) ----------------------------------------------------------
 
-awk '/^```/ { fence = !fence; next } fence' "$top_srcdir/man/libpccd.3.scd" >program.c
+awk '/^```/ { fence = !fence; next } fence' "$top_srcdir/client/man/libpccd.3.scd" >program.c
 mkdir include && cp "$top_srcdir"/client/lib/pccd.h "$top_srcdir"/proto/pccd_*.h include
 library=$top_builddir/.libs
 # shellcheck disable=SC2086 # CC may hold flags

@@ -12,7 +12,7 @@ set -u
 work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 log=$work/log
-man=$top_srcdir/man
+man=$top_srcdir/client/man
 
 # The options that a help text has, one a line.
 options() { grep -oE -- '(^|[ ,])--[a-z][a-z0-9-]*' | grep -oE -- '--.*' | sort -u; }

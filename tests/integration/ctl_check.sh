@@ -4,7 +4,7 @@
 # Room:     client/ctl, from outside.
 # Does:     runs every command on files made here and compares what comes out.
 # Does not: need the public scenes, a network or a user's daemon.
-# Source:   man/pccdctl.1.scd says what is promised.
+# Source:   client/man/pccdctl.1.scd says what is promised.
 # Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
 
 set -u

@@ -5,7 +5,7 @@
 # Does:     a real daemon with a client that plays frames; what each command says agrees with
 #           that, as text and as JSON; metrics keep the rules of OpenMetrics; completion is
 #           complete.
-# Source:   man/pccdctl.1.scd says what is promised.
+# Source:   client/man/pccdctl.1.scd says what is promised.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${PCCDCTL:?}" "${PCCD_DAEMON:?}"

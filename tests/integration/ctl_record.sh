@@ -5,7 +5,7 @@
 # Does:     records a program that plays two frames, kills its daemon for good, and looks at
 #           what is left with every command; reads the files that they write.
 # Does not: forge recordings; test_int_verify does.
-# Source:   man/pccdctl.1.scd says what is promised.
+# Source:   client/man/pccdctl.1.scd says what is promised.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${PCCDCTL:?}" "${PCCDD:?}"

@@ -71,7 +71,7 @@ check_understood unit__of_a_user_is_understood "$units/user" --user
 name=unit__of_a_user_listens_where_clients_look
 {
     grep -n '^ListenSequentialPacket=' "$units/user/pccdd.socket"
-    sed -n '/--socket/,/^$/p' "$top_srcdir/man/pccdd.8.scd"
+    sed -n '/--socket/,/^$/p' "$top_srcdir/client/man/pccdd.8.scd"
 } >"$work/log"
 grep -q '^[0-9]*:ListenSequentialPacket=%t/pccd/pccd\.sock$' "$work/log" &&
     grep -q 'XDG_RUNTIME_DIR/pccd/pccd\.sock' "$work/log"

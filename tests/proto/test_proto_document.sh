@@ -19,8 +19,8 @@ frozen=$top_srcdir/tests/abi/manifest.txt
 tap_result $? document__has_the_tables_of_the_manifest "$work/log"
 
 # If this failed, the manual page would name other methods or statuses; run the same.
-"$gendoc" manual <"$top_srcdir/man/pccd-protocol.7.scd" >"$work/new" 2>"$work/log" &&
-    diff -u "$top_srcdir/man/pccd-protocol.7.scd" "$work/new" >"$work/log" 2>&1
+"$gendoc" manual <"$top_srcdir/client/man/pccd-protocol.7.scd" >"$work/new" 2>"$work/log" &&
+    diff -u "$top_srcdir/client/man/pccd-protocol.7.scd" "$work/new" >"$work/log" 2>&1
 tap_result $? document__manual_page_has_the_methods_of_the_manifest "$work/log"
 
 "$gendoc" manifest >"$work/manifest"
