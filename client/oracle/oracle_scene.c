@@ -7,7 +7,6 @@
  */
 #include "oracle_scene.h"
 
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -224,8 +223,23 @@ int oracle_pair_compare(const void *a, const void *b)
     return 0;
 }
 
+static bool anything(const void *context, uint32_t a, uint32_t b)
+{
+    (void)context;
+    (void)a;
+    (void)b;
+    return true;
+}
+
 void oracle_scene(const struct oracle_object *objects, uint32_t object_count,
                   struct oracle_contacts *contacts)
+{
+    oracle_scene_where(objects, object_count, anything, NULL, contacts);
+}
+
+void oracle_scene_where(const struct oracle_object *objects, uint32_t object_count,
+                        bool (*may_meet)(const void *context, uint32_t a, uint32_t b),
+                        const void *context, struct oracle_contacts *contacts)
 {
     struct features vertices = {NULL, 0, 0};
     struct features edges = {NULL, 0, 0};
@@ -236,12 +250,22 @@ void oracle_scene(const struct oracle_object *objects, uint32_t object_count,
     }
     for (size_t i = 0; i < vertices.count; i++) {
         for (size_t j = 0; j < faces.count; j++) {
-            try_pair(objects, ORACLE_VF, &vertices.items[i], &faces.items[j], contacts);
+            const struct feature *vertex = &vertices.items[i];
+            const struct feature *face = &faces.items[j];
+            if (may_meet(context, objects[vertex->object].object_id,
+                         objects[face->object].object_id)) {
+                try_pair(objects, ORACLE_VF, vertex, face, contacts);
+            }
         }
     }
     for (size_t i = 0; i < edges.count; i++) {
         for (size_t j = i + 1; j < edges.count; j++) {
-            try_pair(objects, ORACLE_EE, &edges.items[i], &edges.items[j], contacts);
+            const struct feature *a = &edges.items[i];
+            const struct feature *b = &edges.items[j];
+            if (may_meet(context, objects[a->object].object_id,
+                         objects[b->object].object_id)) {
+                try_pair(objects, ORACLE_EE, a, b, contacts);
+            }
         }
     }
     if (contacts->count > 0) {

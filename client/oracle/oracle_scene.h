@@ -9,6 +9,7 @@
 #ifndef ORACLE_ORACLE_SCENE_H
 #define ORACLE_ORACLE_SCENE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -44,6 +45,11 @@ struct oracle_contacts {
  * below. */
 void oracle_scene(const struct oracle_object *objects, uint32_t object_count,
                   struct oracle_contacts *contacts);
+/* The same of pairs of objects, by their ids, which `may_meet` says yes to; of an object
+ * and itself as well. */
+void oracle_scene_where(const struct oracle_object *objects, uint32_t object_count,
+                        bool (*may_meet)(const void *context, uint32_t a, uint32_t b),
+                        const void *context, struct oracle_contacts *contacts);
 void oracle_contacts_deinit(struct oracle_contacts *contacts);
 
 /* Order of pairs, as qsort and bsearch want it. */

@@ -68,8 +68,12 @@ libengine_la_SOURCES = \
     daemon/engine/scene/feature.h \
     daemon/engine/scene/ingest.c \
     daemon/engine/scene/ingest.h \
+    daemon/engine/scene/masks.c \
+    daemon/engine/scene/masks.h \
     daemon/engine/scene/mesh.c \
     daemon/engine/scene/mesh.h \
+    daemon/engine/scene/pairset.c \
+    daemon/engine/scene/pairset.h \
     daemon/engine/scene/range.c \
     daemon/engine/scene/range.h \
     daemon/engine/scene/scene.c \
@@ -147,6 +151,8 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_narrow.h \
     daemon/engine/wide/wide_order.c \
     daemon/engine/wide/wide_order.h \
+    daemon/engine/wide/wide_owner.c \
+    daemon/engine/wide/wide_owner.h \
     daemon/engine/wide/wide_resort.c \
     daemon/engine/wide/wide_resort.h \
     daemon/engine/wide/wide_refit.c \

@@ -226,6 +226,9 @@ static void fuzz_step(struct fuzz *fuzz)
                                           ENG_MODE_PAIRS};
     enum eng_mode mode = modes[draw(fuzz, 4)];
     struct answer want;
+    if (draw(fuzz, 4) == 0) {
+        player_draw_filters(&fuzz->player, &fuzz->prng);
+    }
     player_open(&fuzz->player);
     find_reference(fuzz, mode, &want);
     if (fuzz->player.object_count > 0 && draw(fuzz, 8) == 0) {

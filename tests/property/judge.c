@@ -139,6 +139,7 @@ static void forget_objects(struct judge *judge)
 void judge_watch(struct judge *judge, const struct player *player)
 {
     forget_objects(judge);
+    judge->filters = player->filters;
     for (uint32_t i = 0; i < player->object_count; i++) {
         const struct player_object *from = &player->objects[i];
         struct judge_object *object = &judge->objects[judge->object_count++];
@@ -211,8 +212,19 @@ void judge_remove(struct judge *judge, uint32_t at)
 {
     assert_int_equal(eng_scene_remove(judge->scene, judge->objects[at].object_idx),
                      ENG_OK);
+    filters_forget(&judge->filters, judge->objects[at].object_id);
     object_deinit(&judge->objects[at]);
     judge->objects[at] = judge->objects[--judge->object_count];
+}
+
+void judge_draw_filters(struct judge *judge, struct prng *prng)
+{
+    struct filters_place places[JUDGE_OBJECTS_MAX];
+    for (uint32_t i = 0; i < judge->object_count; i++) {
+        places[i] = (struct filters_place){judge->objects[i].object_id,
+                                           judge->objects[i].object_idx};
+    }
+    filters_draw(&judge->filters, judge->scene, places, judge->object_count, prng);
 }
 
 void judge_stage_whole(struct judge *judge)
@@ -239,13 +251,18 @@ void judge_step(struct judge *judge, enum eng_mode mode, struct eng_step_result 
     must(judge, result->mode == mode, "the answer is of another mode", NULL);
 }
 
+static bool may_meet(const void *filters, uint32_t a, uint32_t b)
+{
+    return filters_may_meet(filters, a, b);
+}
+
 void judge_find(const struct judge *judge, struct oracle_contacts *truth)
 {
     struct oracle_object views[JUDGE_OBJECTS_MAX];
     for (uint32_t i = 0; i < judge->object_count; i++) {
         views[i] = view(&judge->objects[i]);
     }
-    oracle_scene(views, judge->object_count, truth);
+    oracle_scene_where(views, judge->object_count, may_meet, &judge->filters, truth);
     judge->sums->queries += truth->queries;
 }
 
@@ -267,6 +284,8 @@ static void points_of(const struct judge *judge, const struct eng_contact *conta
     const uint32_t *va = is_vf ? &contact->feature_a : a->edges[contact->feature_a];
     const uint32_t *vb =
         is_vf ? b->mesh.triangles[contact->feature_b] : b->edges[contact->feature_b];
+    must(judge, filters_may_meet(&judge->filters, contact->object_a, contact->object_b),
+         "the objects may not meet", contact);
     for (int i = 0; i < (is_vf ? 3 : 4); i++) {
         must(judge, a != b || va[is_vf ? 0 : i / 2] != vb[is_vf ? i : i % 2],
              "the features share a vertex", contact);

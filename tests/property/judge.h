@@ -10,6 +10,7 @@
 #ifndef JUDGE_H
 #define JUDGE_H
 
+#include "eng_filters.h"
 #include "eng_player.h"
 #include "eng_way.h"
 #include "oracle_scene.h"
@@ -43,6 +44,7 @@ struct judge {
     struct eng_scene *scene;
     struct judge_object objects[JUDGE_OBJECTS_MAX];
     uint32_t object_count;
+    struct filters filters;
     char context[160]; /* kind, size, seed: printed with a failure */
     double tolerance;
     struct judge_sums *sums;
@@ -63,6 +65,9 @@ void judge_watch(struct judge *judge, const struct player *player);
 /* Register a copy of the mesh at its x0. The id is the caller's. */
 void judge_add(struct judge *judge, const struct scenes_mesh *mesh, uint32_t object_id);
 void judge_remove(struct judge *judge, uint32_t at);
+
+/* Change groups, masks, ignored pairs and self-collision of the scene and the copies. */
+void judge_draw_filters(struct judge *judge, struct prng *prng);
 
 /* Stage both ends of every object: the motion that the copies describe. */
 void judge_stage_whole(struct judge *judge);

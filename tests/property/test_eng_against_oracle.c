@@ -421,6 +421,9 @@ static void engine__keeps_answering_exactly_over_steps(void **state)
                     judge_add(&judge, &mesh, object_id++);
                     scenes_deinit(&mesh);
                 }
+                if (prng_below(prng, 2) == 0) {
+                    judge_draw_filters(&judge, prng);
+                }
                 eng_stage_begin(judge.scene);
                 for (uint32_t k = 0; k < judge.object_count; k++) {
                     stage_something(&judge, &judge.objects[k], recipe.kind, prng);

@@ -41,7 +41,8 @@ static double now_s(void)
 /* How the steps of a play are taken. */
 struct manner {
     struct prng prng;
-    bool is_random; /* settings of every step; else one thread and the defaults */
+    bool is_random;   /* settings of every step; else one thread and the defaults */
+    bool is_filtered; /* who may meet changes with every third step or so */
     double tolerance;
 };
 
@@ -111,6 +112,9 @@ static void judge_play(const struct golden *golden, uint32_t triangle_count,
              made->rebuild_triangles_max);
     for (uint32_t i = 0; i < play.act_count; i++) {
         if (play.acts[i].what == PLAY_STEP) {
+            if (manner->is_filtered && prng_below(&manner->prng, 3) == 0) {
+                player_draw_filters(&player, &manner->prng);
+            }
             judge_step_of(&judge, &player, golden->kind, manner, hash[step++]);
         } else {
             player_act(&player, &play.acts[i]);
@@ -131,7 +135,7 @@ static void plays__golden_answers_are_exact(void **state)
     const struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
     (void)state;
     for (uint32_t i = 0; i < GOLDEN_PLAYS; i++) {
-        struct manner manner = {{0}, false, 1e-6};
+        struct manner manner = {.tolerance = 1e-6};
         judge_play(&golden_plays[i], golden_plays[i].triangle_count, &made, &manner);
     }
 }
@@ -159,8 +163,10 @@ static void plays__are_exact_under_random_settings(void **state)
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng.state);
     for (uint32_t i = 0; seconds ? now_s() < end_s : i < ROUNDS; i++) {
         struct golden golden = {.kind = i % PLAY_KINDS, .seed = prng_next(&prng)};
-        struct manner manner = {
-            {prng_next(&prng)}, true, tolerances[prng_below(&prng, 3)]};
+        struct manner manner = {.prng = {prng_next(&prng)},
+                                .is_random = true,
+                                .is_filtered = prng_below(&prng, 2) == 0,
+                                .tolerance = tolerances[prng_below(&prng, 3)]};
         struct eng_scene_settings made = some_scene(&prng);
         uint32_t size = i / PLAY_KINDS % 4 == 3 ? TEAM_TRIANGLES : SMALL_TRIANGLES;
         judge_play(&golden, size + (uint32_t)prng_below(&prng, 100), &made, &manner);

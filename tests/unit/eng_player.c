@@ -97,6 +97,7 @@ static void take_away(struct player *player, uint32_t id)
 {
     struct player_object *object = find(player, id);
     assert_int_equal(eng_scene_remove(player->scene, object->idx), ENG_OK);
+    filters_forget(&player->filters, id);
     object_deinit(object);
     *object = player->objects[--player->object_count];
 }
@@ -110,6 +111,22 @@ static void replace(struct player *player, const struct play_act *act)
     assert_int_equal(eng_scene_replace(player->scene, other.idx, other.mesh), ENG_OK);
     object_deinit(object);
     *object = other;
+}
+
+static uint32_t list_places(const struct player *player,
+                            struct filters_place places[PLAYER_OBJECTS_MAX])
+{
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        places[i] = (struct filters_place){player->objects[i].id, player->objects[i].idx};
+    }
+    return player->object_count;
+}
+
+void player_draw_filters(struct player *player, struct prng *prng)
+{
+    struct filters_place places[PLAYER_OBJECTS_MAX];
+    uint32_t count = list_places(player, places);
+    filters_draw(&player->filters, player->scene, places, count, prng);
 }
 
 void player_open(struct player *player)
@@ -244,6 +261,10 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
             copy_of(from->triangles, from->triangle_count, sizeof *from->triangles);
         assert_int_equal(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx), ENG_OK);
     }
+    struct filters_place places[PLAYER_OBJECTS_MAX];
+    uint32_t count = list_places(copy, places);
+    copy->filters = player->filters;
+    filters_apply(&copy->filters, copy->scene, places, count);
     player_stage_copies(copy);
 }
 

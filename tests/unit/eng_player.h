@@ -10,6 +10,7 @@
 #ifndef TEST_ENG_PLAYER_H
 #define TEST_ENG_PLAYER_H
 
+#include "eng_filters.h"
 #include "play.h"
 #include "step.h"
 
@@ -31,6 +32,7 @@ struct player {
     struct eng_scene *scene;
     struct player_object objects[PLAYER_OBJECTS_MAX];
     uint32_t object_count;
+    struct filters filters;
     bool is_staging;
 };
 
@@ -40,6 +42,9 @@ void player_deinit(struct player *player);
 
 /* Perform any act but PLAY_STEP; the first motion of a step opens the staging. */
 void player_act(struct player *player, const struct play_act *act);
+
+/* Change groups, masks, ignored pairs and self-collision at random. */
+void player_draw_filters(struct player *player, struct prng *prng);
 
 /* Open the staging if it is not yet: what does not move from here on stands still. */
 void player_open(struct player *player);

@@ -13,6 +13,8 @@ libengkit_la_SOURCES = \
     tests/unit/eng_case.h \
     tests/unit/eng_crew.c \
     tests/unit/eng_crew.h \
+    tests/unit/eng_filters.c \
+    tests/unit/eng_filters.h \
     tests/unit/eng_kit.c \
     tests/unit/eng_kit.h \
     tests/unit/eng_player.c \
@@ -61,9 +63,19 @@ ENG_TESTS = \
     tests/unit/test_eng_boxes \
     tests/unit/test_eng_narrow \
     tests/unit/test_eng_resort \
-    tests/unit/test_eng_wide
+    tests/unit/test_eng_wide \
+    tests/unit/test_eng_masks \
+    tests/unit/test_eng_pairset
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
+
+tests_unit_test_eng_masks_SOURCES = tests/unit/test_eng_masks.c
+tests_unit_test_eng_masks_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
+tests_unit_test_eng_masks_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_pairset_SOURCES = tests/unit/test_eng_pairset.c
+tests_unit_test_eng_pairset_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_pairset_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_memory_SOURCES = tests/unit/test_eng_memory.c
 tests_unit_test_eng_memory_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

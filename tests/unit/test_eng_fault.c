@@ -186,6 +186,13 @@ static void live(struct diary *diary)
     }
     check_failed_step_moves_nothing(scene);
     step(scene, ENG_MODE_ANY, 4, diary);
+    for (uint32_t i = 3; i < 20; i++) { /* the first pair takes memory, the 33rd more */
+        const struct eng_object_filter bits = {1u << i % 3, 6 - i % 3, i % 4 > 0};
+        assert_int_equal(eng_scene_set_filter(scene, idx[i], &bits), ENG_OK);
+        RETRY(eng_scene_ignore(scene, idx[i], idx[i - 3], true));
+        RETRY(eng_scene_ignore(scene, idx[i], idx[0], true));
+        RETRY(eng_scene_ignore(scene, idx[i], idx[2], true));
+    }
     struct eng_mesh *other = make_sheet();
     RETRY(replace_both(scene, idx + 4, other));
     RETRY(eng_scene_replace(scene, idx[7], other));

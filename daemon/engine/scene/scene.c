@@ -42,6 +42,7 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
     eng_ranges_init(&s->node_ranges, UINT32_MAX - 1);
     s->root = ENG_NO_NODE;
     eng_wide_init(&s->wide);
+    eng_masks_init(&s->masks);
     s->memory = eng_step_memory_new();
     if (!s->memory) {
         eng_free(s);
@@ -61,6 +62,7 @@ void eng_scene_free(struct eng_scene *scene)
         eng_free(scene->objects[i].order);
     }
     eng_wide_deinit(&scene->wide);
+    eng_masks_deinit(&scene->masks);
     eng_step_memory_free(scene->memory);
     eng_ranges_deinit(&scene->vertex_ranges);
     eng_ranges_deinit(&scene->edge_ranges);
@@ -95,7 +97,8 @@ static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx
     if (place == scene->object_capacity) {
         uint32_t capacity =
             eng_world_grown(scene->object_capacity, scene->object_capacity + 8);
-        if (eng_world_grow(&scene->objects, capacity, sizeof *scene->objects) != ENG_OK) {
+        if (eng_masks_reserve(&scene->masks, capacity) != ENG_OK ||
+            eng_world_grow(&scene->objects, capacity, sizeof *scene->objects) != ENG_OK) {
             return ENG_E_NOMEM;
         }
         memset(scene->objects + place, 0, (capacity - place) * sizeof *scene->objects);
@@ -255,6 +258,7 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
         return ENG_E_STATE;
     }
     give_all(scene, object);
+    eng_masks_forget(&scene->masks, object_idx);
     scene->triangle_count -= object->mesh->info.triangle_count;
     eng_mesh_release(object->mesh);
     object->mesh = NULL;
@@ -263,6 +267,42 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
     scene->wide.is_stale = true;
     eng_step_memory_forget(scene->memory);
     return ENG_OK;
+}
+
+int eng_scene_set_filter(struct eng_scene *scene, uint32_t object_idx,
+                         const struct eng_object_filter *filter)
+{
+    if (!eng_scene_object(scene, object_idx)) {
+        return ENG_E_INVAL;
+    }
+    eng_masks_set(&scene->masks, object_idx, filter);
+    return ENG_OK;
+}
+
+int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
+                         struct eng_object_filter *filter)
+{
+    if (!eng_scene_object(scene, object_idx)) {
+        return ENG_E_INVAL;
+    }
+    const struct eng_masks_entry *entry = &scene->masks.entries[object_idx];
+    *filter = (struct eng_object_filter){entry->group, entry->mask, entry->self};
+    return ENG_OK;
+}
+
+int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
+                     bool ignored)
+{
+    if (a_idx == b_idx || !eng_scene_object(scene, a_idx) ||
+        !eng_scene_object(scene, b_idx)) {
+        return ENG_E_INVAL;
+    }
+    return eng_masks_ignore(&scene->masks, a_idx, b_idx, ignored);
+}
+
+uint32_t eng_scene_ignored_count(const struct eng_scene *scene)
+{
+    return scene->masks.ignored.count;
 }
 
 uint32_t eng_scene_object_count(const struct eng_scene *scene)
@@ -284,8 +324,8 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
             orders += eng_wide_order_bytes(scene->objects[i].order);
         }
     }
-    return orders + eng_wide_bytes(&scene->wide) + sizeof *scene +
-           (uint64_t)scene->object_capacity * sizeof *scene->objects +
+    return orders + eng_wide_bytes(&scene->wide) + eng_masks_bytes(&scene->masks) +
+           sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +
            (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
            (uint64_t)scene->vertex_capacity * 2 * sizeof *scene->x[0] +
            (uint64_t)scene->box_capacity * sizeof *scene->vertices +

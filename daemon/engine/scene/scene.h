@@ -12,11 +12,13 @@
 #ifndef ENG_SCENE_H
 #define ENG_SCENE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "mesh.h"
 
-#define ENG_THREADS_MAX 256u /* of one step */
+#define ENG_THREADS_MAX 256u       /* of one step */
+#define ENG_IGNORED_MAX (1u << 18) /* pairs of objects of one scene: 4 MiB */
 
 struct eng_places;
 struct eng_scene;
@@ -75,6 +77,31 @@ int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
                           struct eng_mesh *mesh);
 void eng_scene_settle(struct eng_scene *scene);
 void eng_scene_take_back(struct eng_scene *scene);
+
+/* Which objects are tested against each other: a and b if a.group & b.mask and b.group &
+ * a.mask have a bit in common each, unless the pair is ignored; an object against itself
+ * if `self`. From the next step on; what an object is replaced with changes nothing. */
+struct eng_object_filter {
+    uint64_t group;
+    uint64_t mask;
+    bool self;
+};
+
+#define ENG_OBJECT_FILTER_DEFAULT                                                        \
+    {                                                                                    \
+        1, UINT64_MAX, true                                                              \
+    }
+
+/* ENG_E_INVAL if there is no such object; a pair is of two. ignored = true, or false to
+ * take it back; it goes with either object. ENG_E_LIMIT: ENG_IGNORED_MAX are;
+ * ENG_E_NOMEM. What is as it should be stays so. */
+int eng_scene_set_filter(struct eng_scene *scene, uint32_t object_idx,
+                         const struct eng_object_filter *filter);
+int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
+                         struct eng_object_filter *filter);
+int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
+                     bool ignored);
+uint32_t eng_scene_ignored_count(const struct eng_scene *scene);
 
 uint32_t eng_scene_object_count(const struct eng_scene *scene);
 uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_idx);

@@ -1,6 +1,6 @@
 /* daemon/engine/scene/world.h - the inside of a scene: flat arrays over all its objects.
  *
- * Room:     engine. May include: aabb.h, ingest.h, median.h, range.h, scene.h,
+ * Room:     engine. May include: aabb.h, ingest.h, masks.h, median.h, range.h, scene.h,
  *           topology.h, wide.h.
  * Does:     show struct eng_scene to the phases of a step: build, merge, refit,
  *           traversal, filter, solver, results.
@@ -18,14 +18,16 @@
 
 #include "aabb.h"
 #include "ingest.h"
+#include "masks.h"
 #include "median.h"
 #include "range.h"
 #include "scene.h"
 #include "topology.h"
 #include "wide.h"
 
-#define ENG_LEAF    UINT32_MAX /* in eng_node.left */
-#define ENG_NO_NODE UINT32_MAX /* root of an empty scene */
+#define ENG_LEAF      UINT32_MAX /* in eng_node.left */
+#define ENG_NO_NODE   UINT32_MAX /* root of an empty scene */
+#define ENG_NO_OBJECT UINT32_MAX
 
 /* Whether a node's children may be looked at without further ado (rebuild.h). */
 enum eng_gate { ENG_GATE_NONE = 0, ENG_GATE_REGION = 1 };
@@ -66,8 +68,7 @@ struct eng_vertex {
 
 static_assert(sizeof(struct eng_node) == 64 && offsetof(struct eng_node, left) == 12,
               "node");
-static_assert(sizeof(struct eng_edge) == 64 && offsetof(struct eng_edge, a) == 12,
-              "edge");
+static_assert(sizeof(struct eng_edge) == 64 && offsetof(struct eng_edge, a) == 12, "");
 static_assert(sizeof(struct eng_vertex) == 64 &&
                   offsetof(struct eng_vertex, object) == 12,
               "vertex");
@@ -85,6 +86,7 @@ static inline const struct eng_box *eng_box_of_const(const void *record)
 /* What reconstruction knows of a node, beside the nodes: a traversal does not need it. */
 struct eng_upkeep {
     atomic_uint gate;  /* of a region's root: rebuild.h */
+    uint32_t object;   /* index; ENG_NO_OBJECT: above them */
     float built_ratio; /* of an inner node: the metric when it was last built */
 };
 
@@ -125,8 +127,7 @@ struct eng_scene {
     uint32_t object_count;
     uint64_t triangle_count;       /* of all objects */
     struct eng_replaced *replaced; /* not settled yet */
-    uint32_t replaced_count;
-    uint32_t replaced_capacity;
+    uint32_t replaced_count, replaced_capacity;
 
     struct eng_ranges vertex_ranges;
     struct eng_ranges edge_ranges;
@@ -134,9 +135,7 @@ struct eng_scene {
     struct eng_ranges node_ranges;
     uint32_t vertex_capacity; /* of positions */
     uint32_t box_capacity;    /* of the vertices' boxes */
-    uint32_t edge_capacity;
-    uint32_t triangle_capacity;
-    uint32_t node_capacity;
+    uint32_t edge_capacity, triangle_capacity, node_capacity;
 
     /* x[now] holds the positions that the scene stands at. A step writes its end
      * positions to x[1 - now] and then flips `now`; during and after the step, x[1 - now]
@@ -163,6 +162,7 @@ struct eng_scene {
     uint32_t step; /* number of the step; goes round */
 
     struct eng_wide wide; /* the trees of the method wide */
+    struct eng_masks masks;
 
     /* Staging. */
     bool staging;

@@ -48,6 +48,9 @@ static void perform_subtree(struct eng_worker *worker, uint32_t node)
 
 static void perform_unit(struct eng_worker *worker, uint32_t n)
 {
+    if (!eng_taskunit_is_wanted(worker, n)) {
+        return;
+    }
     if (worker->scene->nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
         perform_subtree(worker, n);
         return;
@@ -105,6 +108,9 @@ static uint32_t choose_front(struct eng_team *team, struct eng_worker *worker,
     front[tail++] = worker->scene->root;
     while (head < tail && leaves + tail - head < team->count) {
         uint32_t idx = front[head++];
+        if (!eng_taskunit_is_wanted(worker, idx)) {
+            continue;
+        }
         const struct eng_node *node = eng_node_open(worker, idx);
         if (node->left == ENG_LEAF) {
             front[leaves++] = idx;

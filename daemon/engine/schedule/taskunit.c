@@ -27,6 +27,31 @@ static inline bool overlap(const struct eng_worker *worker, const void *a, const
            eng_box_overlap_until(box_a, box_b, worker->box_bound);
 }
 
+/* May features below the one node meet features below the other, or, of one node twice,
+ * features below it each other? Pairs between objects come from above them, so that what
+ * an object may not meet is left out where the trees of the two meet. */
+static bool is_allowed(const struct eng_scene *scene, uint32_t n, uint32_t m)
+{
+    uint32_t a = scene->upkeep[n].object;
+    uint32_t b = scene->upkeep[m].object;
+    return a == ENG_NO_OBJECT || b == ENG_NO_OBJECT ||
+           eng_masks_allows(&scene->masks, a, b);
+}
+
+/* Is a pair of nodes to be refined, or of leaves to be tested? */
+static inline bool may_meet(const struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    const struct eng_scene *scene = worker->scene;
+    return overlap(worker, &scene->nodes[n], &scene->nodes[m]) &&
+           (!eng_masks_is_on(&scene->masks) || is_allowed(scene, n, m));
+}
+
+bool eng_taskunit_is_wanted(const struct eng_worker *worker, uint32_t node)
+{
+    const struct eng_scene *scene = worker->scene;
+    return !eng_masks_is_on(&scene->masks) || is_allowed(scene, node, node);
+}
+
 static void emit(struct eng_worker *worker, enum eng_kind kind, uint32_t a, uint32_t b)
 {
     struct eng_chunk *chunk = kind == ENG_VF ? &worker->vf : &worker->ee;
@@ -108,7 +133,7 @@ static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
     const struct eng_node *nodes = worker->scene->nodes;
     struct eng_pair_queue *pairs = &worker->pairs;
     worker->record.box_tests++;
-    if (!overlap(worker, &nodes[n], &nodes[m])) {
+    if (!may_meet(worker, n, m)) {
         return;
     }
     if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
@@ -178,7 +203,7 @@ uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
 {
     const struct eng_node *nodes = worker->scene->nodes;
     worker->record.box_tests++;
-    if (!overlap(worker, &nodes[n], &nodes[m])) {
+    if (!may_meet(worker, n, m)) {
         return 0;
     }
     if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
@@ -194,7 +219,7 @@ uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
 {
     const struct eng_node *nodes = worker->scene->nodes;
     bool are_leaves = nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF;
-    if (are_leaves || !overlap(worker, &nodes[n], &nodes[m])) {
+    if (are_leaves || !may_meet(worker, n, m)) {
         return 0;
     }
     return refine(worker, n, m, n_out, m_out);
@@ -202,6 +227,9 @@ uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
 
 void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children)
 {
+    if (!eng_taskunit_is_wanted(worker, node)) {
+        return;
+    }
     const struct eng_node *opened = eng_node_open(worker, node);
     if (opened->left == ENG_LEAF) {
         return;

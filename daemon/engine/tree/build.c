@@ -140,6 +140,9 @@ int eng_build_top(struct eng_scene *scene)
             .items = scene->top_items, .nodes = scene->nodes, .over_roots = true};
         eng_grow_begin(&grower, found, first, eng_grow_levels(found));
         eng_grow(&grower);
+        for (uint32_t i = 0; i < scene->top.count; i++) {
+            scene->upkeep[first + i].object = ENG_NO_OBJECT;
+        }
         scene->root = first;
     } else if (count == 1) {
         struct eng_split_item only;

@@ -120,6 +120,9 @@ static void copy_in(struct eng_scene *scene, uint32_t object_idx)
     }
     memset(scene->nodes + object->nodes.first, 0,
            object->nodes.count * sizeof *scene->nodes);
+    for (uint32_t i = 0; i < object->nodes.count; i++) {
+        scene->upkeep[object->nodes.first + i].object = object_idx;
+    }
 }
 
 /* Boxes of an object where the scene stands. The positions of a step that is staged

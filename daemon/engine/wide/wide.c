@@ -12,6 +12,10 @@
 #include "memory.h"
 #include "world.h"
 
+const enum eng_wide_kind eng_wide_trees_of[ENG_KINDS][2] = {
+    [ENG_VF] = {ENG_WIDE_VERTICES, ENG_WIDE_FACES},
+    [ENG_EE] = {ENG_WIDE_EDGES, ENG_WIDE_EDGES}};
+
 void eng_wide_init(struct eng_wide *wide)
 {
     memset(wide, 0, sizeof *wide);
@@ -40,6 +44,7 @@ void eng_wide_deinit(struct eng_wide *wide)
     eng_free(wide->marks);
     eng_free(wide->slot_of);
     eng_free(wide->items);
+    eng_wide_owners_deinit(&wide->owners);
     eng_wide_resort_deinit(&wide->resort);
 }
 
@@ -51,6 +56,7 @@ static uint32_t corner_count(enum eng_wide_kind kind)
 uint64_t eng_wide_bytes(const struct eng_wide *wide)
 {
     uint64_t bytes =
+        eng_wide_owners_bytes(&wide->owners) +
         (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
         (uint64_t)wide->item_capacity * sizeof *wide->items +
         (uint64_t)wide->trees[ENG_WIDE_VERTICES].slot_capacity *
@@ -83,6 +89,11 @@ static uint32_t alignment(uint32_t count)
         multiple *= ENG_WIDE;
     }
     return multiple;
+}
+
+uint32_t eng_wide_first_slot(uint32_t end, uint32_t count)
+{
+    return round_up(end, alignment(count));
 }
 
 /* The centre of an object's box where it stands; the box goes into that of the scene. */
@@ -301,7 +312,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
         for (uint32_t i = 0; i < scene->object_count; i++) {
             const struct eng_object *object = &scene->objects[wide->items[i].id];
             uint32_t count = object->order->count[kind];
-            uint32_t first = round_up(end, alignment(count));
+            uint32_t first = eng_wide_first_slot(end, count);
             clear(wide, kind, end, first);
             fill(wide, object, kind, first);
             end = first + count;
@@ -332,6 +343,7 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
     status = reserve(wide, scene, slots, level_count);
     if (status == ENG_OK) {
         wide->level_count = level_count;
+        wide->owners.masks = NULL;
         put_together(wide, scene, slots);
         wide->is_stale = false;
         wide->boxes_are_old = true;

@@ -1,6 +1,7 @@
 /* daemon/engine/wide/wide.h - the trees of the method `wide`.
  *
- * Room:     engine. May include: kernel.h, wide_order.h, the C library.
+ * Room:     engine. May include: kernel.h, wide_order.h, wide_owner.h, wide_resort.h,
+ *           the C library.
  * Does:     hold three trees over all objects of a scene: vertices, edges, faces. Slot i
  *           of a tree is one feature, in an order in which neighbours are near; block i
  *           of level 0 holds the boxes of slots 16 i .. 16 i + 15, block i of level k
@@ -19,6 +20,7 @@
 
 #include "kernel.h"
 #include "wide_order.h"
+#include "wide_owner.h"
 #include "wide_resort.h"
 
 struct eng_object;
@@ -28,6 +30,9 @@ struct eng_scene;
 #define ENG_WIDE_LEVELS_MAX 8u
 
 #define ENG_WIDE_NOBODY UINT64_MAX /* in eng_point.word0 */
+
+/* The trees of the two features of a pair. */
+extern const enum eng_wide_kind eng_wide_trees_of[ENG_KINDS][2];
 
 /* Of a feature: object id << 32 | local index. Records are in the order of the keys. */
 typedef uint64_t eng_wide_key;
@@ -70,8 +75,9 @@ struct eng_wide {
     double high[3];
     uint32_t *slot_of; /* [slot_of_capacity] of the vertices in the scene's arrays */
     uint32_t slot_of_capacity;
-    struct eng_split_item *items; /* [item_capacity] scratch: the objects */
+    struct eng_split_item *items; /* [item_capacity] the objects in their order */
     uint32_t item_capacity;
+    struct eng_wide_owners owners; /* made anew after the trees */
     /* Steps, by kind of pair, that do not look at the times of nodes: it did not pay. */
     uint32_t steps_without_times[ENG_KINDS];
     struct eng_wide_resort resort;
@@ -85,6 +91,10 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide);
 /* Put the trees of all objects together, from their orders (eng_object.order). Boxes are
  * not up to date afterwards. O(features); ENG_E_NOMEM: as before, and still stale. */
 int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
+
+/* Where the slots of an object with `count` features begin, those before it having ended
+ * at `end`. */
+uint32_t eng_wide_first_slot(uint32_t end, uint32_t count);
 
 /* Boxes from x[1 - now] (t = 0) and x[now] (t = 1) of the scene, by one thread. `swept`:
  * both ends get the box around both, so that the same traversal finds the pairs of plain

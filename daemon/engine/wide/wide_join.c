@@ -23,18 +23,16 @@
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes)
 {
-    static const enum eng_wide_kind tree_of[ENG_KINDS][2] = {
-        [ENG_VF] = {ENG_WIDE_VERTICES, ENG_WIDE_FACES},
-        [ENG_EE] = {ENG_WIDE_EDGES, ENG_WIDE_EDGES}};
     join->kernels = wide->kernels;
+    join->filtered = NULL;
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
     memset(join->below, 0, sizeof join->below);
     memset(join->jobs, 0, sizeof join->jobs);
     for (int kind = 0; kind < ENG_KINDS; kind++) {
-        const struct eng_wide_tree *a = &wide->trees[tree_of[kind][0]];
-        const struct eng_wide_tree *b = &wide->trees[tree_of[kind][1]];
+        const struct eng_wide_tree *a = &wide->trees[eng_wide_trees_of[kind][0]];
+        const struct eng_wide_tree *b = &wide->trees[eng_wide_trees_of[kind][1]];
         bool is_narrow = boxes == ENG_JOIN_MOVING && eng_wide_has_narrow(wide);
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
@@ -95,15 +93,29 @@ static void join_features(struct eng_wide_join *join, enum eng_kind kind, uint32
                                    : join->kernels->join_edges(job, n, m, n == m, a, b);
 }
 
+/* Roots that may not meet: of all other pairs that has been seen to (owners_keep). */
+static bool is_allowed(const struct eng_wide_join *join, enum eng_kind kind,
+                       uint32_t level, uint32_t n, uint32_t m)
+{
+    return !join->filtered || eng_wide_owners_allow(join->filtered, kind, level, n, m);
+}
+
 void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
                           uint32_t n, uint32_t m)
 {
     struct eng_wide_list *below = &join->lists[level - 1];
     assert(below->count == 0);
+    if (!is_allowed(join, kind, level, n, m)) {
+        return;
+    }
     below->count = join->kernels->join_nodes(
         &join->jobs[kind][level], n, m, kind == ENG_EE && n == m, below->a, below->b);
     join->pairs++;
     join->below[kind] += below->count;
+    if (join->filtered) {
+        below->count = eng_wide_owners_keep(join->filtered, kind, level, n, m, below->a,
+                                            below->b, below->count);
+    }
 }
 
 void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
@@ -111,7 +123,9 @@ void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_
 {
     uint32_t top = level;
     if (level == 0) {
-        join_features(join, kind, n, m);
+        if (is_allowed(join, kind, level, n, m)) {
+            join_features(join, kind, n, m);
+        }
         return;
     }
     eng_wide_join_refine(join, kind, level--, n, m);

@@ -29,6 +29,7 @@ struct eng_wide_list {
 
 struct eng_wide_join {
     const struct eng_kernels *kernels;
+    const struct eng_wide *filtered; /* whose owners are asked; NULL: anything may meet */
     void *owner;
     /* Called when a chunk has no room for all that two blocks may add: takes the pairs
      * and sets the count to 0. */
@@ -44,8 +45,9 @@ struct eng_wide_join {
     struct eng_wide_chunk chunks[ENG_KINDS];
 };
 
-/* Get ready for the trees as they are; owner, flush and look are set by the caller. Boxes
- * are ENG_JOIN_SWEPT if the refit made them so, else ENG_JOIN_MOVING. */
+/* Get ready for the trees as they are; owner, flush and look are set by the caller, and
+ * `filtered` where pairs are to be left out (wide_owner.h). Boxes are ENG_JOIN_SWEPT if
+ * the refit made them so, else ENG_JOIN_MOVING. */
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes);
 

@@ -193,9 +193,16 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
 {
     struct eng_scene *scene = team->scene;
     int status = ENG_OK;
+    bool has_changed = false;
     eng_wide_resort_prepare(&scene->wide.resort, scene);
     if (scene->wide.is_stale) {
         status = eng_wide_assemble(&scene->wide, scene);
+    }
+    if (status == ENG_OK) {
+        status = eng_wide_owners_prepare(&scene->wide, scene, &has_changed);
+    }
+    if (has_changed) {
+        eng_wide_resort_unlearn(&scene->wide.resort);
     }
     if (status == ENG_OK) {
         /* Pairs that are answered are those of the boxes themselves. */

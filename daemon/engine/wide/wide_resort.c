@@ -52,6 +52,11 @@ uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort)
     return resort->item_count * sizeof *resort->items;
 }
 
+void eng_wide_resort_unlearn(struct eng_wide_resort *resort)
+{
+    memset(resort->least_tests, 0, sizeof resort->least_tests);
+}
+
 /* Idle, and nothing known of the order at hand. */
 static void forget(struct eng_wide_resort *resort)
 {
@@ -59,7 +64,7 @@ static void forget(struct eng_wide_resort *resort)
     resort->items = NULL;
     resort->item_count = 0;
     resort->state = ENG_WIDE_IDLE;
-    memset(resort->least_tests, 0, sizeof resort->least_tests);
+    eng_wide_resort_unlearn(resort);
 }
 
 static size_t feature_count(const struct eng_scene *scene)

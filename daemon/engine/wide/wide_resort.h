@@ -65,6 +65,10 @@ void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *s
 void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scene *scene,
                            const struct eng_stop *stop);
 
+/* More, or less, may meet from now on: what steps took says nothing of the order any
+ * more. [compute] */
+void eng_wide_resort_unlearn(struct eng_wide_resort *resort);
+
 /* What a whole step took, and whether that asks for a sort. [compute] */
 void eng_wide_resort_learn(struct eng_wide_resort *resort, enum eng_mode mode,
                            uint64_t box_tests, uint64_t step_ns);

@@ -3,7 +3,7 @@
  * Room:     engine. May include: step.h.
  * Does:     find the pairs of features whose boxes around both ends of the last step
  *           overlap: what other libraries call the broad phase, for comparison with them.
- *           Steps themselves use moving boxes.
+ *           Steps themselves use moving boxes, and leave out what may not meet.
  * Threads:  [compute]; it opens a parallel region when `threads` > 1.
  */
 #ifndef ENG_WIDE_SWEEP_H

@@ -214,6 +214,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
     eng_wide_join_begin(&work->join, &worker->scene->wide, ENG_JOIN_MOVING);
+    work->join.filtered = worker->scene->wide.owners.masks ? &worker->scene->wide : NULL;
     for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
         bool in_time = worker->settings->mode != ENG_MODE_PAIRS;
         work->join.jobs[kind][0].in_time = in_time;

@@ -1,0 +1,101 @@
+/* daemon/engine/scene/masks.c - which objects of a scene are tested against each other.
+ *
+ * Room:     engine.
+ * Does:     see masks.h.
+ * Threads:  masks.h.
+ */
+#include "masks.h"
+
+#include <string.h>
+
+#include "memory.h"
+#include "world.h"
+
+static const struct eng_masks_entry at_first = {
+    .group = 1, .mask = UINT64_MAX, .self = true};
+
+void eng_masks_init(struct eng_masks *masks)
+{
+    memset(masks, 0, sizeof *masks);
+}
+
+void eng_masks_deinit(struct eng_masks *masks)
+{
+    eng_free(masks->entries);
+    eng_pairset_deinit(&masks->ignored);
+}
+
+uint64_t eng_masks_bytes(const struct eng_masks *masks)
+{
+    return (uint64_t)masks->capacity * sizeof *masks->entries +
+           eng_pairset_bytes(&masks->ignored);
+}
+
+int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity)
+{
+    if (capacity <= masks->capacity) {
+        return ENG_OK;
+    }
+    if (eng_world_grow(&masks->entries, capacity, sizeof *masks->entries) != ENG_OK) {
+        return ENG_E_NOMEM;
+    }
+    for (uint32_t i = masks->capacity; i < capacity; i++) {
+        masks->entries[i] = at_first;
+    }
+    masks->capacity = capacity;
+    return ENG_OK;
+}
+
+void eng_masks_set(struct eng_masks *masks, uint32_t object,
+                   const struct eng_object_filter *bits)
+{
+    struct eng_masks_entry *entry = &masks->entries[object];
+    masks->changed_count -= entry->is_changed;
+    entry->group = bits->group;
+    entry->mask = bits->mask;
+    entry->self = bits->self;
+    entry->is_changed = entry->group != at_first.group || entry->mask != at_first.mask ||
+                        entry->self != at_first.self;
+    masks->changed_count += entry->is_changed;
+    masks->version++;
+}
+
+int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored)
+{
+    bool was_ignored = eng_masks_ignores(masks, a, b);
+    if (ignored == was_ignored) {
+        return ENG_OK;
+    }
+    if (!ignored) {
+        eng_pairset_remove(&masks->ignored, a, b);
+        masks->entries[a].ignored--;
+        masks->entries[b].ignored--;
+        masks->version++;
+        return ENG_OK;
+    }
+    if (masks->ignored.count >= ENG_IGNORED_MAX) {
+        return ENG_E_LIMIT;
+    }
+    int status = eng_pairset_add(&masks->ignored, a, b);
+    if (status == ENG_OK) {
+        masks->entries[a].ignored++;
+        masks->entries[b].ignored++;
+        masks->version++;
+    }
+    return status;
+}
+
+void eng_masks_forget(struct eng_masks *masks, uint32_t object)
+{
+    struct eng_masks_entry *entry = &masks->entries[object];
+    uint32_t from = 0;
+    uint32_t other;
+    while (entry->ignored > 0 &&
+           eng_pairset_take(&masks->ignored, object, &from, &other)) {
+        entry->ignored--;
+        masks->entries[other].ignored--;
+    }
+    masks->changed_count -= entry->is_changed;
+    *entry = at_first;
+    masks->version++;
+}

@@ -1,0 +1,78 @@
+/* daemon/engine/scene/masks.h - which objects of a scene are tested against each other.
+ *
+ * Room:     engine. May include: pairset.h, scene.h, the C library.
+ * Does:     keep the bits of every object and the pairs that are ignored; say of two
+ *           objects whether they may meet.
+ * Does not: leave anything out: wide_owner.h and taskunit.c do.
+ * Threads:  changed by [compute] between steps; read by the [team].
+ *
+ * Two objects may meet if a.group & b.mask and b.group & a.mask, and the pair is not
+ * ignored; an object may meet itself if its self-collision is on. That is two ands of
+ * what stands in two cache lines; only between objects that are both part of any ignored
+ * pair the set of these is asked. So nothing is precomputed for pairs of objects, of
+ * which there may be 2^32, and any setting may change with every step.
+ */
+#ifndef ENG_MASKS_H
+#define ENG_MASKS_H
+
+#include "pairset.h"
+#include "scene.h"
+
+struct eng_masks_entry {
+    uint64_t group;
+    uint64_t mask;
+    uint32_t ignored; /* pairs that it is part of */
+    bool self;
+    bool is_changed; /* not as an object begins */
+};
+
+struct eng_masks {
+    struct eng_masks_entry *entries; /* [capacity] by object index */
+    uint32_t capacity;
+    uint32_t changed_count; /* entries that are changed */
+    struct eng_pairset ignored;
+    uint32_t version; /* goes on with every change, and round */
+};
+
+void eng_masks_init(struct eng_masks *masks);
+void eng_masks_deinit(struct eng_masks *masks);
+uint64_t eng_masks_bytes(const struct eng_masks *masks);
+
+/* Room for objects 0 .. capacity - 1; new ones are as objects begin. ENG_E_NOMEM. */
+int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity);
+
+/* The object went away: its pairs go, its place is as objects begin. */
+void eng_masks_forget(struct eng_masks *masks, uint32_t object);
+
+void eng_masks_set(struct eng_masks *masks, uint32_t object,
+                   const struct eng_object_filter *bits);
+/* Two different objects. ENG_E_LIMIT, ENG_E_NOMEM: as before. */
+int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored);
+
+/* Is there anything that may be left out? If not, nobody needs to ask. */
+static inline bool eng_masks_is_on(const struct eng_masks *masks)
+{
+    return masks->changed_count > 0 || masks->ignored.count > 0;
+}
+
+/* What is behind the bits. */
+static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
+                                     uint32_t b)
+{
+    return masks->entries[a].ignored > 0 && masks->entries[b].ignored > 0 &&
+           eng_pairset_has(&masks->ignored, a, b);
+}
+
+/* May object a meet object b? */
+static inline bool eng_masks_allows(const struct eng_masks *masks, uint32_t a, uint32_t b)
+{
+    const struct eng_masks_entry *of_a = &masks->entries[a];
+    const struct eng_masks_entry *of_b = &masks->entries[b];
+    if (a == b) {
+        return of_a->self;
+    }
+    return (of_a->group & of_b->mask) != 0 && (of_b->group & of_a->mask) != 0 &&
+           !eng_masks_ignores(masks, a, b);
+}
+
+#endif

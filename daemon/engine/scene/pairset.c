@@ -1,0 +1,140 @@
+/* daemon/engine/scene/pairset.c - a set of unordered pairs of numbers.
+ *
+ * Room:     engine.
+ * Does:     see pairset.h.
+ * Threads:  pairset.h.
+ */
+#include "pairset.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "clock.h"
+#include "memory.h"
+#include "status.h"
+
+#define CAPACITY_MIN 64u
+
+static uint64_t key_of(uint32_t a, uint32_t b)
+{
+    assert(a != b);
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+/* Where the search for a key begins. */
+static uint32_t home_of(const struct eng_pairset *set, uint64_t key)
+{
+    uint64_t mixed = key * set->factor;
+    mixed = (mixed ^ mixed >> 32) * 0x9e3779b97f4a7c15u;
+    return (uint32_t)(mixed >> 32) & (set->capacity - 1);
+}
+
+/* The place of a key, or the empty one where it would be. At least half are empty. */
+static uint32_t find(const struct eng_pairset *set, uint64_t key)
+{
+    uint32_t at = home_of(set, key);
+    while (set->places[at] != key && set->places[at] != ENG_PAIRSET_EMPTY) {
+        at = (at + 1) & (set->capacity - 1);
+    }
+    return at;
+}
+
+void eng_pairset_deinit(struct eng_pairset *set)
+{
+    eng_free(set->places);
+    *set = (struct eng_pairset){0};
+}
+
+size_t eng_pairset_bytes(const struct eng_pairset *set)
+{
+    return set->capacity * sizeof *set->places;
+}
+
+/* Places for twice as many. */
+static int grow(struct eng_pairset *set)
+{
+    struct eng_pairset more = *set;
+    more.capacity = set->capacity ? 2 * set->capacity : CAPACITY_MIN;
+    more.factor = set->capacity ? set->factor : (eng_now_ns() + (uintptr_t)set) << 1 | 1;
+    more.places = eng_alloc(more.capacity, sizeof *more.places);
+    if (!more.places) {
+        return ENG_E_NOMEM;
+    }
+    memset(more.places, 0xff, more.capacity * sizeof *more.places); /* empty */
+    for (uint32_t i = 0; i < set->capacity; i++) {
+        uint64_t key = set->places[i];
+        if (key != ENG_PAIRSET_EMPTY) {
+            more.places[find(&more, key)] = key;
+        }
+    }
+    eng_free(set->places);
+    *set = more;
+    return ENG_OK;
+}
+
+int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b)
+{
+    uint64_t key = key_of(a, b);
+    if (eng_pairset_has(set, a, b)) {
+        return ENG_OK;
+    }
+    if (2 * (set->count + 1) > set->capacity) {
+        int status = grow(set);
+        if (status != ENG_OK) {
+            return status;
+        }
+    }
+    set->places[find(set, key)] = key;
+    set->count++;
+    return ENG_OK;
+}
+
+/* Empty a place. What follows it without a gap and would be looked for from there, or
+ * from before it, moves up. */
+static void clear(struct eng_pairset *set, uint32_t gap)
+{
+    uint32_t mask = set->capacity - 1;
+    for (uint32_t at = (gap + 1) & mask; set->places[at] != ENG_PAIRSET_EMPTY;
+         at = (at + 1) & mask) {
+        uint32_t home = home_of(set, set->places[at]);
+        if (((at - home) & mask) >= ((at - gap) & mask)) {
+            set->places[gap] = set->places[at];
+            gap = at;
+        }
+    }
+    set->places[gap] = ENG_PAIRSET_EMPTY;
+    if (--set->count == 0) {
+        eng_pairset_deinit(set);
+    }
+}
+
+void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b)
+{
+    if (eng_pairset_has(set, a, b)) {
+        clear(set, find(set, key_of(a, b)));
+    }
+}
+
+bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b)
+{
+    uint64_t key = key_of(a, b);
+    return set->count > 0 && set->places[find(set, key)] == key;
+}
+
+bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
+                      uint32_t *other)
+{
+    /* What moves up into a place that was emptied is looked at next; what goes round from
+     * the start to the end of the places was looked at before. */
+    for (; *from < set->capacity; ++*from) {
+        uint64_t key = set->places[*from];
+        uint32_t lesser = (uint32_t)(key >> 32);
+        uint32_t greater = (uint32_t)key;
+        if (key != ENG_PAIRSET_EMPTY && (lesser == a || greater == a)) {
+            *other = lesser == a ? greater : lesser;
+            clear(set, *from);
+            return true;
+        }
+    }
+    return false;
+}

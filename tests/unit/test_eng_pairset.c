@@ -1,0 +1,157 @@
+/* tests/unit/test_eng_pairset.c - a set of unordered pairs.
+ *
+ * Room:     engine (pairset.h, masks.h).
+ * Does:     compare with a table of all pairs, while many come and go.
+ * Threads:  one.
+ * Source:   daemon/engine/scene/pairset.h.
+ */
+#include "eng_kit.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "masks.h"
+#include "memory.h"
+#include "pairset.h"
+
+#define NUMBERS 60u
+
+struct model {
+    bool has[NUMBERS][NUMBERS];
+    uint32_t count;
+};
+
+static void set(struct model *model, uint32_t a, uint32_t b, bool has)
+{
+    model->count += (uint32_t)has - (uint32_t)model->has[a][b];
+    model->has[a][b] = has;
+    model->has[b][a] = has;
+}
+
+static void check(const struct model *model, const struct eng_pairset *pairs)
+{
+    assert_int_equal(pairs->count, model->count);
+    assert_true(2 * pairs->count <= pairs->capacity);
+    assert_int_equal(pairs->capacity == 0, pairs->count == 0);
+    for (uint32_t a = 0; a < NUMBERS; a++) {
+        for (uint32_t b = 0; b < NUMBERS; b++) {
+            assert_true(a == b || eng_pairset_has(pairs, a, b) == model->has[a][b]);
+        }
+    }
+}
+
+/* Everything that has `a`, each once. */
+static void take_all(struct model *model, struct eng_pairset *pairs, uint32_t a)
+{
+    uint32_t from = 0;
+    uint32_t other;
+    while (eng_pairset_take(pairs, a, &from, &other)) {
+        assert_true(other < NUMBERS && model->has[a][other]);
+        set(model, a, other, false);
+    }
+    for (uint32_t b = 0; b < NUMBERS; b++) {
+        assert_false(model->has[a][b]);
+    }
+}
+
+/* If it failed: pairs of objects would be ignored, or tested, that should not. */
+static void pairset__holds_what_was_added(void **state)
+{
+    (void)state;
+    struct kit_random random = {5};
+    for (uint32_t round = 0; round < 40; round++) {
+        struct model model = {.count = 0};
+        struct eng_pairset pairs = {.capacity = 0};
+        uint32_t adds = 1 + kit_below(&random, 4); /* of five */
+        for (uint32_t i = 0; i < 2000; i++) {
+            uint32_t a = kit_below(&random, NUMBERS);
+            uint32_t b = (a + 1 + kit_below(&random, NUMBERS - 1)) % NUMBERS;
+            if (kit_below(&random, 100) == 0) {
+                take_all(&model, &pairs, a);
+            } else if (kit_below(&random, 5) < adds) {
+                assert_int_equal(eng_pairset_add(&pairs, a, b), ENG_OK);
+                set(&model, a, b, true);
+            } else {
+                eng_pairset_remove(&pairs, a, b);
+                set(&model, a, b, false);
+            }
+            if (i % 100 == 99) {
+                check(&model, &pairs);
+            }
+        }
+        for (uint32_t a = 0; a < NUMBERS; a++) {
+            take_all(&model, &pairs, a);
+        }
+        check(&model, &pairs);
+        assert_null(pairs.places);
+    }
+}
+
+/* If it failed: without memory a pair would be lost, or a wrong one found. */
+static void pairset__stays_as_it_was_without_memory(void **state)
+{
+    (void)state;
+    struct eng_pairset pairs = {.capacity = 0};
+    uint64_t before = eng_alloc_bytes();
+    uint32_t a = 1;
+    eng_alloc_limit(before);
+    assert_int_equal(eng_pairset_add(&pairs, 0, 1), ENG_E_NOMEM);
+    eng_alloc_limit(UINT64_MAX);
+    assert_int_equal(pairs.count, 0);
+    assert_int_equal(eng_pairset_add(&pairs, 0, 1), ENG_OK);
+    eng_alloc_limit(eng_alloc_bytes());
+    do {
+        a++;
+    } while (eng_pairset_add(&pairs, a, 0) == ENG_OK);
+    eng_alloc_limit(UINT64_MAX);
+    assert_int_equal(pairs.count, a - 1);
+    assert_true(eng_pairset_has(&pairs, 0, a - 1));
+    assert_false(eng_pairset_has(&pairs, 0, a));
+    assert_true(eng_pairset_bytes(&pairs) <= eng_alloc_bytes() - before);
+    eng_pairset_deinit(&pairs);
+    assert_int_equal(eng_alloc_bytes(), before);
+}
+
+/* If it failed: a client could take any memory, or be refused before the limit, and
+ * what it takes back would not make room. */
+static void pairset__of_a_scene_has_a_limit(void **state)
+{
+    (void)state;
+    struct eng_masks masks;
+    uint32_t a = 0;
+    uint32_t b = 0;
+    int status = ENG_OK;
+    eng_masks_init(&masks);
+    assert_int_equal(eng_masks_reserve(&masks, 1000), ENG_OK);
+    while (status == ENG_OK) {
+        a = b == a + 1 || b == 0 ? 0 : a + 1;
+        b = a == 0 ? b + 1 : b;
+        status = eng_masks_ignore(&masks, a, b, true);
+    }
+    assert_int_equal(status, ENG_E_LIMIT);
+    assert_int_equal(masks.ignored.count, ENG_IGNORED_MAX);
+    assert_false(eng_masks_ignores(&masks, a, b));
+    assert_true(eng_masks_allows(&masks, a, b));
+    assert_int_equal(eng_masks_ignore(&masks, 1, 0, true), ENG_OK); /* it is already */
+    assert_int_equal(eng_masks_ignore(&masks, 0, 1, false), ENG_OK);
+    assert_int_equal(eng_masks_ignore(&masks, b, a, true), ENG_OK);
+    assert_true(eng_masks_ignores(&masks, a, b));
+    for (uint32_t i = 0; i < 1000; i++) {
+        eng_masks_forget(&masks, i);
+        assert_int_equal(masks.entries[i].ignored, 0);
+    }
+    assert_false(eng_masks_is_on(&masks));
+    assert_int_equal(eng_pairset_bytes(&masks.ignored), 0);
+    eng_masks_deinit(&masks);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pairset__holds_what_was_added),
+        cmocka_unit_test(pairset__stays_as_it_was_without_memory),
+        cmocka_unit_test(pairset__of_a_scene_has_a_limit),
+    };
+    return cmocka_run_group_tests_name("eng_pairset", tests, NULL, NULL);
+}
