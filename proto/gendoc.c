@@ -147,6 +147,7 @@ static void print_limits(void)
     LIMIT(PROTO_TRACE_BYTES_MAX, "bytes of a recording");
     LIMIT(PROTO_SCENES_PER_CLIENT, "scenes of a client");
     LIMIT(PROTO_OBJECTS_PER_SCENE, "objects of a scene");
+    LIMIT(PROTO_IGNORED_PER_SCENE, "pairs of objects of a scene that ignore each other");
     LIMIT(PROTO_CLIENTS_PER_UID, "clients of a user (default)");
     LIMIT(PROTO_SHM_BYTES_PER_UID, "bytes of shared memory of a user (default)");
     LIMIT(PROTO_MESHES_PER_UID, "meshes of a user (default)");

@@ -28,6 +28,7 @@
 
 /* Bits of hello's `features`. */
 #define PROTO_FEATURE_RESUME 1u
+#define PROTO_FEATURE_FILTERS 2u /* object.set, scene.ignore */
 #define PROTO_FEATURE_OBSERVE 4u /* list, stats.histogram, config, watch */
 #define PROTO_FEATURE_SHARED 8u /* scenes that sessions share */
 
@@ -57,6 +58,7 @@
 #define PROTO_TRIANGLES_PER_UID 64000000ull
 #define PROTO_SCENES_PER_CLIENT 64u
 #define PROTO_OBJECTS_PER_SCENE 65536u
+#define PROTO_IGNORED_PER_SCENE (1u << 18) /* pairs of objects that ignore each other */
 #define PROTO_CONTACTS_PER_STEP (16u << 20) /* records the daemon keeps for one answer */
 
 #endif

@@ -109,6 +109,14 @@ enum pccd_format {
     PCCD_FORMAT_COUNT = 2
 };
 
+/* What is set of an object: bits. */
+enum pccd_object_what {
+    PCCD_OBJECT_GROUP = 1,
+    PCCD_OBJECT_MASK = 2,
+    PCCD_OBJECT_SELF = 4,
+    PCCD_OBJECT_ALL = 7 /* all of these */
+};
+
 /* Kinds of contact and candidate. */
 enum pccd_kind {
     PCCD_VF = 0, /* a vertex of object a, a face of object b */

@@ -196,6 +196,7 @@ static void remove_scene(struct pccd_client *client, uint32_t handle)
         forget_object(client, &scene->objects[i]);
     }
     *link = scene->next;
+    cli_kept_pairs_deinit(&scene->ignored);
     free(scene->objects);
     free(scene);
 }
@@ -247,9 +248,37 @@ static void remove_object(struct pccd_client *client, uint32_t in, uint32_t hand
         return;
     }
     forget_object(client, object);
+    cli_kept_pairs_forget(&scene->ignored, handle);
     scene->object_count--;
     memmove(object, object + 1,
             (size_t)(scene->objects + scene->object_count - object) * sizeof(*object));
+}
+
+static void set_object(struct pccd_client *client,
+                       const struct proto_OBJECT_SET_request *set)
+{
+    struct cli_kept_scene *scene = *find_scene(client, set->scene);
+    struct cli_kept_object *object =
+        scene != NULL ? cli_keep_object(scene, set->object) : NULL;
+
+    if (object == NULL) {
+        return;
+    }
+    object->what |= set->what;
+    object->group = set->what & PCCD_OBJECT_GROUP ? set->group : object->group;
+    object->mask = set->what & PCCD_OBJECT_MASK ? set->mask : object->mask;
+    object->self = set->what & PCCD_OBJECT_SELF ? set->self : object->self;
+}
+
+static void ignore_pair(struct pccd_client *client,
+                        const struct proto_SCENE_IGNORE_request *pair)
+{
+    struct cli_kept_scene *scene = *find_scene(client, pair->scene);
+
+    if (scene != NULL &&
+        cli_kept_pairs_note(&scene->ignored, pair->a, pair->b, pair->ignored) != 0) {
+        client->keeps = false;
+    }
 }
 
 static void remove_mesh(struct pccd_client *client, uint32_t handle)
@@ -284,6 +313,12 @@ void cli_keep_answer(struct pccd_client *client, struct cli_call *call)
     case PROTO_METHOD_SCENE_REMOVE:
         remove_object(client, call->params.SCENE_REMOVE.scene,
                       call->params.SCENE_REMOVE.object);
+        break;
+    case PROTO_METHOD_OBJECT_SET:
+        set_object(client, &call->params.OBJECT_SET);
+        break;
+    case PROTO_METHOD_SCENE_IGNORE:
+        ignore_pair(client, &call->params.SCENE_IGNORE);
         break;
     case PROTO_METHOD_MESH_DESTROY:
         remove_mesh(client, call->params.MESH_DESTROY.mesh);

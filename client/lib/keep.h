@@ -1,6 +1,6 @@
 /* keep.h - what another daemon would have to be told.
  *
- * Room:     client/lib, private. May include: client.h.
+ * Room:     client/lib, private. May include: client.h, kept_pairs.h.
  * Does:     keep scenes, meshes and objects as they were registered, and where the
  *           vertices of each object were at the end of its last answered step.
  * Does not: talk to a daemon (restore.c), or keep anything when the user wants it so.
@@ -14,6 +14,7 @@
 #define CLI_KEEP_H
 
 #include "client.h"
+#include "kept_pairs.h"
 
 /* Vertices and triangles as they were registered. */
 struct cli_kept_mesh {
@@ -43,6 +44,10 @@ struct cli_kept_object {
     void *x;         /* [vertex_count][3]; NULL: none yet */
     double m[12];
     uint64_t since; /* segments of earlier steps have been overwritten by later ones */
+    uint32_t what;  /* enum pccd_object_what: that was ever set, of the next three */
+    uint64_t group;
+    uint64_t mask;
+    bool self;
 };
 
 struct cli_kept_scene {
@@ -52,6 +57,7 @@ struct cli_kept_scene {
     struct cli_kept_object *objects; /* in the order of their handles */
     uint32_t object_count;
     uint32_t object_room;
+    struct cli_kept_pairs ignored;
 };
 
 /* A copy of a mesh that is about to be registered; NULL: no memory. */

@@ -11,11 +11,14 @@ libpccd_la_SOURCES = \
     client/lib/client.h \
     client/lib/direct.c \
     client/lib/direct.h \
+    client/lib/filter.c \
     client/lib/flight.c \
     client/lib/flight.h \
     client/lib/frame.c \
     client/lib/keep.c \
     client/lib/keep.h \
+    client/lib/kept_pairs.c \
+    client/lib/kept_pairs.h \
     client/lib/launch.c \
     client/lib/launch.h \
     client/lib/link.c \

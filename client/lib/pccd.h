@@ -131,12 +131,12 @@ int pccd_fd(const struct pccd_client *client);
  * longer: to the same daemon, where the session goes on, or to the next one (started by
  * `pccdd --supervise`, by systemd, or by the library where it started the first), which
  * is told again what this client had: meshes, scenes, objects under their old handles,
- * and where the objects were. Steps without an answer are submitted again; each is
- * answered once, with the same bytes. A step's deadline_ns begins anew then. After
- * reconnect_ms in vain, every call fails with E_DISCONNECTED; so does a single request,
- * and nothing else, over which daemons_max daemons have ended. What does not come back:
- * further pages of an answer that the lost daemon gave (pccd_fetch: E_STATE) and
- * recordings. A call may take longer than its timeout while another daemon is told.
+ * what they may meet, and where they were. Steps without an answer are submitted again;
+ * each is answered once, with the same bytes. A step's deadline_ns begins anew then.
+ * After reconnect_ms in vain, every call fails with E_DISCONNECTED; so does a single
+ * request, and nothing else, over which daemons_max daemons have ended. What does not
+ * come back: further pages of an answer that the lost daemon gave (pccd_fetch: E_STATE)
+ * and recordings. A call may take longer than its timeout while another daemon is told.
  * Handles that are given afterwards may be others than the lost daemon would have given.
  *
  * For this the library keeps a copy of every mesh (12 or 24 bytes a vertex, 12 a
@@ -313,6 +313,36 @@ struct pccd_scene_news {
     uint64_t total;
     uint64_t hash[2]; /* as in struct pccd_answer */
 };
+
+/* What an object may meet. Two objects of a scene are tested against each other if
+ * a.group & b.mask and b.group & a.mask have a bit in common each, and the pair is not
+ * ignored; an object is tested against itself if its self_collision is on. At first group
+ * is 1, mask all bits, self_collision on. It stays with the object when its mesh is
+ * replaced. What may not meet costs a step next to nothing. */
+struct pccd_object_settings {
+    size_t struct_bytes;  /* sizeof(struct pccd_object_settings); 0 reads as that */
+    uint32_t what;        /* which of these to set: bits of enum pccd_object_what */
+    bool self_collision;  /* PCCD_OBJECT_SELF */
+    uint64_t group;       /* PCCD_OBJECT_GROUP: the groups that it is in */
+    uint64_t mask;        /* PCCD_OBJECT_MASK: the groups that it may meet */
+};
+
+/* Set what settings->what names, for the steps that are submitted from now on; steps in
+ * flight keep what held when they were submitted. Errors: E_HANDLE, E_INVAL; E_VERSION: a
+ * daemon that does not know of filters. */
+int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
+                    const struct pccd_object_settings *settings);
+/* All of them as they are; struct_bytes is not looked at, and stays. */
+int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
+                    struct pccd_object_settings *settings);
+/* Have two objects ignore each other, or not any more; as often as you like. Removing
+ * either ends it. Errors as above; E_LIMIT: 262144 pairs of a scene do already. In a
+ * scene that is shared E_ACCESS: neither is this client's (above: it is not). Another
+ * daemon is not told of pairs with another client's object, which comes back as a new
+ * one. */
+int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
+                     uint32_t object_b, bool ignored);
+
 /* ---- steps ------------------------------------------------------------------------- */
 
 struct pccd_step_settings {

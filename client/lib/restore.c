@@ -58,6 +58,56 @@ static int destroy_again(struct pccd_client *client)
     return 0;
 }
 
+/* A daemon that tests everything would answer other bytes than the last one. */
+static int check_filters(struct pccd_client *client, const struct cli_kept_scene *scene)
+{
+    bool any = scene->ignored.count > 0;
+
+    for (uint32_t i = 0; i < scene->object_count && !any; i++) {
+        any = scene->objects[i].what != 0;
+    }
+    if (any && (client->link.features & PROTO_FEATURE_FILTERS) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "the new daemon at %s is older than the last one: it cannot be "
+                        "told which objects may meet",
+                        client->url);
+    }
+    return 0;
+}
+
+/* What the objects of a scene may meet. Most have nothing that was ever set. */
+static int restore_filters(struct cli_flight *flight, struct cli_kept_scene *scene)
+{
+    int rc;
+
+    cli_kept_pairs_settle(&scene->ignored);
+    rc = check_filters(flight->client, scene);
+    for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
+        const struct cli_kept_object *object = &scene->objects[i];
+        struct proto_OBJECT_SET_request set = {.scene = scene->handle,
+                                               .object = object->handle,
+                                               .what = object->what,
+                                               .group = object->group,
+                                               .mask = object->mask,
+                                               .self = object->self};
+
+        if (object->what != 0) {
+            rc = cli_flight_send(flight, PROTO_METHOD_OBJECT_SET, &set, CLI_SLOT_NONE,
+                                 NULL);
+        }
+    }
+    for (uint32_t i = 0; rc == 0 && i < scene->ignored.count; i++) {
+        struct proto_SCENE_IGNORE_request ignore = {.scene = scene->handle,
+                                                    .a = scene->ignored.said[i].a,
+                                                    .b = scene->ignored.said[i].b,
+                                                    .ignored = true};
+
+        rc = cli_flight_send(flight, PROTO_METHOD_SCENE_IGNORE, &ignore, CLI_SLOT_NONE,
+                             NULL);
+    }
+    return rc;
+}
+
 static int restore_scene(struct cli_flight *flight, const struct cli_kept_scene *scene)
 {
     struct proto_SCENE_CREATE_request create = scene->settings;
@@ -243,9 +293,10 @@ static int restore_all(struct pccd_client *client)
     int rc = restore_meshes(&flight, false);
 
     rc = rc != 0 ? rc : restore_meshes(&flight, true);
-    for (const struct cli_kept_scene *scene = client->kept_scenes;
-         rc == 0 && scene != NULL; scene = scene->next) {
+    for (struct cli_kept_scene *scene = client->kept_scenes; rc == 0 && scene != NULL;
+         scene = scene->next) {
         rc = restore_scene(&flight, scene);
+        rc = rc != 0 ? rc : restore_filters(&flight, scene);
         rc = rc != 0 ? rc : restore_positions(&flight, scene);
     }
     rc = cli_flight_end(&flight, rc);

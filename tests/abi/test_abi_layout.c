@@ -109,6 +109,12 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_record_info, ns, 32);
     AT(pccd_record_info, segments, 40);
     AT(pccd_record_info, status, 44);
+    SIZE(pccd_object_settings, 32);
+    AT(pccd_object_settings, struct_bytes, 0);
+    AT(pccd_object_settings, what, 8);
+    AT(pccd_object_settings, self_collision, 12);
+    AT(pccd_object_settings, group, 16);
+    AT(pccd_object_settings, mask, 24);
     SIZE(pccd_scene_settings, 32);
     AT(pccd_scene_settings, quality, 0);
     AT(pccd_scene_settings, rebuild_triangles_max, 4);
@@ -336,6 +342,10 @@ static void enums__keep_their_values(void **state)
     VALUE(PCCD_QUALITY_DEFAULT, 0);
     VALUE(PCCD_QUALITY_MEDIAN, 1);
     VALUE(PCCD_QUALITY_SAH, 2);
+    VALUE(PCCD_OBJECT_GROUP, 1);
+    VALUE(PCCD_OBJECT_MASK, 2);
+    VALUE(PCCD_OBJECT_SELF, 4);
+    VALUE(PCCD_OBJECT_ALL, 7);
     VALUE(PCCD_FORMAT_F32, 0);
     VALUE(PCCD_FORMAT_F64, 1);
     VALUE(PCCD_VF, 0);
@@ -367,7 +377,8 @@ static void recordings__keep_their_numbers(void **state)
         "mesh.replace",  "stats.thread", "trace.start",     "trace.stop",
         "trace.dump",    "bye",          "list.session",    "list.scene",
         "list.object",   "list.mesh",    "stats.histogram", "config.get",
-        "config.set",    "watch.start",  "watch.stop"};
+        "config.set",    "watch.start",  "watch.stop",      "object.set",
+        "scene.ignore"};
     (void)state;
     for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
         assert_true((size_t)i < sizeof methods / sizeof methods[0]);

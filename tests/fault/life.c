@@ -315,6 +315,28 @@ static bool replace(struct life *life, const struct belongings *has)
                 (const uint32_t(*)[3])triangles, TRIANGLES);
 }
 
+/* The sheet may meet itself no more, and the floor as before. */
+static bool set_filters(struct life *life, const struct belongings *has)
+{
+    const struct proto_OBJECT_SET_request set = {.scene = has->scene,
+                                                 .object = has->sheet,
+                                                 .what =
+                                                     PCCD_OBJECT_GROUP | PCCD_OBJECT_SELF,
+                                                 .group = 2};
+    const struct proto_SCENE_IGNORE_request ignore = {has->scene, has->floor, has->sheet,
+                                                      true};
+    const struct proto_SCENE_IGNORE_request heed = {has->scene, has->floor, has->sheet,
+                                                    false};
+    struct proto_OBJECT_SET_result now;
+    bool all = ask(life, PROTO_METHOD_OBJECT_SET, &set, &now) &&
+               ask(life, PROTO_METHOD_SCENE_IGNORE, &ignore, NULL) &&
+               ask(life, PROTO_METHOD_SCENE_IGNORE, &heed, NULL);
+    if (all && (now.group != 2 || now.mask != UINT64_MAX || now.self)) {
+        blame(life, "has set something else", PROTO_METHOD_OBJECT_SET, 0);
+    }
+    return all;
+}
+
 static bool record(struct life *life, const struct belongings *has)
 {
     const struct proto_TRACE_START_request start = {.events = 64};
@@ -350,8 +372,9 @@ void life_run(struct life *life, const char *socket_path, enum life_kind kind)
     }
     bool all = settle_in(life, &has) && step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) &&
                look_back(life, &has) && step(life, &has, -2, 1, PCCD_METHOD_PAPER) &&
-               replace(life, &has) && step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) &&
-               record(life, &has) && leave(life, &has);
+               replace(life, &has) && set_filters(life, &has) &&
+               step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) && record(life, &has) &&
+               leave(life, &has);
     if (!all && !life->is_lost && life->refusals == 0 && life->wrong[0] == '\0') {
         blame(life, "nothing explains this", PROTO_METHOD_PING, 0);
     }

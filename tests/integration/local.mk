@@ -6,6 +6,7 @@ integration_names = \
     tests/integration/test_int_deadline \
     tests/integration/test_int_death \
     tests/integration/test_int_direct \
+    tests/integration/test_int_filter \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
     tests/integration/test_int_notify \
@@ -60,6 +61,10 @@ tests_integration_test_int_direct_LDADD = $(integration_libs)
 # The programs that need no daemon, once more without one.
 TESTS += tests/integration/direct_check.sh
 dist_check_SCRIPTS += tests/integration/direct_check.sh
+
+tests_integration_test_int_filter_SOURCES = tests/integration/test_int_filter.c
+tests_integration_test_int_filter_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_filter_LDADD = $(integration_libs)
 
 tests_integration_test_int_flow_SOURCES = tests/integration/test_int_flow.c
 tests_integration_test_int_flow_CPPFLAGS = $(integration_cppflags) $(XXHASH_CFLAGS)

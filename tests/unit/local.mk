@@ -1,4 +1,5 @@
 # tests/unit/local.mk
+include $(top_srcdir)/tests/unit/client.mk
 include $(top_srcdir)/tests/unit/ctl.mk
 include $(top_srcdir)/tests/unit/load.mk
 include $(top_srcdir)/tests/unit/server.mk

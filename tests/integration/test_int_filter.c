@@ -1,0 +1,350 @@
+/* test_int_filter.c - which objects a real daemon tests, changed while it works.
+ *
+ * Room:     tests/integration. May include: pccd.h, proto, tests/support.
+ * Does:     groups, masks, self-collision and ignored pairs between steps in flight, over
+ *           a daemon that is killed, and what is refused.
+ * Threads:  one in each process.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "messages.h"
+#include "raw.h"
+
+static struct test_daemon daemon_;
+static struct pccd_client *client;
+static struct test_crossing crossing;
+
+static int setup(void **state)
+{
+    const char *const options[] = {"--supervise", "--threads", "1", NULL};
+
+    (void)state;
+    if (!test_daemon_start(&daemon_, options)) {
+        return -1;
+    }
+    client = test_connect(daemon_.url);
+    return client != NULL ? test_crossing_make(client, &crossing) : -1;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    pccd_close(client);
+    (void)test_daemon_end(&daemon_, SIGTERM, 10000);
+    (void)test_daemon_finish(&daemon_);
+    return 0;
+}
+
+/* The triangle goes through the floor, or back; step number `*step`. */
+static void submit(uint64_t *step)
+{
+    struct pccd_frame frame;
+    void *x1;
+
+    crossing.z = -crossing.z;
+    assert_int_equal(
+        pccd_frame_begin(client, crossing.scene, 1, sizeof(float[3][3]), &frame), 0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing.object, PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
+    test_crossing_positions(x1, crossing.z);
+    assert_int_equal(pccd_frame_commit(&frame, NULL, step), 0);
+}
+
+static uint64_t contacts_of(uint64_t step)
+{
+    struct pccd_answer answer;
+    uint64_t total;
+
+    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+    total = answer.total;
+    pccd_answer_release(client, &answer);
+    return total;
+}
+
+static uint64_t turn(void)
+{
+    uint64_t step;
+
+    submit(&step);
+    return contacts_of(step);
+}
+
+static void set(uint32_t what, uint64_t group, uint64_t mask, bool self)
+{
+    struct pccd_object_settings settings = {.struct_bytes = sizeof(settings),
+                                            .what = what,
+                                            .self_collision = self,
+                                            .group = group,
+                                            .mask = mask};
+
+    assert_int_equal(pccd_object_set(client, crossing.scene, crossing.object, &settings),
+                     0);
+}
+
+static void check_object(uint64_t group, uint64_t mask, bool self)
+{
+    struct pccd_object_settings settings = {.struct_bytes = 0};
+
+    assert_int_equal(pccd_object_get(client, crossing.scene, crossing.object, &settings),
+                     0);
+    assert_int_equal(settings.what, PCCD_OBJECT_ALL);
+    assert_true(settings.group == group && settings.mask == mask &&
+                settings.self_collision == self);
+}
+
+static int ignore(bool ignored)
+{
+    return pccd_pair_ignore(client, crossing.scene, crossing.object, crossing.floor,
+                            ignored);
+}
+
+/* If it failed, a change would reach steps that were submitted before it, or not those
+ * that were submitted after it. */
+static void filter__changes_between_steps_in_flight(void **state)
+{
+    uint64_t steps[4];
+
+    (void)state;
+    check_object(1, UINT64_MAX, true);
+    for (int round = 0; round < 20; round++) {
+        submit(&steps[0]);
+        set(PCCD_OBJECT_MASK, 77, 2, true); /* the group is not named */
+        submit(&steps[1]);
+        set(PCCD_OBJECT_MASK, 77, 3, true);
+        submit(&steps[2]);
+        assert_int_equal(ignore(true), 0);
+        submit(&steps[3]);
+        assert_true(contacts_of(steps[0]) > 0);
+        assert_int_equal(contacts_of(steps[1]), 0);
+        assert_true(contacts_of(steps[2]) > 0);
+        assert_int_equal(contacts_of(steps[3]), 0);
+        assert_int_equal(ignore(true), 0); /* twice is as once */
+        assert_int_equal(ignore(false), 0);
+        assert_true(turn() > 0);
+    }
+    check_object(1, 3, true);
+    set(0, 5, 5, false); /* nothing is named */
+    check_object(1, 3, true);
+}
+
+/* If it failed, an object would meet others again when its mesh is replaced, or the next
+ * one in its place would ignore what it did. */
+static void filter__stays_with_its_object(void **state)
+{
+    (void)state;
+    set(PCCD_OBJECT_GROUP | PCCD_OBJECT_SELF, 4, 0, false);
+    assert_int_equal(ignore(true), 0);
+    assert_int_equal(pccd_mesh_replace(client, crossing.mesh, test_triangle_x,
+                                       PCCD_FORMAT_F32, 3, test_triangle, 1, NULL),
+                     0);
+    crossing.z = 1;
+    check_object(4, UINT64_MAX, false);
+    assert_int_equal(turn(), 0);
+    assert_int_equal(pccd_scene_remove(client, crossing.scene, crossing.object), 0);
+    assert_int_equal(ignore(false), PCCD_E_HANDLE);
+    assert_int_equal(
+        pccd_scene_add(client, crossing.scene, crossing.mesh, &crossing.object), 0);
+    check_object(1, UINT64_MAX, true);
+    crossing.z = 1;
+    assert_true(turn() > 0);
+}
+
+/* If it failed, a client would have contacts after a crash that it had ruled out, or none
+ * where it had taken that back. */
+static void filter__comes_back_with_another_daemon(void **state)
+{
+    struct pccd_link_info info;
+
+    (void)state;
+    for (int round = 0; round < 4; round++) {
+        set(PCCD_OBJECT_SELF, 0, 0, false);
+        set(PCCD_OBJECT_MASK, 0, round % 2 == 0 ? 6 : 7, true);
+        assert_int_equal(ignore(true), 0);
+        assert_int_equal(ignore(round > 1), 0);
+        uint64_t before = turn();
+        assert_int_equal(before > 0, round == 1);
+        assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+        assert_int_equal(turn(), before);
+        check_object(1, round % 2 == 0 ? 6 : 7, false);
+        assert_int_equal(ignore(false), 0);
+        set(PCCD_OBJECT_MASK, 0, 1, true);
+        assert_true(turn() > 0);
+    }
+    assert_int_equal(pccd_link(client, &info), 0);
+    assert_int_equal(info.reconnects, 4);
+}
+
+/* If it failed, a caller's mistake would change something, or not be told. */
+static void filter__refuses_what_cannot_be(void **state)
+{
+    struct {
+        struct pccd_object_settings settings;
+        uint64_t of_a_newer_release;
+    } newer = {.of_a_newer_release = 1};
+    struct pccd_object_settings settings = {.what = 8};
+    const uint32_t scene = crossing.scene;
+    const uint32_t object = crossing.object;
+
+    (void)state;
+    assert_int_equal(pccd_object_set(client, scene, object, &settings), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(client), "0x8"));
+    assert_int_equal(pccd_object_set(client, scene, object, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_object_get(client, scene, object, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_object_set(NULL, scene, object, &settings), PCCD_E_INVAL);
+    settings.what = PCCD_OBJECT_ALL;
+    settings.struct_bytes = 8;
+    assert_int_equal(pccd_object_set(client, scene, object, &settings), PCCD_E_INVAL);
+    newer.settings.struct_bytes = sizeof(newer);
+    assert_int_equal(pccd_object_set(client, scene, object, &newer.settings),
+                     PCCD_E_INVAL);
+    newer.of_a_newer_release = 0;
+    assert_int_equal(pccd_object_set(client, scene, object, &newer.settings), 0);
+    settings.struct_bytes = sizeof(settings);
+    assert_int_equal(pccd_object_set(client, scene, object + 1, &settings),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_object_set(client, scene + 1, object, &settings),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_pair_ignore(client, scene, object, object, true), PCCD_E_INVAL);
+    assert_int_equal(pccd_pair_ignore(client, scene, object, 0, true), PCCD_E_HANDLE);
+    assert_int_equal(pccd_pair_ignore(client, scene + 1, object, crossing.floor, true),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_pair_ignore(NULL, scene, object, crossing.floor, true),
+                     PCCD_E_INVAL);
+    check_object(1, UINT64_MAX, true);
+    assert_true(turn() > 0);
+}
+
+/* If it failed, a client that does not use the library could write past what there is, or
+ * be misunderstood by a daemon that is older than it. */
+static void filter__refuses_what_the_library_would_not_send(void **state)
+{
+    static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static struct test_raw raw;
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result scene;
+    struct proto_SCENE_ADD_request add = {.mesh = 0};
+    struct proto_SCENE_ADD_result object;
+    struct proto_OBJECT_SET_request request = {.what = 0x80000000u};
+    struct proto_OBJECT_SET_result now;
+    struct proto_SCENE_IGNORE_request pair = {.ignored = true};
+    struct proto_SCENE_REMOVE_request remove;
+    uint32_t ids[2];
+
+    (void)state;
+    assert_true(test_raw_open(&raw, daemon_.socket));
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
+                     PCCD_E_NOHELLO);
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
+                     PCCD_E_HANDLE);
+    assert_int_equal(test_raw_attach(&raw, 1, 4096), 0);
+    assert_int_equal(test_raw_mesh(&raw, x, 3, test_triangle, 1, &add.mesh), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &scene), 0);
+    add.scene = request.scene = pair.scene = remove.scene = scene.scene;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+    request.object = pair.a = pair.b = remove.object = object.object;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
+                     PCCD_E_INVAL);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_IGNORE, &pair, NULL),
+                     PCCD_E_INVAL);
+    request.what = PCCD_OBJECT_GROUP;
+    request.group = UINT64_MAX;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, &now), 0);
+    assert_true(now.group == UINT64_MAX && now.mask == UINT64_MAX && now.self);
+    /* Asked for behind its removal, before that is answered. */
+    ids[0] = test_raw_request(&raw, PROTO_METHOD_SCENE_REMOVE, &remove);
+    ids[1] = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &request);
+    assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_SCENE_REMOVE, NULL), 0);
+    assert_int_equal(test_raw_answer(&raw, ids[1], PROTO_METHOD_OBJECT_SET, NULL),
+                     PCCD_E_HANDLE);
+    test_raw_close(&raw);
+}
+
+/* A daemon from before there were filters: it answers hello, and waits for the end. */
+static void be_old(int listener)
+{
+    static struct proto_encoder encoder;
+    static uint8_t message[PROTO_MESSAGE_BYTES_MAX];
+    struct proto_HELLO_result hello = {.version = 1, .features = PROTO_FEATURE_RESUME};
+    struct proto_envelope envelope;
+    struct proto_error error;
+    int peer = accept(listener, NULL, NULL);
+    ssize_t bytes = recv(peer, message, sizeof(message), 0);
+
+    if (bytes > 0 && proto_decode(proto_decoder_new(), message, (size_t)bytes, &envelope,
+                                  &error) == 0) {
+        (void)proto_encode_result(&encoder, envelope.id, PROTO_METHOD_HELLO, &hello);
+        (void)send(peer, encoder.data, encoder.bytes, 0);
+        (void)recv(peer, message, sizeof(message), 0);
+    }
+    _exit(0);
+}
+
+/* If it failed, a program would believe that an older daemon leaves out what it cannot,
+ * or be told of a method that it never heard of. */
+static void filter__is_not_asked_of_an_older_daemon(void **state)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    struct pccd_object_settings settings = {.what = PCCD_OBJECT_SELF};
+    char url[sizeof(address.sun_path) + 8];
+    struct pccd_client *of_old;
+    int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    pid_t old;
+
+    (void)state;
+    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s/old",
+                   daemon_.directory);
+    (void)snprintf(url, sizeof(url), "unix:%s", address.sun_path);
+    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof(address)),
+                     0);
+    assert_int_equal(listen(listener, 1), 0);
+    old = fork();
+    assert_true(old >= 0);
+    if (old == 0) {
+        test_end_with_parent();
+        be_old(listener);
+    }
+    of_old = test_connect_once(url);
+    assert_non_null(of_old);
+    assert_int_equal(pccd_object_set(of_old, 1, 1, &settings), PCCD_E_VERSION);
+    assert_non_null(strstr(pccd_error_text(of_old), "older"));
+    assert_int_equal(pccd_object_get(of_old, 1, 1, &settings), PCCD_E_VERSION);
+    assert_int_equal(pccd_pair_ignore(of_old, 1, 1, 2, true), PCCD_E_VERSION);
+    pccd_close(of_old);
+    assert_int_equal(waitpid(old, NULL, 0), old);
+    (void)close(listener);
+    (void)unlink(address.sun_path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(filter__changes_between_steps_in_flight, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(filter__stays_with_its_object, setup, teardown),
+        cmocka_unit_test_setup_teardown(filter__comes_back_with_another_daemon, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(filter__refuses_what_cannot_be, setup, teardown),
+        cmocka_unit_test_setup_teardown(filter__refuses_what_the_library_would_not_send,
+                                        setup, teardown),
+        cmocka_unit_test_setup_teardown(filter__is_not_asked_of_an_older_daemon, setup,
+                                        teardown),
+    };
+
+    return cmocka_run_group_tests_name("int_filter", tests, NULL, NULL);
+}
