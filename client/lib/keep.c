@@ -281,6 +281,16 @@ static void ignore_pair(struct pccd_client *client,
     }
 }
 
+bool cli_keep_is_filtered(const struct cli_kept_scene *scene)
+{
+    bool any = scene->ignored.count > 0;
+
+    for (uint32_t i = 0; i < scene->object_count && !any; i++) {
+        any = scene->objects[i].what != 0;
+    }
+    return any;
+}
+
 static void remove_mesh(struct pccd_client *client, uint32_t handle)
 {
     struct cli_kept_mesh *mesh = *find_mesh(client, handle);

@@ -73,6 +73,10 @@ void cli_keep_mesh(struct pccd_client *client, uint32_t handle,
 /* A request has been answered with success: note what it has changed. */
 void cli_keep_answer(struct pccd_client *client, struct cli_call *call);
 
+/* Whether anything was ever set of what its objects may meet, and not taken back; the
+ * pairs may have to be settled before. */
+bool cli_keep_is_filtered(const struct cli_kept_scene *scene);
+
 /* Make a KEPT slot free: copy what only it holds. Slots must be taken in the order of
  * their steps. Returns 0 or PCCD_E_NOMEM. */
 int cli_keep_fold(struct pccd_client *client, uint32_t slot);

@@ -58,6 +58,13 @@ static int stop_full(struct pccd_client *client)
     return cli_record_stop_because(client, PCCD_E_LIMIT, "max_bytes is reached");
 }
 
+/* Repeated without them, steps would have other answers: the file ends before. */
+int cli_record_stop_filtered(struct pccd_client *client)
+{
+    return cli_record_stop_because(client, PCCD_E_FORMAT,
+                                   "a recording cannot say which objects may meet");
+}
+
 /* Whether `bytes` more of payload, and END, may still be written. */
 static bool has_room(const struct cli_recorder *recorder, uint64_t bytes)
 {
@@ -326,6 +333,12 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
         gone.mesh = params->MESH_DESTROY.mesh;
         kind = RECORD_MESH_GONE;
         break;
+    case PROTO_METHOD_OBJECT_SET:
+    case PROTO_METHOD_SCENE_IGNORE:
+        if (call->method == PROTO_METHOD_SCENE_IGNORE || params->OBJECT_SET.what != 0) {
+            (void)cli_record_stop_filtered(client);
+        }
+        return;
     default:
         return;
     }

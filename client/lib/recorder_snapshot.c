@@ -102,7 +102,8 @@ static int write_scenes(struct pccd_client *client)
 
     for (const struct cli_kept_scene *scene = client->kept_scenes;
          rc == 0 && scene != NULL; scene = scene->next) {
-        rc = write_scene(client, scene);
+        rc = cli_keep_is_filtered(scene) ? cli_record_stop_filtered(client)
+                                         : write_scene(client, scene);
         for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
             rc = write_object(client, scene, &scene->objects[i]);
         }

@@ -1,7 +1,7 @@
 /* restore.c - tell another daemon what the last one knew.
  *
  * Room:     client/lib. May include: restore.h, attach.h, flight.h, keep.h, mesh.h,
- *           page.h, rpc.h.
+ *           page.h, place.h, rpc.h.
  * Does:     everything goes through the slots of the new ring, which are all free. Then
  *           the slots of the old one are copied over, and the new memory is mapped where
  *           the old one was: pointers that the user has into it stay valid.
@@ -19,6 +19,7 @@
 #include "keep.h"
 #include "mesh.h"
 #include "page.h"
+#include "place.h"
 #include "rpc.h"
 
 #define SEGMENTS 64u /* of a step that brings positions back */
@@ -61,12 +62,8 @@ static int destroy_again(struct pccd_client *client)
 /* A daemon that tests everything would answer other bytes than the last one. */
 static int check_filters(struct pccd_client *client, const struct cli_kept_scene *scene)
 {
-    bool any = scene->ignored.count > 0;
-
-    for (uint32_t i = 0; i < scene->object_count && !any; i++) {
-        any = scene->objects[i].what != 0;
-    }
-    if (any && (client->link.features & PROTO_FEATURE_FILTERS) == 0) {
+    if (cli_keep_is_filtered(scene) &&
+        (client->link.features & PROTO_FEATURE_FILTERS) == 0) {
         return cli_fail(client, PCCD_E_VERSION,
                         "the new daemon at %s is older than the last one: it cannot be "
                         "told which objects may meet",
@@ -102,8 +99,12 @@ static int restore_filters(struct cli_flight *flight, struct cli_kept_scene *sce
                                                     .b = scene->ignored.said[i].b,
                                                     .ignored = true};
 
-        rc = cli_flight_send(flight, PROTO_METHOD_SCENE_IGNORE, &ignore, CLI_SLOT_NONE,
-                             NULL);
+        /* Of a scene that is shared, others bring their objects back as they can. */
+        if (cli_keep_object(scene, ignore.a) != NULL &&
+            cli_keep_object(scene, ignore.b) != NULL) {
+            rc = cli_flight_send(flight, PROTO_METHOD_SCENE_IGNORE, &ignore,
+                                 CLI_SLOT_NONE, NULL);
+        }
     }
     return rc;
 }
