@@ -49,9 +49,18 @@ class Case(unittest.TestCase):
 
     def setUp(self):
         self.client = self.connect()
-        until = time.monotonic() + 10  # for what the last case had to be gone
-        while self.client.stats()["sessions_now"] > 2 and time.monotonic() < until:
+        self.settle(sessions_now=2, meshes_now=0, scenes_now=0, objects_now=0)
+
+    def settle(self, **counts):
+        """Wait until the daemon has freed what is gone: it does so in its own time."""
+        until = time.monotonic() + 10
+        stats = self.client.stats()
+        while any(stats[name] != counts[name] for name in counts) and \
+                time.monotonic() < until:
             time.sleep(0.005)
+            stats = self.client.stats()
+        for name, count in counts.items():
+            self.assertEqual(stats[name], count, name)
 
     def connect(self, **options):
         """Closed when the case is over; with a region that is quickly made."""
@@ -413,9 +422,8 @@ class Meshes(Case):
         self.client.scene_destroy(scene)
         self.fails(pccd.Status.E_HANDLE, self.client.wait,
                    self.client.submit_still(scene))
-        after = self.client.stats()
-        for name in ("meshes_now", "scenes_now", "objects_now", "triangles_now"):
-            self.assertEqual(after[name], before[name], name)
+        self.settle(**{name: before[name] for name in (
+            "meshes_now", "scenes_now", "objects_now", "triangles_now")})
 
     # If this failed, a wrong mesh would be taken, or stay half made in the daemon.
     def test_meshes__that_are_wrong_are_refused(self):
@@ -434,7 +442,7 @@ class Meshes(Case):
                 (status.E_INVAL, TENT, TENT_TRIANGLES.reshape(-1))):
             self.fails(want, self.client.mesh_create, x, triangles)
         self.fails(status.E_HANDLE, self.client.mesh_replace, 0, TENT, TENT_TRIANGLES)
-        self.assertEqual(self.client.stats()["meshes_now"], before)
+        self.settle(meshes_now=before)
 
     # If this failed, steps would go to scenes and objects of nobody.
     def test_handles__that_are_wrong_are_refused(self):
