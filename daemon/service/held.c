@@ -186,7 +186,9 @@ void srv_held_free(struct srv_scene *scene, struct srv_held *list)
     srv_assert_loop();
     while (list != NULL) {
         struct srv_held *next = list->next;
-        PCCD_ASSERT(list->request == NULL); /* answered */
+        if (list->request != NULL) { /* its session has left the scene meanwhile */
+            srv_held_end(list->request, PCCD_INCOMPLETE_CANCELLED);
+        }
         srv_held_refund(scene, list->session, list->charge);
         free(list->copy);
         free(list);

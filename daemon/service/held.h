@@ -57,7 +57,8 @@ void srv_held_answer(struct srv_request *request);
 /* Take what the session holds out of the scene. [compute] */
 struct srv_held *srv_held_remove(struct srv_scene *scene,
                                  const struct srv_session *session);
-void srv_held_free(struct srv_scene *scene, struct srv_held *list); /* [loop] */
+/* What still waits for its answer is answered as cancelled. [loop] */
+void srv_held_free(struct srv_scene *scene, struct srv_held *list);
 
 /* Whether a request that has run goes on to wait. If its deadline has come, or it was
  * cancelled, or its client is gone: no, and its result says so. [loop] */

@@ -206,6 +206,28 @@ static void shared__a_held_frame_is_answered_at_its_deadline_and_cancel(void **s
     pccd_close(obstacle.client);
 }
 
+/* If it failed, a client that leaves a scene while a frame of its waits there would end
+ * the daemon for all, or wait for ever. */
+static void shared__leaving_ends_what_is_held(void **state)
+{
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_answer answer;
+    uint64_t step;
+
+    (void)state;
+    open_member(&cloth, "left", test_triangle_x);
+    open_member(&obstacle, "left", test_floor_x);
+    step = hold(&obstacle, 2, 0);
+    assert_int_equal(pccd_scene_destroy(obstacle.client, obstacle.scene), 0);
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+    assert_int_equal(move(&cloth, -2, &answer), 0); /* the floor has gone, too */
+    assert_int_equal(answer.total, 0);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
 /* If it failed, a reader would not hear of a step, read other records than the one who
  * made it, or be told of none after it had been slow. */
 static void shared__readers_hear_of_every_last_step(void **state)
@@ -422,6 +444,7 @@ int main(void)
         cmocka_unit_test(shared__held_frames_move_over_the_same_time),
         cmocka_unit_test(shared__an_object_has_one_writer),
         cmocka_unit_test(shared__a_held_frame_is_answered_at_its_deadline_and_cancel),
+        cmocka_unit_test(shared__leaving_ends_what_is_held),
         cmocka_unit_test(shared__readers_hear_of_every_last_step),
         cmocka_unit_test(shared__a_scene_lives_as_long_as_anybody_takes_part),
         cmocka_unit_test(shared__rights_are_as_of_a_file),
