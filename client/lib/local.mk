@@ -55,7 +55,7 @@ libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \
     -DCLI_DAEMON_PATH='"$(bindir)/pccdd"'
 libpccd_la_LIBADD = librecord.la libproto.la
-libpccd_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 1:0:0 \
+libpccd_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \
     -Wl,--version-script=$(top_srcdir)/client/lib/libpccd.map
 EXTRA_libpccd_la_DEPENDENCIES = client/lib/libpccd.map
 EXTRA_DIST += client/lib/libpccd.map

@@ -56,8 +56,13 @@ if [ -e "$library" ]; then
     diff "$work/map" "$work/exported" >"$work/log" 2>&1
     # If this failed, a symbol came or went unnoticed, or a private one leaked.
     tap_result $? symbols__are_those_of_the_map "$work/log"
+    readelf -d "$library" >"$work/log" && grep -q 'SONAME.*\[libpccd\.so\.0\]' "$work/log" &&
+        grep -qx 'libpccd\.so\.0 libpccd0 .*' "$top_srcdir/debian/libpccd0.symbols"
+    # If this failed, programs would look for another file than the package libpccd0 has.
+    tap_result $? library__has_the_name_of_its_package "$work/log"
 else
     tap_skip symbols__are_those_of_the_map "no shared library was built"
+    tap_skip library__has_the_name_of_its_package "no shared library was built"
 fi
 
 direct=$top_builddir/.libs/libpccd-direct.so.0

@@ -14,7 +14,7 @@ deb-check:
 
 EXTRA_DIST += \
     debian/changelog debian/control debian/copyright debian/rules \
-    debian/libpccd1.install debian/libpccd1.symbols \
+    debian/libpccd0.install debian/libpccd0.symbols \
     debian/libpccd-direct0.install debian/libpccd-direct0.symbols \
     debian/libpccd-dev.examples debian/libpccd-dev.install \
     debian/pccd.install \
