@@ -66,7 +66,8 @@ libctl_la_SOURCES = \
     client/ctl/record/still.c client/ctl/record/still.h \
     client/ctl/record/verify.c client/ctl/record/verify.h \
     client/ctl/record/verify_near.c \
-    client/ctl/record/world.c client/ctl/record/world.h
+    client/ctl/record/world.c client/ctl/record/world.h \
+    client/ctl/record/world_pairs.c client/ctl/record/world_pairs.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \

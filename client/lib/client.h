@@ -142,7 +142,8 @@ struct cli_link {
 struct pccd_client {
     int socket;
     struct cli_link link;
-    bool keeps; /* what it registers, for another daemon (keep.h) */
+    bool keeps;    /* what it registers, for another daemon (keep.h) */
+    bool has_made; /* a scene or a mesh, kept or not */
     struct cli_kept_scene *kept_scenes;
     struct cli_kept_mesh *kept_meshes;
     struct cli_recorder *recorder; /* NULL: nothing is recorded (recorder.h) */

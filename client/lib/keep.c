@@ -303,6 +303,8 @@ static void remove_mesh(struct pccd_client *client, uint32_t handle)
 
 void cli_keep_answer(struct pccd_client *client, struct cli_call *call)
 {
+    client->has_made = client->has_made || call->method == PROTO_METHOD_SCENE_CREATE ||
+                       call->method == PROTO_METHOD_MESH_COMMIT;
     if (!client->keeps) {
         return;
     }

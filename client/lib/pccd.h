@@ -516,14 +516,13 @@ struct pccd_record_info {
     uint64_t ns;       /* that recording steps and answers has taken from the caller */
     uint32_t segments; /* begun */
     int32_t status;    /* 0, or why nothing is recorded any more: E_LIMIT (full),
-                          E_SYSTEM, E_NOMEM, E_FORMAT (pccd_object_set or
-                          pccd_pair_ignore: no recording holds that yet). No other
-                          call ever fails because of that */
+                          E_SYSTEM, E_NOMEM. No other call ever fails because of
+                          that */
 };
 /* Begin; `settings` NULL: the defaults. E_SYSTEM: the file cannot be made, or is there
- * already; E_STATE: a recording is under way, or options.no_keep; E_LIMIT: a segment
- * cannot hold twice what is registered; E_FORMAT: objects have been told what they may
- * meet. */
+ * already; E_STATE: a recording is under way, or something was registered that was not
+ * kept (options.no_keep, direct:); E_LIMIT: a segment cannot hold twice what is
+ * registered. */
 int pccd_record_start(struct pccd_client *client, const char *path,
                       const struct pccd_record_settings *settings);
 /* How it goes; E_STATE: there is none. */

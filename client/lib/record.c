@@ -71,6 +71,7 @@ int pccd_record_start(struct pccd_client *client, const char *path,
 {
     const struct pccd_record_settings defaults = {.max_bytes = 0};
     struct cli_recorder *made;
+    bool keeps;
     int rc;
 
     if (client == NULL) {
@@ -83,10 +84,12 @@ int pccd_record_start(struct pccd_client *client, const char *path,
         return cli_fail(client, PCCD_E_STATE, "record: %s is being written",
                         client->recorder->path);
     }
-    if (!client->keeps) {
+    keeps = client->keeps;
+    if (!keeps && client->has_made) {
         return cli_fail(client, PCCD_E_STATE,
                         "record: what there is was not kept (options.no_keep, "
-                        "reconnect_ms); $PCCD_RECORD records from the beginning");
+                        "reconnect_ms, direct:); a recording can be begun before "
+                        "anything is made, or by $PCCD_RECORD");
     }
     settings = settings != NULL ? settings : &defaults;
     rc = check_settings(client, settings);
@@ -100,8 +103,10 @@ int pccd_record_start(struct pccd_client *client, const char *path,
     }
     fill_recorder(made, settings);
     client->recorder = made;
+    client->keeps = true; /* from here on, where there is nothing before */
     rc = cli_record_open(client);
     if (rc != 0) {
+        client->keeps = keeps;
         (void)cli_fail(client, rc, "%s", made->text);
         free_recorder(client);
     }
@@ -214,18 +219,11 @@ int cli_record_environment(struct pccd_client *client)
 {
     struct pccd_record_settings settings = {.max_bytes = 0};
     const char *path = getenv("PCCD_RECORD");
-    bool keeps = client->keeps;
     int rc;
 
     if (path == NULL || path[0] == '\0') {
         return 0;
     }
     rc = parse_options(client, getenv("PCCD_RECORD_OPTIONS"), &settings);
-    if (rc != 0) {
-        return rc;
-    }
-    client->keeps = true; /* nothing has been made yet: from here on all can be kept */
-    rc = start_beside(client, path, &settings);
-    client->keeps = rc == 0 || keeps;
-    return rc;
+    return rc != 0 ? rc : start_beside(client, path, &settings);
 }

@@ -58,13 +58,6 @@ static int stop_full(struct pccd_client *client)
     return cli_record_stop_because(client, PCCD_E_LIMIT, "max_bytes is reached");
 }
 
-/* Repeated without them, steps would have other answers: the file ends before. */
-int cli_record_stop_filtered(struct pccd_client *client)
-{
-    return cli_record_stop_because(client, PCCD_E_FORMAT,
-                                   "a recording cannot say which objects may meet");
-}
-
 /* Whether `bytes` more of payload, and END, may still be written. */
 static bool has_room(const struct cli_recorder *recorder, uint64_t bytes)
 {
@@ -287,6 +280,34 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
     }
 }
 
+/* What an object may meet, and what it may not. */
+static void add_filter(struct pccd_client *client,
+                       const struct proto_OBJECT_SET_request *set)
+{
+    const struct record_filter filter = {.scene = set->scene,
+                                         .object = set->object,
+                                         .what = set->what,
+                                         .self = set->self,
+                                         .group = set->group,
+                                         .mask = set->mask};
+
+    if (set->what != 0) { /* else it was only looked at */
+        (void)cli_record_add(client, RECORD_FILTER,
+                             &(struct record_part){&filter, sizeof(filter)}, 1);
+    }
+}
+
+static void add_pair(struct pccd_client *client,
+                     const struct proto_SCENE_IGNORE_request *request)
+{
+    const struct record_pairs pairs = {
+        .scene = request->scene, .ignored = request->ignored, .count = 1};
+    const uint32_t pair[2] = {request->a, request->b};
+    const struct record_part parts[2] = {{&pairs, sizeof(pairs)}, {pair, sizeof(pair)}};
+
+    (void)cli_record_add(client, RECORD_PAIRS, parts, 2);
+}
+
 /* What was made or destroyed. */
 static void add_change(struct pccd_client *client, const struct cli_call *call)
 {
@@ -334,10 +355,10 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
         kind = RECORD_MESH_GONE;
         break;
     case PROTO_METHOD_OBJECT_SET:
+        add_filter(client, &params->OBJECT_SET);
+        return;
     case PROTO_METHOD_SCENE_IGNORE:
-        if (call->method == PROTO_METHOD_SCENE_IGNORE || params->OBJECT_SET.what != 0) {
-            (void)cli_record_stop_filtered(client);
-        }
+        add_pair(client, &params->SCENE_IGNORE);
         return;
     default:
         return;

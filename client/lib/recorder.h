@@ -49,7 +49,6 @@ int cli_record_open(struct pccd_client *client);
 bool cli_record_is_on(const struct pccd_client *client);
 /* Nothing is recorded any more, because of `status`, which it returns. */
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why);
-int cli_record_stop_filtered(struct pccd_client *client); /* objects may not meet */
 void cli_record_end(struct pccd_client *client, enum record_reason reason);
 
 /* recorder_snapshot.c: everything that is kept, into the segment that has just begun,

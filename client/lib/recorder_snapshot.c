@@ -6,6 +6,7 @@
  * Threads:  [owner].
  */
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 
 #include "attach.h"
@@ -68,18 +69,14 @@ static int write_gone(struct pccd_client *client)
     return rc;
 }
 
-static int write_object(struct pccd_client *client, const struct cli_kept_scene *scene,
-                        const struct cli_kept_object *kept)
+static int write_place(struct pccd_client *client, const struct cli_kept_scene *scene,
+                       const struct cli_kept_object *kept)
 {
-    struct record_object object = {
-        .scene = scene->handle, .mesh = kept->mesh->handle, .object = kept->handle};
     struct record_place place = {.scene = scene->handle, .object = kept->handle};
     struct record_part parts[2] = {{&place, sizeof(place)}};
-    int rc = cli_record_add(client, RECORD_OBJECT,
-                            &(struct record_part){&object, sizeof(object)}, 1);
 
     if (kept->placing == CLI_PLACED_REGISTERED) {
-        return rc;
+        return 0;
     }
     if (kept->placing == CLI_PLACED_RIGID) {
         place.placing = RECORD_PLACED_RIGID;
@@ -93,20 +90,75 @@ static int write_object(struct pccd_client *client, const struct cli_kept_scene 
             kept->mesh->vertex_count *
                 (kept->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]))};
     }
-    return rc != 0 ? rc : cli_record_add(client, RECORD_PLACE, parts, 2);
+    return cli_record_add(client, RECORD_PLACE, parts, 2);
+}
+
+static int write_filter(struct pccd_client *client, const struct cli_kept_scene *scene,
+                        const struct cli_kept_object *kept)
+{
+    const struct record_filter filter = {.scene = scene->handle,
+                                         .object = kept->handle,
+                                         .what = kept->what,
+                                         .self = kept->self,
+                                         .group = kept->group,
+                                         .mask = kept->mask};
+
+    return kept->what == 0
+               ? 0
+               : cli_record_add(client, RECORD_FILTER,
+                                &(struct record_part){&filter, sizeof(filter)}, 1);
+}
+
+static int write_object(struct pccd_client *client, const struct cli_kept_scene *scene,
+                        const struct cli_kept_object *kept)
+{
+    const struct record_object object = {
+        .scene = scene->handle, .mesh = kept->mesh->handle, .object = kept->handle};
+    int rc = cli_record_add(client, RECORD_OBJECT,
+                            &(struct record_part){&object, sizeof(object)}, 1);
+
+    rc = rc != 0 ? rc : write_place(client, scene, kept);
+    return rc != 0 ? rc : write_filter(client, scene, kept);
+}
+
+/* Those of its objects that ignore each other. */
+static int write_pairs(struct pccd_client *client, struct cli_kept_scene *scene)
+{
+    struct record_pairs head = {.scene = scene->handle, .ignored = 1};
+    struct record_part parts[2] = {{&head, sizeof(head)}};
+    uint32_t(*pairs)[2];
+    int rc;
+
+    cli_kept_pairs_settle(&scene->ignored);
+    if (scene->ignored.count == 0) {
+        return 0;
+    }
+    head.count = scene->ignored.count;
+    pairs = malloc(head.count * sizeof(*pairs));
+    if (pairs == NULL) {
+        return cli_record_stop_because(client, PCCD_E_NOMEM, "no memory for pairs");
+    }
+    for (uint32_t i = 0; i < head.count; i++) {
+        pairs[i][0] = scene->ignored.said[i].a;
+        pairs[i][1] = scene->ignored.said[i].b;
+    }
+    parts[1] = (struct record_part){pairs, head.count * sizeof(*pairs)};
+    rc = cli_record_add(client, RECORD_PAIRS, parts, 2);
+    free(pairs);
+    return rc;
 }
 
 static int write_scenes(struct pccd_client *client)
 {
     int rc = 0;
 
-    for (const struct cli_kept_scene *scene = client->kept_scenes;
-         rc == 0 && scene != NULL; scene = scene->next) {
-        rc = cli_keep_is_filtered(scene) ? cli_record_stop_filtered(client)
-                                         : write_scene(client, scene);
+    for (struct cli_kept_scene *scene = client->kept_scenes; rc == 0 && scene != NULL;
+         scene = scene->next) {
+        rc = write_scene(client, scene);
         for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
             rc = write_object(client, scene, &scene->objects[i]);
         }
+        rc = rc != 0 ? rc : write_pairs(client, scene);
     }
     return rc;
 }

@@ -58,6 +58,11 @@ const char *record_kind_name(uint16_t kind)
     }
 }
 
+uint32_t record_kind_feature(uint16_t kind)
+{
+    return kind == RECORD_FILTER || kind == RECORD_PAIRS ? RECORD_FEATURE_FILTERS : 0;
+}
+
 /* ---- writing ----------------------------------------------------------------------- */
 
 /* All of it, or the file as it was. */
@@ -66,7 +71,8 @@ static int append(struct record_writer *writer, const void *bytes, size_t count)
     size_t done = 0;
 
     while (done < count) {
-        ssize_t more = write(writer->fd, (const uint8_t *)bytes + done, count - done);
+        ssize_t more = pwrite(writer->fd, (const uint8_t *)bytes + done, count - done,
+                              (off_t)(writer->bytes + done));
 
         if (more < 0 && errno == EINTR) {
             continue;
@@ -87,22 +93,46 @@ static int append(struct record_writer *writer, const void *bytes, size_t count)
     return 0;
 }
 
+struct head {
+    char magic[8];
+    uint32_t version;
+    uint32_t features;
+};
+static_assert(sizeof(struct head) == RECORD_HEAD_BYTES, "head of a file");
+
+/* The file needs `features` from now on, whatever comes of the chunk that does. */
+static int need(struct record_writer *writer, uint32_t features)
+{
+    const struct head head = {RECORD_MAGIC, RECORD_VERSION_MAX,
+                              writer->features | features};
+    ssize_t done;
+
+    if ((features & ~writer->features) == 0) {
+        return 0;
+    }
+    do {
+        done = pwrite(writer->fd, &head, sizeof(head), 0);
+    } while (done < 0 && errno == EINTR);
+    if (done != (ssize_t)sizeof(head)) {
+        errno = done < 0 ? errno : ENOSPC;
+        return PCCD_E_SYSTEM;
+    }
+    writer->features = head.features;
+    return 0;
+}
+
 int record_writer_open(struct record_writer *writer, const char *path)
 {
-    struct {
-        char magic[8];
-        uint32_t version;
-        uint32_t reserved;
-    } head = {RECORD_MAGIC, RECORD_VERSION, 0};
-    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+    const struct head head = {RECORD_MAGIC, RECORD_VERSION, 0};
+    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     int rc;
 
-    static_assert(sizeof(head) == RECORD_HEAD_BYTES, "head of a file");
     if (fd < 0) {
         return PCCD_E_SYSTEM;
     }
     writer->fd = fd;
     writer->bytes = writer->raw_bytes = 0;
+    writer->features = 0;
     rc = append(writer, &head, sizeof(head));
     if (rc != 0) {
         int why = errno;
@@ -238,7 +268,8 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
     chunk.header_sum = header_sum(&chunk);
     memcpy(writer->out, &chunk, sizeof(chunk));
     memset(body + stored, 0, padded(stored) - stored);
-    rc = append(writer, writer->out, sizeof(chunk) + padded(stored));
+    rc = need(writer, record_kind_feature((uint16_t)kind));
+    rc = rc != 0 ? rc : append(writer, writer->out, sizeof(chunk) + padded(stored));
     if (rc == 0) {
         writer->raw_bytes += sizeof(chunk) + bytes;
     }

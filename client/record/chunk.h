@@ -1,6 +1,6 @@
 /* chunk.h - one chunk of a recording, to and from bytes.
  *
- * Room:     client/record. May include: format.h; chunk.c also xxhash, zstd.
+ * Room:     client/record. May include: format.h, payload.h; chunk.c also xxhash, zstd.
  * Does:     compress, sum, append to a file; judge a header, decompress, judge a payload.
  * Does not: know what a session is (client/lib/recorder.c) or walk a file (reader.h).
  * Threads:  one thread per writer.
@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "format.h"
+#include "payload.h"
 
 #define RECORD_KINDS_MAX 32u /* kinds are below */
 
@@ -27,6 +28,7 @@ struct record_writer {
     int level;                       /* of zstd, 1 .. 19; 0: nothing is compressed */
     uint64_t bytes;                  /* written to this file */
     uint64_t raw_bytes;              /* the same before compression */
+    uint32_t features;               /* enum record_feature, that this file needs */
     void *squeeze;                   /* of zstd; NULL: not needed yet */
     uint32_t dull[RECORD_KINDS_MAX]; /* of each kind: chunks that are not compressed */
     uint8_t *raw;                    /* a payload in one piece */
@@ -67,6 +69,8 @@ int record_chunk_unpack(const struct record_chunk *chunk, const void *stored, vo
 int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES]);
 
+/* enum record_feature, that a chunk of this kind needs; 0: none. */
+uint32_t record_kind_feature(uint16_t kind);
 /* "FRAME"; NULL: not known. */
 const char *record_kind_name(uint16_t kind);
 

@@ -23,6 +23,8 @@ static_assert(sizeof(struct record_frame) == 56, "frame");
 static_assert(sizeof(struct record_segment) == 32, "segment");
 static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
+static_assert(sizeof(struct record_filter) == 32, "filter");
+static_assert(sizeof(struct record_pairs) == 16, "pairs");
 
 #define COUNT_MAX   2147483647u
 #define RIGID_BYTES (12 * sizeof(double))
@@ -147,6 +149,37 @@ static int judge_records(const void *payload, uint64_t bytes,
     return PCCD_OK;
 }
 
+static int judge_filter(const void *payload, char text[RECORD_TEXT_BYTES])
+{
+    struct record_filter filter;
+
+    memcpy(&filter, payload, sizeof(filter));
+    return (filter.what & ~(uint32_t)PCCD_OBJECT_ALL) == 0 && filter.self <= 1
+               ? PCCD_OK
+               : bad(text, "a filter of unknown kind");
+}
+
+static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_pairs);
+    struct record_pairs pairs;
+
+    memcpy(&pairs, payload, sizeof(pairs));
+    if (pairs.ignored > 1 ||
+        bytes != sizeof(pairs) + (uint64_t)pairs.count * sizeof(uint32_t[2])) {
+        return bad(text, "pairs of another length");
+    }
+    for (uint32_t i = 0; i < pairs.count; i++) {
+        uint32_t pair[2];
+
+        memcpy(pair, at + i * sizeof(pair), sizeof(pair));
+        if (pair[0] == pair[1]) {
+            return bad(text, "a pair of one object");
+        }
+    }
+    return PCCD_OK;
+}
+
 /* Of the struct that a payload begins with; 0: any. */
 static uint64_t least_bytes(uint16_t kind)
 {
@@ -177,6 +210,10 @@ static uint64_t least_bytes(uint16_t kind)
         return sizeof(struct record_gone);
     case RECORD_END:
         return sizeof(struct record_end);
+    case RECORD_FILTER:
+        return sizeof(struct record_filter);
+    case RECORD_PAIRS:
+        return sizeof(struct record_pairs);
     default:
         return 0;
     }
@@ -197,6 +234,10 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
         return judge_frame(payload, bytes, text);
     case RECORD_RECORDS:
         return judge_records(payload, bytes, text);
+    case RECORD_FILTER:
+        return judge_filter(payload, text);
+    case RECORD_PAIRS:
+        return judge_pairs(payload, bytes, text);
     default:
         return PCCD_OK;
     }

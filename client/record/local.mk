@@ -7,6 +7,7 @@ librecord_la_SOURCES = \
     client/record/chunk.h \
     client/record/format.h \
     client/record/judge.c \
+    client/record/payload.h \
     client/record/reader.c \
     client/record/reader.h
 record_cppflags = -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/lib \

@@ -64,7 +64,7 @@ static int judge_head(struct record_reader *reader)
     struct {
         char magic[8];
         uint32_t version;
-        uint32_t reserved;
+        uint32_t features;
     } head;
     size_t got = 0;
     int rc = 0;
@@ -79,11 +79,19 @@ static int judge_head(struct record_reader *reader)
         memcmp(head.magic, RECORD_MAGIC, sizeof(head.magic)) != 0) {
         return fail(reader, PCCD_E_FORMAT, "not a recording of pccd");
     }
-    if (head.version != RECORD_VERSION) {
+    if (head.version < RECORD_VERSION || head.version > RECORD_VERSION_MAX) {
         return fail(reader, PCCD_E_FORMAT,
-                    "a recording of version %" PRIu32 ", and this program reads %u",
-                    head.version, RECORD_VERSION);
+                    "a recording of version %" PRIu32 ", and this program reads %u to %u",
+                    head.version, RECORD_VERSION, RECORD_VERSION_MAX);
     }
+    if (head.version > RECORD_VERSION &&
+        (head.features & ~(uint32_t)RECORD_FEATURES) != 0) {
+        return fail(reader, PCCD_E_FORMAT,
+                    "a recording of a newer release: it needs the features 0x%" PRIx32
+                    ", and this program knows 0x%x",
+                    head.features, (unsigned)RECORD_FEATURES);
+    }
+    reader->features = head.version > RECORD_VERSION ? head.features : 0;
     reader->offset = sizeof(head);
     return 0;
 }

@@ -24,6 +24,7 @@ struct record_reader {
     const void *memory; /* the caller's */
     uint64_t bytes;     /* of file or memory, when it was opened */
     uint64_t offset;    /* of the next chunk */
+    uint32_t features;  /* enum record_feature, of the file */
     enum record_ending ending;
     bool has_end;        /* the last chunk was END */
     uint32_t end_reason; /* enum record_reason, if its payload was read */

@@ -16,6 +16,7 @@ integration_names = \
     tests/integration/test_int_peer \
     tests/integration/test_int_quota \
     tests/integration/test_int_record \
+    tests/integration/test_int_record_filter \
     tests/integration/test_int_replace \
     tests/integration/test_int_reconnect \
     tests/integration/test_int_restore \
@@ -100,6 +101,10 @@ tests_integration_test_int_quota_LDADD = $(integration_libs)
 tests_integration_test_int_record_SOURCES = tests/integration/test_int_record.c
 tests_integration_test_int_record_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_record_LDADD = $(integration_libs)
+
+tests_integration_test_int_record_filter_SOURCES = tests/integration/test_int_record_filter.c
+tests_integration_test_int_record_filter_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_record_filter_LDADD = $(integration_libs)
 
 tests_integration_test_int_replace_SOURCES = tests/integration/test_int_replace.c
 tests_integration_test_int_replace_CPPFLAGS = $(integration_cppflags)

@@ -189,28 +189,6 @@ static void filter__comes_back_with_another_daemon(void **state)
     assert_int_equal(info.reconnects, 4);
 }
 
-/* If it failed, a recording would be repeated with other answers, and blamed for it. */
-static void filter__ends_a_recording(void **state)
-{
-    struct pccd_record_info info;
-    char path[128];
-
-    (void)state;
-    (void)snprintf(path, sizeof(path), "%s/recording", daemon_.directory);
-    assert_int_equal(pccd_record_start(client, path, NULL), 0);
-    check_object(1, UINT64_MAX, true); /* to look changes nothing */
-    assert_true(turn() > 0);
-    assert_int_equal(pccd_record(client, &info), 0);
-    assert_int_equal(info.status, 0);
-    assert_int_equal(ignore(true), 0);
-    assert_int_equal(turn(), 0);
-    assert_int_equal(pccd_record_stop(client, &info), PCCD_E_FORMAT);
-    assert_int_equal(info.frames, 1);
-    (void)unlink(path);
-    assert_int_equal(pccd_record_start(client, path, NULL), PCCD_E_FORMAT);
-    (void)unlink(path);
-}
-
 /* If it failed, a caller's mistake would change something, or not be told. */
 static void filter__refuses_what_cannot_be(void **state)
 {
@@ -361,7 +339,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(filter__stays_with_its_object, setup, teardown),
         cmocka_unit_test_setup_teardown(filter__comes_back_with_another_daemon, setup,
                                         teardown),
-        cmocka_unit_test_setup_teardown(filter__ends_a_recording, setup, teardown),
         cmocka_unit_test_setup_teardown(filter__refuses_what_cannot_be, setup, teardown),
         cmocka_unit_test_setup_teardown(filter__refuses_what_the_library_would_not_send,
                                         setup, teardown),

@@ -24,6 +24,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "run_ctl.h"
 
 static struct test_daemon daemon_;
 static char folder[] = "/tmp/pccd-test-record-XXXXXX";
@@ -60,50 +61,18 @@ static void remove_files(void)
     assert_int_equal(system(command), 0);
 }
 
-/* `pccdctl replay FILE` with a daemon of its own: its exit status; what it says, in
- * `said`. */
-static int replay(const char *file, char *said, size_t room)
-{
-    char command[512];
-    size_t got;
-    FILE *from;
-    int status;
-
-    (void)snprintf(command, sizeof(command),
-                   "unset PCCD_URL PCCD_RECORD; timeout 120 \"$PCCDCTL\" replay --json "
-                   "%s 2>&1",
-                   file);
-    from = popen(command, "r");
-    assert_non_null(from);
-    got = fread(said, 1, room - 1, from);
-    said[got] = '\0';
-    status = pclose(from);
-    assert_true(WIFEXITED(status));
-    return WEXITSTATUS(status);
-}
-
-static uint64_t number_of(const char *said, const char *name)
-{
-    char key[64];
-    const char *at;
-
-    (void)snprintf(key, sizeof(key), "\"%s\": ", name);
-    at = strstr(said, key);
-    return at != NULL ? strtoull(at + strlen(key), NULL, 10) : UINT64_MAX;
-}
-
 /* Replayed with every answer the same, `least` of them or more. */
 static void assert_repeats(const char *file, uint64_t least)
 {
     char said[4096];
-    int status = replay(file, said, sizeof(said));
+    int status = test_ctl("replay", "--json", file, said, sizeof(said));
 
-    if (status != 0 || number_of(said, "same") < least) {
+    if (status != 0 || test_ctl_number(said, "same") < least) {
         print_message("%s: %s\n", file, said);
     }
     assert_int_equal(status, 0);
-    assert_int_equal(number_of(said, "differ"), 0);
-    assert_in_range(number_of(said, "same"), least, 1000000);
+    assert_int_equal(test_ctl_number(said, "differ"), 0);
+    assert_in_range(test_ctl_number(said, "same"), least, 1000000);
 }
 
 static struct pccd_client *open_client(void)
@@ -353,10 +322,10 @@ static void record__survives_its_program(void **state)
         assert_int_equal(waitpid(child, NULL, 0), child);
         (void)close(ready[0]);
         (void)close(ready[1]);
-        assert_int_equal(replay(path, said, sizeof(said)), 0);
-        assert_in_range(number_of(said, "same"), 4, 1000000);
-        assert_int_equal(number_of(said, "differ"), 0);
-        assert_in_range(number_of(said, "unanswered"), 0, 2);
+        assert_int_equal(test_ctl("replay", "--json", path, said, sizeof(said)), 0);
+        assert_in_range(test_ctl_number(said, "same"), 4, 1000000);
+        assert_int_equal(test_ctl_number(said, "differ"), 0);
+        assert_in_range(test_ctl_number(said, "unanswered"), 0, 2);
     }
 }
 
@@ -442,9 +411,12 @@ static void record__is_refused_where_it_could_not_be_whole(void **state)
     struct pccd_client *client = open_client();
     struct pccd_client *careless = NULL;
     struct pccd_options options;
+    struct stage stage;
+    char beside[128];
 
     (void)state;
     remove_files();
+    (void)snprintf(beside, sizeof(beside), "%s-beside", path);
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_STATE);
     assert_int_equal(pccd_record_start(client, path, &too_small), PCCD_E_INVAL);
     assert_int_equal(pccd_record_start(client, path, &unbounded), PCCD_E_INVAL);
@@ -456,7 +428,16 @@ static void record__is_refused_where_it_could_not_be_whole(void **state)
     options.url = daemon_.url;
     options.no_keep = true;
     assert_int_equal(pccd_connect(&options, &careless), 0);
-    assert_int_equal(pccd_record_start(careless, path, NULL), PCCD_E_STATE);
+    assert_int_equal(pccd_record_start(careless, beside, NULL), 0); /* nothing yet */
+    make_stage(careless, &stage);
+    move_stage(&stage, -1);
+    assert_int_equal(pccd_record_stop(careless, NULL), 0);
+    assert_repeats(beside, stage.steps);
+    pccd_close(careless);
+    assert_int_equal(pccd_connect(&options, &careless), 0);
+    make_stage(careless, &stage);
+    assert_int_equal(unlink(beside), 0);
+    assert_int_equal(pccd_record_start(careless, beside, NULL), PCCD_E_STATE);
     pccd_close(careless);
     pccd_close(client);
 }

@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -22,6 +21,7 @@
 #include "fixture.h"
 #include "grid.h"
 #include "reader.h"
+#include "run_ctl.h"
 
 #define STEPS 6u
 
@@ -80,6 +80,8 @@ enum forgery {
     FORGE_INITIAL,  /* claimed to touch at t = 0 */
     FORGE_HASH,
     FORGE_MOTION, /* positions under which the answers are wrong */
+    FORGE_MASK,   /* the object was to meet nothing */
+    FORGE_PAIR,   /* and not the floor */
     FORGE_COUNT
 };
 
@@ -91,6 +93,9 @@ struct forger {
     uint64_t answer_ns;
     bool has_answer;
     bool is_done;
+    uint32_t scene;
+    uint32_t objects[2]; /* the floor, the grid */
+    uint32_t object_count;
 };
 
 static void put(struct forger *forger, uint16_t kind, uint64_t time_ns, const void *head,
@@ -110,6 +115,39 @@ static void put_answer(struct forger *forger)
             sizeof(forger->answer), NULL, 0);
     }
     forger->has_answer = false;
+}
+
+static void note_object(struct forger *forger, const struct record_view *view)
+{
+    struct record_object object;
+
+    if (view->kind == RECORD_OBJECT) {
+        memcpy(&object, view->payload, sizeof(object));
+        assert_in_range(forger->object_count, 0, 1);
+        forger->scene = object.scene;
+        forger->objects[forger->object_count++] = object.object;
+    }
+}
+
+/* What would forbid contacts that are in the answers. */
+static void forge_filter(struct forger *forger, const struct record_view *view)
+{
+    struct record_filter filter = {
+        .scene = forger->scene, .object = forger->objects[1], .what = PCCD_OBJECT_MASK};
+    struct record_pairs pairs = {.scene = forger->scene, .ignored = 1, .count = 1};
+    uint32_t pair[2] = {forger->objects[0], forger->objects[1]};
+
+    if (forger->is_done) {
+        return;
+    }
+    if (forger->forgery == FORGE_MASK) {
+        put(forger, RECORD_FILTER, view->time_ns, &filter, sizeof(filter), NULL, 0);
+        forger->is_done = true;
+    } else if (forger->forgery == FORGE_PAIR) {
+        put(forger, RECORD_PAIRS, view->time_ns, &pairs, sizeof(pairs), pair,
+            sizeof(pair));
+        forger->is_done = true;
+    }
 }
 
 /* Sums and hash that fit the records. */
@@ -240,8 +278,10 @@ static void forge(enum forgery forgery)
             forge_records(&forger, &view);
         } else if (view.kind == RECORD_FRAME) {
             put_answer(&forger);
+            forge_filter(&forger, &view);
             forge_frame(&forger, &view);
         } else {
+            note_object(&forger, &view);
             put_answer(&forger);
             put(&forger, view.kind, view.time_ns, view.payload, view.bytes, NULL, 0);
         }
@@ -258,21 +298,7 @@ static void forge(enum forgery forgery)
 static int run_ctl(const char *command, const char *options, const char *file,
                    char said[4096])
 {
-    char line[512];
-    FILE *from;
-    size_t got;
-    int status;
-
-    (void)snprintf(line, sizeof(line),
-                   "unset PCCD_URL PCCD_RECORD; timeout 120 \"$PCCDCTL\" %s %s %s 2>&1",
-                   command, options, file);
-    from = popen(line, "r");
-    assert_non_null(from);
-    got = fread(said, 1, 4095, from);
-    said[got] = '\0';
-    status = pclose(from);
-    assert_true(WIFEXITED(status));
-    return WEXITSTATUS(status);
+    return test_ctl(command, options, file, said, 4096);
 }
 
 /* If this failed, right answers would be called wrong, or nothing would be checked. */
@@ -301,7 +327,9 @@ static void verify__shows_what_is_wrong(void **state)
         [FORGE_EARLY] = "the first contact is after the record's time",
         [FORGE_INITIAL] = "touch at t = 0 is claimed wrongly",
         [FORGE_HASH] = "the recorded hash is not that of the recorded records",
-        [FORGE_MOTION] = "there is none"};
+        [FORGE_MOTION] = "there is none",
+        [FORGE_MASK] = "the record's objects may not meet each other",
+        [FORGE_PAIR] = "the record's objects may not meet each other"};
     char said[4096];
 
     (void)state;

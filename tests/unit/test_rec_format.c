@@ -220,7 +220,7 @@ static void files__show_the_change_of_any_byte(void **state)
         uint32_t count = read_all(file, file_bytes, &rc, &ending);
         file[at] ^= 0x40;
         if (at >= 12 && at < RECORD_HEAD_BYTES) {
-            continue; /* reserved */
+            continue; /* says nothing in version 1 */
         }
         if (is_padding || is_unread) {
             assert_true(rc == 0 || rc == PCCD_E_FORMAT);
@@ -229,6 +229,71 @@ static void files__show_the_change_of_any_byte(void **state)
             assert_int_equal(count, at < RECORD_HEAD_BYTES ? 0 : before);
         }
     }
+}
+
+static void head_of(uint32_t head[4])
+{
+    FILE *from = fopen(path, "rb");
+
+    assert_non_null(from);
+    assert_int_equal(fread(head, sizeof(*head), 4, from), 4);
+    assert_int_equal(fclose(from), 0);
+}
+
+/* What a reader says of a file with this head. */
+static int open_with(uint32_t version, uint32_t features, char *text, size_t room)
+{
+    uint8_t copy[sizeof(file)];
+    struct record_reader reader;
+    int rc;
+
+    memcpy(copy, file, file_bytes);
+    memcpy(copy + 8, &version, sizeof(version));
+    memcpy(copy + 12, &features, sizeof(features));
+    rc = record_reader_open_memory(&reader, copy, file_bytes);
+    (void)snprintf(text, room, "%s", reader.text);
+    record_reader_deinit(&reader);
+    return rc;
+}
+
+/* If this failed, a release from before there were masks would repeat a recording without
+ * them, and blame the daemon; or refuse one that has none. */
+static void heads__say_what_a_reader_must_know(void **state)
+{
+    const struct record_filter filter = {.scene = 5, .object = 9, .what = 1};
+    struct record_writer writer = {.fd = -1};
+    uint32_t head[4];
+    char text[256];
+
+    (void)state;
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(record_writer_open(&writer, path), 0);
+    head_of(head);
+    assert_int_equal(head[2], 1);
+    assert_int_equal(head[3], 0);
+    chunk_count = 0;
+    add(&writer, RECORD_BEGIN, &(struct record_begin){.pid = 1},
+        sizeof(struct record_begin), NULL, 0);
+    head_of(head);
+    assert_int_equal(head[2], 1);
+    for (int i = 0; i < 2; i++) {
+        add(&writer, RECORD_FILTER, &filter, sizeof(filter), NULL, 0);
+        head_of(head);
+        assert_int_equal(head[2], 2); /* which releases before refuse */
+        assert_int_equal(head[3], RECORD_FEATURE_FILTERS);
+    }
+    starts[chunk_count] = writer.bytes;
+    record_writer_deinit(&writer);
+    load_file();
+    assert_int_equal(open_with(2, RECORD_FEATURES, text, sizeof(text)), 0);
+    assert_int_equal(open_with(2, 1u << 31, text, sizeof(text)), PCCD_E_FORMAT);
+    assert_non_null(strstr(text, "newer release: it needs the features 0x80000000"));
+    assert_int_equal(open_with(3, 0, text, sizeof(text)), PCCD_E_FORMAT);
+    assert_non_null(strstr(text, "version 3, and this program reads 1 to 2"));
+    assert_int_equal(open_with(0, 0, text, sizeof(text)), PCCD_E_FORMAT);
+    (void)unlink(path);
+    write_file(1);
+    load_file();
 }
 
 /* If this failed, a recording could be written over by the next one. */
@@ -271,9 +336,23 @@ static void payloads__are_refused_with_indices_out_of_range(void **state)
     } frame = {{.step = 1, .segment_count = 1},
                {1, RECORD_X1, PCCD_FORMAT_F32, 0, 4, 0, sizeof(struct record_segment)},
                {{0}}};
+    struct {
+        struct record_pairs head;
+        uint32_t pairs[2][2];
+    } pairs = {{.scene = 1, .ignored = 1, .count = 2}, {{1, 2}, {3, 2}}};
+    const struct record_filter filter = {.what = PCCD_OBJECT_ALL, .self = 1};
     const size_t segment = sizeof(frame.head);
 
     (void)state;
+    assert_int_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 0, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 8, 3), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 8, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 4, 2), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 24, 2), 0);
+    assert_int_equal(judge_with(RECORD_FILTER, &filter, sizeof(filter), 8, 7), 0);
+    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof(filter), 8, 8), 0);
+    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof(filter), 12, 2), 0);
+    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, 24, 8, 7), 0);
     assert_int_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 0, 1), 0);
     assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 8, 5), 0);
     assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 12, 2), 0);
@@ -300,6 +379,7 @@ int main(void)
         cmocka_unit_test(chunks__come_back_as_they_were),
         cmocka_unit_test(files__are_read_up_to_any_cut),
         cmocka_unit_test(files__show_the_change_of_any_byte),
+        cmocka_unit_test(heads__say_what_a_reader_must_know),
         cmocka_unit_test(files__are_never_written_over),
         cmocka_unit_test(payloads__are_refused_with_indices_out_of_range),
     };

@@ -94,6 +94,54 @@ static int place_object(struct drive *drive, uint32_t scene,
     return PCCD_OK;
 }
 
+/* What an object may meet; all of it, as it is. */
+static int filter_object(struct drive *drive, uint32_t scene,
+                         const struct world_object *object, struct ctl_error *error)
+{
+    const struct pccd_object_settings settings = {.what = PCCD_OBJECT_ALL,
+                                                  .self_collision = object->self,
+                                                  .group = object->group,
+                                                  .mask = object->mask};
+    if (object->self && object->group == 1 && object->mask == UINT64_MAX) {
+        return PCCD_OK; /* as it was made */
+    }
+    int status = pccd_object_set(drive->client, scene, object->handle, &settings);
+    return status == PCCD_OK ? status : failed(drive, status, "a recorded mask", error);
+}
+
+static int set_pairs(struct drive *drive, uint32_t scene, const uint8_t *pairs,
+                     uint32_t count, bool ignored, struct ctl_error *error)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t pair[2];
+        memcpy(pair, pairs + i * sizeof(pair), sizeof(pair));
+        int status = pccd_pair_ignore(drive->client, scene, pair[0], pair[1], ignored);
+        if (status != PCCD_OK) {
+            return failed(drive, status, "a recorded pair", error);
+        }
+    }
+    return PCCD_OK;
+}
+
+/* Where the objects of a scene are, and what they may meet. */
+static int begin_places(struct drive *drive, const struct world_scene *scene,
+                        struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+        const struct world_object *object = &scene->objects[i];
+        status = object->has_moved ? place_object(drive, scene->handle, object, error)
+                                   : PCCD_OK;
+        if (status == PCCD_OK) {
+            status = filter_object(drive, scene->handle, object, error);
+        }
+    }
+    return status == PCCD_OK
+               ? set_pairs(drive, scene->handle, (const uint8_t *)scene->ignored.items,
+                           scene->ignored.count, true, error)
+               : status;
+}
+
 /* Objects of a mesh that is gone: of one that is made for them and destroyed again. */
 static int add_orphans(struct drive *drive, const struct world *world,
                        const struct world_mesh *mesh, struct ctl_error *error)
@@ -157,11 +205,7 @@ int drive_begin(struct drive *drive, const struct world *world, struct ctl_error
     }
     for (struct world_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
          scene = scene->next) {
-        for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
-            status = scene->objects[i].has_moved
-                         ? place_object(drive, scene->handle, &scene->objects[i], error)
-                         : PCCD_OK;
-        }
+        status = begin_places(drive, scene, error);
     }
     drive->is_begun = status == PCCD_OK;
     return status;
@@ -209,6 +253,28 @@ static int follow_gone(struct drive *drive, const struct record_view *view,
                              : failed(drive, status, "a recorded removal", error);
 }
 
+static int follow_filter(struct drive *drive, const struct record_view *view,
+                         struct ctl_error *error)
+{
+    struct record_filter filter;
+    memcpy(&filter, view->payload, sizeof(filter));
+    const struct pccd_object_settings settings = {.what = filter.what,
+                                                  .self_collision = filter.self != 0,
+                                                  .group = filter.group,
+                                                  .mask = filter.mask};
+    int status = pccd_object_set(drive->client, filter.scene, filter.object, &settings);
+    return status == PCCD_OK ? status : failed(drive, status, "a recorded mask", error);
+}
+
+static int follow_pairs(struct drive *drive, const struct record_view *view,
+                        struct ctl_error *error)
+{
+    struct record_pairs pairs;
+    memcpy(&pairs, view->payload, sizeof(pairs));
+    return set_pairs(drive, pairs.scene, (const uint8_t *)view->payload + sizeof(pairs),
+                     pairs.count, pairs.ignored != 0, error);
+}
+
 int drive_follow(struct drive *drive, const struct world *world,
                  const struct record_view *view, struct ctl_error *error)
 {
@@ -227,6 +293,10 @@ int drive_follow(struct drive *drive, const struct world *world,
     case RECORD_MESH_GONE:
     case RECORD_OBJECT_GONE:
         return follow_gone(drive, view, error);
+    case RECORD_FILTER:
+        return follow_filter(drive, view, error);
+    case RECORD_PAIRS:
+        return follow_pairs(drive, view, error);
     default:
         return PCCD_OK;
     }

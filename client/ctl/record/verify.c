@@ -120,6 +120,10 @@ static const char *misnamed(const struct world_scene *scene, const struct pccd_p
     if (a == NULL || b == NULL) {
         return "the record names an object that is not in the scene";
     }
+    if (!world_may_meet(scene, a, b)) {
+        return a == b ? "the record's object may not meet itself"
+                      : "the record's objects may not meet each other";
+    }
     if (pair->kind == PCCD_VF) {
         if (pair->feature_a >= a->mesh->vertex_count ||
             pair->feature_b >= b->mesh->triangle_count) {

@@ -136,7 +136,9 @@ static bool try_vertex(struct draw *draw, const struct world_object *object,
     widen(&box);
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct world_object *other = &scene->objects[i];
-        for (uint32_t f = 0; f < other->mesh->triangle_count; f++) {
+        for (uint32_t f = 0;
+             world_may_meet(scene, object, other) && f < other->mesh->triangle_count;
+             f++) {
             const uint32_t *v = other->mesh->triangles[f];
             struct box near = box_of(other, v, 3);
             if (!meet(&box, &near) || (other == object && share(&vertex, 1, v, 3))) {
@@ -161,7 +163,8 @@ static bool try_edge(struct draw *draw, const struct world_object *object, uint3
     widen(&box);
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct world_object *other = &scene->objects[i];
-        for (uint32_t e = 0; e < other->mesh->edge_count; e++) {
+        for (uint32_t e = 0;
+             world_may_meet(scene, object, other) && e < other->mesh->edge_count; e++) {
             const uint32_t *v = other->mesh->edges[e];
             struct box near = box_of(other, v, 2);
             if (!meet(&box, &near) || (other == object && share(own, 2, v, 2))) {

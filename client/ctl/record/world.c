@@ -259,7 +259,11 @@ static int follow_object(struct world *world, const struct record_view *view,
                              "the recording adds object 0x%" PRIx32 " twice",
                              head.object);
     }
-    struct world_object object = {.handle = head.object, .mesh = mesh};
+    struct world_object object = {.handle = head.object,
+                                  .mesh = mesh,
+                                  .self = true,
+                                  .group = 1,
+                                  .mask = UINT64_MAX};
     if (make_room(scene) != PCCD_OK || place_anew(&object) != PCCD_OK) {
         return no_memory(error);
     }
@@ -300,6 +304,60 @@ static int follow_place(struct world *world, const struct record_view *view,
     return PCCD_OK;
 }
 
+/* ---- what may meet --------------------------------------------------------------- */
+
+bool world_may_meet(const struct world_scene *scene, const struct world_object *a,
+                    const struct world_object *b)
+{
+    if (a == b) {
+        return a->self;
+    }
+    return (a->group & b->mask) != 0 && (b->group & a->mask) != 0 &&
+           !world_pairs_has(&scene->ignored, a->handle, b->handle);
+}
+
+static int follow_filter(struct world *world, const struct record_view *view,
+                         struct ctl_error *error)
+{
+    struct record_filter filter;
+    memcpy(&filter, view->payload, sizeof(filter));
+    struct world_scene *scene = world_scene(world, filter.scene);
+    struct world_object *object =
+        scene != NULL ? world_object(scene, filter.object) : NULL;
+    if (object == NULL) {
+        return unknown(error, "object", filter.object);
+    }
+    object->group = filter.what & PCCD_OBJECT_GROUP ? filter.group : object->group;
+    object->mask = filter.what & PCCD_OBJECT_MASK ? filter.mask : object->mask;
+    object->self = filter.what & PCCD_OBJECT_SELF ? filter.self != 0 : object->self;
+    return PCCD_OK;
+}
+
+static int follow_pairs(struct world *world, const struct record_view *view,
+                        struct ctl_error *error)
+{
+    const uint8_t *at = (const uint8_t *)view->payload + sizeof(struct record_pairs);
+    struct record_pairs head;
+    memcpy(&head, view->payload, sizeof(head));
+    struct world_scene *scene = world_scene(world, head.scene);
+    if (scene == NULL) {
+        return unknown(error, "scene", head.scene);
+    }
+    for (uint32_t i = 0; i < head.count; i++) {
+        uint32_t pair[2];
+        memcpy(pair, at + i * sizeof(pair), sizeof(pair));
+        for (uint32_t k = 0; k < 2; k++) {
+            if (world_object(scene, pair[k]) == NULL) {
+                return unknown(error, "object", pair[k]);
+            }
+        }
+    }
+    return world_pairs_set(&scene->ignored, (const uint32_t(*)[2])(const void *)at,
+                           head.count, head.ignored != 0) == PCCD_OK
+               ? PCCD_OK
+               : no_memory(error);
+}
+
 static void remove_object(struct world *world, struct world_scene *scene,
                           struct world_object *object)
 {
@@ -307,6 +365,7 @@ static void remove_object(struct world *world, struct world_scene *scene,
     settle_mesh(world, object->mesh);
     free(object->x0);
     free(object->x1);
+    world_pairs_forget(&scene->ignored, object->handle);
     scene->object_count--;
     memmove(object, object + 1,
             (size_t)(scene->objects + scene->object_count - object) * sizeof(*object));
@@ -315,6 +374,7 @@ static void remove_object(struct world *world, struct world_scene *scene,
 static void remove_scene(struct world *world, struct world_scene *scene)
 {
     struct world_scene **link = &world->scenes;
+    world_pairs_deinit(&scene->ignored);
     while (scene->object_count > 0) {
         remove_object(world, scene, &scene->objects[scene->object_count - 1]);
     }
@@ -368,6 +428,10 @@ int world_follow(struct world *world, const struct record_view *view,
         return follow_object(world, view, error);
     case RECORD_PLACE:
         return follow_place(world, view, error);
+    case RECORD_FILTER:
+        return follow_filter(world, view, error);
+    case RECORD_PAIRS:
+        return follow_pairs(world, view, error);
     case RECORD_SCENE_GONE:
     case RECORD_MESH_GONE:
     case RECORD_OBJECT_GONE:

@@ -1,6 +1,6 @@
 /* client/ctl/record/world.h - what a recorded session had, and where it was.
  *
- * Room:     client/ctl. May include: error.h, client/record/reader.h.
+ * Room:     client/ctl. May include: error.h, world_pairs.h, client/record/reader.h.
  * Does:     follow the chunks of a recording: meshes, scenes, objects, the positions at
  *           both ends of the last step, exactly as the daemon takes them.
  * Does not: read files (reader.h) or talk to a daemon (drive.h).
@@ -15,6 +15,7 @@
 
 #include "error.h"
 #include "reader.h"
+#include "world_pairs.h"
 
 struct world_mesh {
     struct world_mesh *next;
@@ -36,6 +37,9 @@ struct world_object {
     double (*x0)[3]; /* at the start of the last step, and at its end */
     double (*x1)[3];
     bool has_moved; /* it is not where its mesh was registered */
+    bool self;      /* it may meet itself */
+    uint64_t group; /* as pccd_object_set says */
+    uint64_t mask;
 };
 
 struct world_scene {
@@ -45,6 +49,7 @@ struct world_scene {
     struct world_object *objects; /* in the order in which they came */
     uint32_t object_count;
     uint32_t object_room;
+    struct world_pairs ignored;
 };
 
 struct world {
@@ -64,6 +69,9 @@ void world_deinit(struct world *world);
 
 struct world_scene *world_scene(const struct world *world, uint32_t handle);
 struct world_object *world_object(const struct world_scene *scene, uint32_t handle);
+/* Whether these two objects, or this one and itself, were tested against each other. */
+bool world_may_meet(const struct world_scene *scene, const struct world_object *a,
+                    const struct world_object *b);
 /* The one that is not gone. */
 struct world_mesh *world_mesh(const struct world *world, uint32_t handle);
 /* Its edges as records number them, made at the first call. */

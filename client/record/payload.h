@@ -1,0 +1,154 @@
+/* payload.h - what a chunk of a recording says, byte by byte.
+ *
+ * Room:     client/record. May include: pccd_types.h.
+ * Does:     the struct that the payload of each kind of chunk begins with.
+ * Does not: know chunks (format.h).
+ * Threads:  [any].
+ *
+ * All words are little-endian.
+ */
+#ifndef RECORD_PAYLOAD_H
+#define RECORD_PAYLOAD_H
+
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+struct record_begin {
+    uint64_t unix_ns; /* when this segment began */
+    uint32_t pid;     /* of the program that records, and of its daemon */
+    uint32_t daemon_pid;
+    uint32_t segment; /* 0, 1, ... of this recording */
+    uint32_t flags;   /* 1: RECORDS are kept */
+    char library[16]; /* "0.1.0" */
+    char cpu[16];     /* instruction set of the daemon */
+};
+
+struct record_mesh {
+    uint32_t mesh;
+    uint32_t format; /* enum pccd_format */
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+};
+
+struct record_scene {
+    uint32_t scene;
+    uint32_t quality;
+    uint32_t rebuild_triangles_max;
+    uint32_t reserved;
+    double rebuild_ratio;
+};
+
+struct record_object {
+    uint32_t scene;
+    uint32_t mesh;
+    uint32_t object;
+    uint32_t reserved;
+};
+
+enum record_placing { RECORD_PLACED_RIGID = 1, RECORD_PLACED_FREELY = 2 };
+struct record_place {
+    uint32_t scene;
+    uint32_t object;
+    uint32_t placing; /* enum record_placing */
+    uint32_t format;  /* of the vertices; 1 for a transform */
+};
+
+struct record_log {
+    uint64_t next_step;
+};
+struct record_frame {
+    uint64_t step;
+    uint32_t scene;
+    uint32_t segment_count;
+    uint32_t mode;
+    uint32_t method;
+    uint32_t threads;
+    uint32_t scheduler;
+    uint32_t high_level;
+    uint32_t refit;
+    double tolerance;
+    uint64_t deadline_ns;
+};
+
+/* A segment of a FRAME, as in the slot. */
+struct record_segment {
+    uint32_t object;
+    uint16_t kind; /* enum record_segment_kind */
+    uint16_t format;
+    uint32_t first;
+    uint32_t count;
+    uint64_t offset0; /* from the start of the slot's payload */
+    uint64_t offset1;
+};
+enum record_segment_kind { RECORD_X1 = 0, RECORD_X0X1 = 1, RECORD_RIGID = 2 };
+
+#define RECORD_TIMES    10u /* in the order of struct pccd_step_times */
+#define RECORD_COUNTERS 13u /* in the order of struct pccd_step_counters */
+
+struct record_answer {
+    uint64_t step;
+    int32_t status; /* enum pccd_status; else than 0: the rest is 0 */
+    uint32_t mode;
+    uint32_t method;
+    uint32_t incomplete;
+    uint32_t verdict;
+    uint32_t threads;
+    uint64_t total;
+    uint64_t vf;
+    uint64_t ee;
+    uint64_t possible;
+    uint64_t initial;
+    double toi_first;
+    uint64_t hash[2];
+    uint64_t times[RECORD_TIMES];
+    uint64_t counters[RECORD_COUNTERS];
+};
+
+struct record_records {
+    uint64_t step;
+    uint64_t first;
+    uint64_t count;
+    uint32_t record_bytes; /* 64: struct pccd_contact, 20: struct pccd_pair */
+    uint32_t reserved;
+};
+
+struct record_gone {
+    uint32_t scene; /* SCENE_GONE, OBJECT_GONE */
+    uint32_t mesh;  /* MESH_GONE */
+    uint32_t object;
+    uint32_t reserved;
+};
+
+struct record_filter {
+    uint32_t scene;
+    uint32_t object;
+    uint32_t what; /* enum pccd_object_what: which of these are set */
+    uint32_t self; /* 0, 1 */
+    uint64_t group;
+    uint64_t mask;
+};
+
+struct record_pairs {
+    uint32_t scene;
+    uint32_t ignored; /* 0, 1: of all of them */
+    uint32_t count;
+    uint32_t reserved;
+};
+
+struct record_cancel {
+    uint64_t step;
+};
+enum record_reason {
+    RECORD_STOPPED = 0, /* pccd_record_stop or pccd_close */
+    RECORD_FULL = 1,    /* max_bytes reached, or no memory, or no room on the disk */
+    RECORD_TURNED = 2   /* the next segment follows, in a file of its own */
+};
+
+struct record_end {
+    uint32_t reason; /* enum record_reason */
+    uint32_t reserved;
+    uint64_t frames; /* of this segment */
+};
+
+#endif

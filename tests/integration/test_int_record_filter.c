@@ -1,0 +1,293 @@
+/* test_int_record_filter.c - what objects may meet, in recordings.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     record sessions that change masks and pairs, from the beginning and from the
+ *           middle, and have pccdctl repeat and verify them, with a daemon and without.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "run_ctl.h"
+
+#define BODIES 3u
+
+static char folder[] = "/tmp/pccd-test-filter-XXXXXX";
+static char path[96];
+
+/* Bodies that go through each other, and each through itself, in every step. */
+struct play {
+    struct pccd_client *client;
+    uint32_t scene, mesh;
+    uint32_t bodies[BODIES];
+    float z;
+    uint64_t steps;
+    uint64_t total; /* of the last answer */
+};
+
+static int set_up(void **state)
+{
+    if (mkdtemp(folder) == NULL || test_shared_start(state) != 0) {
+        return -1;
+    }
+    (void)snprintf(path, sizeof(path), "%s/session.rec", folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    char command[128];
+
+    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
+    return system(command) == 0 ? test_shared_stop(state) : -1;
+}
+
+static void remove_files(void)
+{
+    char command[128];
+
+    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
+    assert_int_equal(system(command), 0);
+}
+
+/* Two triangles, one across the other, which change sides at half of the step. */
+static void positions(float x[6][3], uint32_t body, float z)
+{
+    const float at[6][3] = {{-1, -1, 0}, {1, -1, 0},        {0, 1, 0},
+                            {0, 0, z},   {0.25f, 0, 2 * z}, {0, 0.25f, 2 * z}};
+
+    memcpy(x, at, sizeof(at));
+    for (uint32_t v = 0; v < 6; v++) {
+        x[v][0] += 0.05f * (float)body;
+        x[v][2] += (v < 3 ? 0.1f : 0.2f) * z * (float)body;
+    }
+}
+
+/* Its scene, in a client that is connected. */
+static void make_play(struct play *play)
+{
+    static const uint32_t triangles[2][3] = {{0, 1, 2}, {3, 4, 5}};
+    float x[6][3];
+
+    positions(x, 0, 1);
+    assert_int_equal(pccd_scene_create(play->client, NULL, &play->scene), 0);
+    assert_int_equal(pccd_mesh_create(play->client, x, PCCD_FORMAT_F32, 6, triangles, 2,
+                                      &play->mesh, NULL),
+                     0);
+    for (uint32_t i = 0; i < BODIES; i++) {
+        assert_int_equal(
+            pccd_scene_add(play->client, play->scene, play->mesh, &play->bodies[i]), 0);
+    }
+}
+
+static void open_play(struct play *play)
+{
+    *play = (struct play){.client = test_connect(test_shared.url), .z = 1};
+    assert_non_null(play->client);
+    make_play(play);
+}
+
+/* The same, recorded from the beginning. */
+static void begin_play(struct play *play, const struct pccd_record_settings *settings)
+{
+    *play = (struct play){.client = test_connect(test_shared.url), .z = 1};
+    assert_non_null(play->client);
+    assert_int_equal(pccd_record_start(play->client, path, settings), 0);
+    make_play(play);
+}
+
+static void step(struct play *play)
+{
+    struct pccd_frame frame;
+    struct pccd_answer answer;
+    uint64_t number;
+
+    play->z = -play->z;
+    assert_int_equal(pccd_frame_begin(play->client, play->scene, BODIES,
+                                      BODIES * sizeof(float[6][3]), &frame),
+                     0);
+    for (uint32_t i = 0; i < BODIES; i++) {
+        void *x1;
+
+        assert_int_equal(
+            pccd_frame_x1(&frame, play->bodies[i], PCCD_FORMAT_F32, 0, 6, &x1), 0);
+        positions(x1, i, play->z);
+    }
+    assert_int_equal(pccd_frame_commit(&frame, NULL, &number), 0);
+    assert_int_equal(pccd_wait(play->client, number, -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+    play->total = answer.total;
+    play->steps++;
+    pccd_answer_release(play->client, &answer);
+}
+
+static void set(struct play *play, uint32_t body, uint32_t what, uint64_t group,
+                uint64_t mask, bool self)
+{
+    const struct pccd_object_settings settings = {
+        .what = what, .self_collision = self, .group = group, .mask = mask};
+
+    assert_int_equal(
+        pccd_object_set(play->client, play->scene, play->bodies[body], &settings), 0);
+}
+
+static void ignore(struct play *play, uint32_t a, uint32_t b, bool ignored)
+{
+    assert_int_equal(pccd_pair_ignore(play->client, play->scene, play->bodies[a],
+                                      play->bodies[b], ignored),
+                     0);
+}
+
+/* All that there is to be set, with a step after each: so that the masks of one would be
+ * wrong for the next. */
+static void change(struct play *play)
+{
+    uint64_t all;
+
+    step(play);
+    step(play);
+    all = play->total;
+    assert_true(all > 0);
+    set(play, 0, PCCD_OBJECT_SELF, 0, 0, false);
+    step(play);
+    assert_in_range(play->total, 1, all - 1);
+    set(play, 1, PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK, 2, 4, true);
+    set(play, 2, PCCD_OBJECT_GROUP, 4, 0, true);
+    step(play);
+    ignore(play, 2, 0, true);
+    ignore(play, 1, 2, true);
+    step(play);
+    ignore(play, 2, 1, false);
+    set(play, 2, PCCD_OBJECT_ALL, UINT64_MAX, UINT64_MAX, false);
+    step(play);
+}
+
+/* One object goes, and what it ignored with it. */
+static void exchange(struct play *play)
+{
+    assert_int_equal(pccd_scene_remove(play->client, play->scene, play->bodies[2]), 0);
+    assert_int_equal(
+        pccd_scene_add(play->client, play->scene, play->mesh, &play->bodies[2]), 0);
+    step(play);
+    step(play);
+}
+
+/* Repeated and found right, with a daemon and without. */
+static void assert_repeats(const char *file, uint64_t steps)
+{
+    static const char *const options[] = {"--json", "--json --url direct:"};
+    char said[4096];
+
+    for (size_t i = 0; i < 2; i++) {
+        int status = test_ctl("replay", options[i], file, said, sizeof(said));
+
+        if (status != 0) {
+            print_message("%s: %s\n", options[i], said);
+        }
+        assert_int_equal(status, 0);
+        assert_int_equal(test_ctl_number(said, "same"), steps);
+        assert_int_equal(test_ctl_number(said, "differ"), 0);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        int status =
+            test_ctl("verify", i == 0 ? "--sample 100000" : "--repeat --method paper",
+                     file, said, sizeof(said));
+
+        if (status != 0) {
+            print_message("%s\n", said);
+        }
+        assert_int_equal(status, 0);
+        assert_non_null(strstr(said, "PASS"));
+    }
+}
+
+/* If this failed, a session that sets a mask would be repeated without it, or contacts
+ * that it forbids would be missed by who verifies it. */
+static void record__holds_masks_and_pairs(void **state)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    struct pccd_record_info info;
+    struct play play;
+
+    (void)state;
+    remove_files();
+    begin_play(&play, &settings);
+    change(&play);
+    exchange(&play);
+    assert_int_equal(pccd_record_stop(play.client, &info), 0);
+    assert_int_equal(info.status, 0);
+    pccd_close(play.client);
+    assert_repeats(path, play.steps);
+}
+
+/* If this failed, what held when a recording began would be missing in it; to begin it
+ * in any other state must do, too. */
+static void record__begins_with_masks_and_pairs(void **state)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    struct play play;
+    uint64_t before;
+
+    (void)state;
+    remove_files();
+    open_play(&play);
+    change(&play);
+    before = play.steps;
+    if (test_is_direct()) { /* nothing was kept for another daemon */
+        assert_int_equal(pccd_record_start(play.client, path, &settings), PCCD_E_STATE);
+        pccd_close(play.client);
+        return;
+    }
+    assert_int_equal(pccd_record_start(play.client, path, &settings), 0);
+    step(&play);
+    step(&play);
+    exchange(&play);
+    pccd_close(play.client);
+    assert_repeats(path, play.steps - before);
+}
+
+/* If this failed, the newest part of a long session would not stand by itself. */
+static void record__segments_have_masks_and_pairs(void **state)
+{
+    const struct pccd_record_settings settings = {.max_bytes = 16384, .segments = 2};
+    char older[128], said[4096];
+    struct pccd_record_info info;
+    struct play play;
+
+    (void)state;
+    remove_files();
+    (void)snprintf(older, sizeof(older), "%s.1", path);
+    begin_play(&play, &settings);
+    change(&play);
+    do {
+        step(&play);
+        ignore(&play, 0, 1, play.steps % 2 == 0);
+        assert_int_equal(pccd_record(play.client, &info), 0);
+    } while (info.segments < 4 && play.steps < 1000);
+    step(&play);
+    pccd_close(play.client);
+    assert_int_equal(info.segments, 4);
+    assert_int_equal(test_ctl("replay", "--json", path, said, sizeof(said)), 0);
+    assert_int_equal(test_ctl("replay", "--json", older, said, sizeof(said)), 0);
+    assert_in_range(test_ctl_number(said, "same"), 5, 1000);
+    assert_int_equal(test_ctl("verify", "--repeat", older, said, sizeof(said)), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(record__holds_masks_and_pairs),
+        cmocka_unit_test(record__begins_with_masks_and_pairs),
+        cmocka_unit_test(record__segments_have_masks_and_pairs),
+    };
+    return cmocka_run_group_tests_name("int_record_filter", tests, set_up, tear_down);
+}

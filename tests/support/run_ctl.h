@@ -1,0 +1,21 @@
+/* run_ctl.h - pccdctl, run by a test.
+ *
+ * Room:     tests/support. May include: the C library.
+ * Does:     run $PCCDCTL on a recording, without what the environment says of daemons.
+ * Threads:  one test at a time.
+ */
+#ifndef TEST_RUN_CTL_H
+#define TEST_RUN_CTL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* `pccdctl COMMAND OPTIONS FILE`: its exit status, or -1; the beginning of what it says,
+ * to both outputs, in `said`. */
+int test_ctl(const char *command, const char *options, const char *file, char *said,
+             size_t room);
+
+/* Of a JSON object that was said: a number; UINT64_MAX: there is none of that name. */
+uint64_t test_ctl_number(const char *said, const char *name);
+
+#endif
