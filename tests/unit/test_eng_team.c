@@ -96,16 +96,19 @@ static void team__warm_steps_allocate_nothing(void **state)
 }
 
 /* If it failed: a cancelled step would go on in the threads that did not see it, or hang.
- * */
+ * Or boxes would be searched that the refit, which stops too, has not made. */
 static void team__early_ends_end_every_thread(void **state)
 {
     struct crew *crew = *state;
-    for (size_t i = 0; i < crew_count(); i++) {
+    for (size_t i = 0; i < 2 * crew_count(); i++) {
         atomic_bool cancel = true;
-        struct eng_step_settings settings = crew_team(ENG_MODE_ALL, i);
+        struct eng_step_settings settings = crew_team(ENG_MODE_ALL, i / 2);
+        settings.method = i % 2 ? ENG_METHOD_WIDE : ENG_METHOD_PAPER;
         settings.cancel = &cancel;
-        assert_int_equal(crew_run(crew, settings).incomplete, ENG_INCOMPLETE_CANCELLED);
-        settings = crew_team(ENG_MODE_ALL, i);
+        struct eng_step_result result = crew_run(crew, settings);
+        assert_int_equal(result.incomplete, ENG_INCOMPLETE_CANCELLED);
+        assert_true(i % 2 == 0 || result.counters.box_tests == 0);
+        settings.cancel = NULL;
         settings.deadline_ns = 1;
         assert_int_equal(crew_run(crew, settings).incomplete, ENG_INCOMPLETE_DEADLINE);
     }

@@ -10,6 +10,8 @@
  * Trees do not change while they are searched, so any task may go to any thread. A worker
  * divides depth first, and what finds no room in its deque is done at once.
  */
+#include <assert.h>
+
 #include "method.h"
 #include "step_memory.h"
 #include "wide_grid.h"
@@ -84,6 +86,13 @@ static uint32_t top_level(const struct eng_worker *worker)
     return worker->scene->wide.level_count - 1;
 }
 
+/* A step that was stopped during the refit left the rest of the boxes out: where they
+ * belong lie those of other trees, or nothing that was ever written. */
+static bool has_no_boxes(const struct eng_worker *worker)
+{
+    return eng_stop_is_set(worker->stop);
+}
+
 /* Pairs of the nodes below the root, each to the worker that made the boxes of the first
  * of the two, as a rule. At most ENG_JOIN_MAX of a kind: there is room in any deque. */
 static void deal_kind(struct eng_team *team, struct eng_worker *worker,
@@ -100,6 +109,7 @@ static void deal_kind(struct eng_team *team, struct eng_worker *worker,
     for (uint32_t i = 0; i < below->count; i++) {
         uint32_t a = below->a[i];
         uint32_t b = below->b[i];
+        assert(a < tree->block_count[level]);
         uint32_t owner = eng_share_of(tree->block_count[level], a, team->count);
         eng_deque_push(&team->workers[owner]->deque, task_of(kind, level, a, b));
     }
@@ -111,6 +121,9 @@ static void deal_kind(struct eng_team *team, struct eng_worker *worker,
 static void deal(struct eng_team *team, struct eng_worker *worker)
 {
     uint32_t top = top_level(worker);
+    if (has_no_boxes(worker)) {
+        return;
+    }
     if (top <= GRAIN_LEVEL) {
         eng_deque_push(&worker->deque, task_of(ENG_VF, top, 0, 0));
         eng_deque_push(&worker->deque, task_of(ENG_EE, top, 0, 0));
@@ -136,6 +149,9 @@ static void assign(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_task_queue *units = &worker->units;
     uint32_t top = top_level(worker);
+    if (has_no_boxes(worker)) {
+        return;
+    }
     push_unit(worker, task_of(ENG_EE, top, 0, 0));
     push_unit(worker, task_of(ENG_VF, top, 0, 0));
     while (eng_units_count(units) > 0 && eng_units_count(units) < team->count &&
