@@ -16,10 +16,23 @@
 
 /* What a join finds. */
 struct lists {
-    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
-    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t a[ENG_JOIN_MAX];
+    uint32_t b[ENG_JOIN_MAX];
     uint32_t count;
 };
+
+typedef uint32_t join_fn(struct eng_join *job, struct eng_join_round *round,
+                         uint32_t *out_a, uint32_t *out_b, uint32_t room);
+
+/* The pairs of two blocks. */
+static inline void join_two(join_fn *join, struct eng_join *job, uint32_t n, uint32_t m,
+                            struct lists *out)
+{
+    static struct eng_join_round round;
+    eng_join_begin(&round, &n, &m, 1);
+    out->count = join(job, &round, out->a, out->b, ENG_JOIN_MAX);
+    assert_true(eng_join_has_ended(&round));
+}
 
 static inline void assert_same_lists(const struct lists *a, const struct lists *b)
 {

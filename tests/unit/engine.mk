@@ -61,6 +61,7 @@ ENG_TESTS = \
     tests/unit/test_eng_place \
     tests/unit/test_eng_refit_plan \
     tests/unit/test_eng_boxes \
+    tests/unit/test_eng_rounds \
     tests/unit/test_eng_narrow \
     tests/unit/test_eng_resort \
     tests/unit/test_eng_wide \
@@ -233,6 +234,9 @@ tests_unit_test_eng_narrow_SOURCES = tests/unit/test_eng_narrow.c
 tests_unit_test_eng_narrow_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_narrow_LDADD = $(ENG_TEST_LDADD)
 
+tests_unit_test_eng_rounds_SOURCES = tests/unit/test_eng_rounds.c
+tests_unit_test_eng_rounds_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_rounds_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_boxes_SOURCES = tests/unit/test_eng_boxes.c
 tests_unit_test_eng_boxes_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_boxes_LDADD = $(ENG_TEST_LDADD)

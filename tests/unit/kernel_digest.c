@@ -168,15 +168,16 @@ static void run_narrow(const struct eng_kernels *kernels, struct ground *ground)
     say(kernels, "narrow_blocks", all);
 }
 
-typedef uint32_t join_fn(struct eng_join *job, uint32_t n, uint32_t m, bool self,
-                         uint32_t *out_a, uint32_t *out_b);
+typedef uint32_t join_fn(struct eng_join *job, struct eng_join_round *round,
+                         uint32_t *out_a, uint32_t *out_b, uint32_t room);
 
 /* The blocks as lists of points, edges or faces: every block with those after it. */
 static void run_join(const struct eng_kernels *kernels, const struct ground *ground,
                      const char *what, join_fn *join, uint32_t a_corners,
                      uint32_t b_corners)
 {
-    static uint32_t out[2][ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    static uint32_t out[2][ENG_JOIN_MAX];
+    static struct eng_join_round round;
     uint64_t all = DIGEST_BEGIN;
     for (uint32_t i = 0; i < 11 * BLOCKS * BLOCKS; i++) {
         bool is_narrow = i >= 6 * BLOCKS * BLOCKS;
@@ -193,8 +194,7 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
                                .in_time = way / 2 == 1,
                                .t_end = way == 4  ? 0.046f
                                         : way % 2 ? 1
-                                                  : 0.375f,
-                               .near_block = ENG_JOIN_NO_BLOCK};
+                                                  : 0.375f};
         uint32_t n = i / BLOCKS % BLOCKS;
         uint32_t m = i % BLOCKS;
         bool is_self_join = a_corners == b_corners;
@@ -205,7 +205,8 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
         if (is_self_join && m < n) {
             continue;
         }
-        uint32_t count = join(&job, n, m, is_self_join && n == m, out[0], out[1]);
+        eng_join_begin(&round, &n, &m, 1);
+        uint32_t count = join(&job, &round, out[0], out[1], ENG_JOIN_MAX);
         all = digest(all, &count, sizeof count);
         all = digest(all, out[0], count * sizeof *out[0]);
         all = digest(all, out[1], count * sizeof *out[1]);

@@ -148,19 +148,18 @@ static uint64_t run_job(const struct eng_kernels *kernels, struct fixture *f,
                            .b_corner = {f->corner[0], f->corner[1], f->corner[2]},
                            .boxes = boxes,
                            .t_end = t_end,
-                           .in_time = in_time,
-                           .near_block = ENG_JOIN_NO_BLOCK};
-    for (uint32_t i = 0; i < ENG_JOIN_MAX + ENG_JOIN_SPARE; i++) {
+                           .in_time = in_time};
+    for (uint32_t i = 0; i < ENG_JOIN_MAX; i++) {
         out->a[i] = out->b[i] = NOT_SET;
     }
     if (which == NODES) {
-        out->count = kernels->join_nodes(&job, n, m, n == m, out->a, out->b);
+        join_two(kernels->join_nodes, &job, n, m, out);
     } else if (which == EDGES) {
         job.a_corner[0] = f->corner[0];
         job.a_corner[1] = f->corner[1];
-        out->count = kernels->join_edges(&job, n, m, n == m, out->a, out->b);
+        join_two(kernels->join_edges, &job, n, m, out);
     } else {
-        out->count = kernels->join_faces(&job, n, m, false, out->a, out->b);
+        join_two(kernels->join_faces, &job, n, m, out);
     }
     assert_in_range(job.tests, 1, 1 + ENG_WIDE);
     return job.apart_in_time;

@@ -169,13 +169,11 @@ static void join(const struct eng_kernels *kernels, const struct fixture *f, boo
     job->b_boxes = f->around;
     job->a_narrow = job->b_narrow = is_narrow ? f->narrow : NULL;
     job->b_narrow_boxes = is_narrow ? f->narrow_around : NULL;
-    job->near_block = ENG_JOIN_NO_BLOCK;
     for (int k = 0; k < 3; k++) {
         job->a_corner[k] = f->corner[k];
         job->b_corner[k] = f->corner[k];
     }
-    out->count = edges ? kernels->join_edges(job, 0, m, m == 0, out->a, out->b)
-                       : kernels->join_faces(job, 0, m, false, out->a, out->b);
+    join_two(edges ? kernels->join_edges : kernels->join_faces, job, 0, m, out);
 }
 
 /* Bounds that are whole numbers of cells, far more than the numbers are off by: if the

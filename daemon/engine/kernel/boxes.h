@@ -63,48 +63,4 @@ struct eng_narrowing {
  * INT16_MIN, meet none, with what narrow.h adds. */
 #define ENG_NARROW_REACH 32700
 
-/* How two boxes are compared. */
-enum eng_join_boxes {
-    ENG_JOIN_MOVING, /* can each axis bring them together before or at t_end? */
-    ENG_JOIN_NEAR,   /* does what they cover up to t_end, which is near, overlap? Weaker,
-                      * and half the work. */
-    ENG_JOIN_SWEPT   /* do they overlap? Both ends are the same. */
-};
-
-#define ENG_JOIN_NO_BLOCK UINT32_MAX
-
-/* Two lists of blocks whose boxes are tested against each other. Pairs of boxes are named
- * by ENG_WIDE times the block plus the lane. */
-struct eng_join {
-    const struct eng_wide_block *a;
-    const struct eng_wide_block *b;
-    const struct eng_extents *b_boxes; /* around each block of b */
-    /* The same in whole numbers, compared in the place of a, b and b_boxes; or NULL.
-     * Only of features that move. */
-    const struct eng_narrow_block *a_narrow;
-    const struct eng_narrow_block *b_narrow;
-    const struct eng_narrow_box *b_narrow_boxes;
-    /* Of features: three (faces) or two (edges) arrays of the vertices of each; vertices
-     * stand for themselves: NULL. Pairs that share one are left out. */
-    const uint32_t *a_corner[3];
-    const uint32_t *b_corner[3];
-    enum eng_join_boxes boxes;
-    float t_end;         /* 0 .. 1; swept boxes: not looked at */
-    bool in_time;        /* of moving boxes, those that no time brings together on all
-                             * axes are left out, too */
-    uint32_t near_block; /* of a, which `near` holds; ENG_JOIN_NO_BLOCK after t_end was
-                             * set */
-    union {
-        struct eng_wide_block block;
-        struct eng_narrow_block narrow;
-    } near;
-    uint64_t tests;         /* counts: one box against a block */
-    uint64_t apart_in_time; /* counts: pairs left out for in_time */
-};
-
-/* Pairs that the boxes of two blocks make at most, and the places behind the last one
- * that a kernel may write to. */
-#define ENG_JOIN_MAX   (ENG_WIDE * ENG_WIDE)
-#define ENG_JOIN_SPARE ENG_WIDE
-
 #endif

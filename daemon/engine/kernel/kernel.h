@@ -1,6 +1,6 @@
 /* daemon/engine/kernel/kernel.h - the inner loops, once for every instruction set.
  *
- * Room:     engine. May include: boxes.h, query.h, sieve.h, the C library.
+ * Room:     engine. May include: join.h, query.h, sieve.h, the C library.
  * Does:     name the instruction sets and the functions that each of them has; choose
  *           the set that this processor runs best, or the one that PCCD_CPU names.
  * Does not: know meshes, scenes or threads.
@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "boxes.h"
+#include "join.h"
 #include "query.h"
 #include "sieve.h"
 
@@ -83,17 +83,18 @@ struct eng_kernels {
                           struct eng_narrow_block *narrow,
                           struct eng_narrow_box *narrow_around);
 
-    /* The pairs that the boxes of block n of job->a and block m of job->b make, which may
-     * meet in the step: written to out_a and out_b [ENG_JOIN_MAX + ENG_JOIN_SPARE];
-     * returns how many. `self`: the lists are one and n == m; no pair twice or turned
+    /* The pairs that the boxes of blocks of job->a and of job->b make, which may meet in
+     * the step: of the round's pairs of blocks, as many as there is room for in
+     * out_a[room] and out_b[room]; returns how many. Again, with room for ENG_WIDE or
+     * more, until eng_join_has_ended. Of a block with itself no pair twice or turned
      * round. Nodes: self-pairs too, unless there is no box; edges and faces (against
      * vertices, which are a): none, and none that share a vertex. */
-    uint32_t (*join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
-                           uint32_t *out_a, uint32_t *out_b);
-    uint32_t (*join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
-                           uint32_t *out_a, uint32_t *out_b);
-    uint32_t (*join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
-                           uint32_t *out_a, uint32_t *out_b);
+    uint32_t (*join_nodes)(struct eng_join *job, struct eng_join_round *round,
+                           uint32_t *out_a, uint32_t *out_b, uint32_t room);
+    uint32_t (*join_edges)(struct eng_join *job, struct eng_join_round *round,
+                           uint32_t *out_a, uint32_t *out_b, uint32_t room);
+    uint32_t (*join_faces)(struct eng_join *job, struct eng_join_round *round,
+                           uint32_t *out_a, uint32_t *out_b, uint32_t room);
 
     /* Elementary tests of `count` pairs of one kind; quads as in batch.h. */
 

@@ -67,6 +67,16 @@ ENG_INLINE eng_left eng_left_of(eng_fi v)
 #endif
 }
 
+/* All of them. */
+ENG_INLINE eng_left eng_left_all(void)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_left)0xffff;
+#else
+    return (eng_left){0};
+#endif
+}
+
 /* Without those that are the same in a and b. */
 ENG_INLINE eng_left eng_left_unequal(eng_left left, eng_fi a, eng_fi b)
 {

@@ -12,8 +12,10 @@ kernel_sources = \
     daemon/engine/kernel/cubic.h \
     daemon/engine/kernel/enclose.h \
     daemon/engine/kernel/filter.c \
+    daemon/engine/kernel/halves.h \
     daemon/engine/kernel/interval.h \
     daemon/engine/kernel/join.c \
+    daemon/engine/kernel/join.h \
     daemon/engine/kernel/four.h \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lanes.h \
@@ -23,9 +25,11 @@ kernel_sources = \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
+    daemon/engine/kernel/meeting.h \
     daemon/engine/kernel/narrow.c \
     daemon/engine/kernel/narrow.h \
     daemon/engine/kernel/near.h \
+    daemon/engine/kernel/overlap.h \
     daemon/engine/kernel/pieces.h \
     daemon/engine/kernel/points.h \
     daemon/engine/kernel/sieve.h \

@@ -1,6 +1,6 @@
 /* daemon/engine/kernel/narrow.h - moving boxes in whole numbers of 16 bits.
  *
- * Room:     engine. May include: boxes.h, lanes_pack.h.
+ * Room:     engine. May include: boxes.h, halves.h.
  * Does:     compare two distances in the place of one float: the lower and the upper
  *           bound of a box along an axis are the halves of a lane.
  * Threads:  [any]; inline only. Included by files of this folder alone.
@@ -20,11 +20,7 @@
 #define ENG_NARROW_H
 
 #include "boxes.h"
-#include "lanes_pack.h"
-
-#if defined __ARM_NEON && ENG_VECTOR_BYTES == 16
-#include <arm_neon.h>
-#endif
+#include "halves.h"
 
 #define ENG_NARROW_REACH_SPARE 3
 
@@ -42,96 +38,6 @@ ENG_INLINE struct narrow_weights narrow_weights_at(float t)
                                    (int16_t)(end < INT16_MAX ? end : INT16_MAX)};
 }
 
-/* ---- lanes of two halves ----------------------------------------------------------- */
-
-ENG_INLINE int32_t narrow_clamped(int32_t x)
-{
-    return x < INT16_MIN ? INT16_MIN : x > INT16_MAX ? INT16_MAX : x;
-}
-
-/* a + b of each half, saturated. */
-ENG_INLINE eng_fi eng_fi_add_halves(eng_fi a, eng_fi b)
-{
-#if ENG_VECTOR_BYTES == 64
-    return (eng_fi)_mm512_adds_epi16((__m512i)a, (__m512i)b);
-#elif ENG_VECTOR_BYTES == 32
-    return (eng_fi)_mm256_adds_epi16((__m256i)a, (__m256i)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
-    return (eng_fi)_mm_adds_epi16((__m128i)a, (__m128i)b);
-#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
-    return (eng_fi)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
-#else
-    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
-        int32_t low = narrow_clamped((int16_t)a[i] + (int16_t)b[i]);
-        int32_t high = narrow_clamped((a[i] >> 16) + (b[i] >> 16));
-        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
-    }
-    return a;
-#endif
-}
-
-/* The larger of each half. */
-ENG_INLINE eng_fi eng_fi_max_halves(eng_fi a, eng_fi b)
-{
-#if ENG_VECTOR_BYTES == 64
-    return (eng_fi)_mm512_max_epi16((__m512i)a, (__m512i)b);
-#elif ENG_VECTOR_BYTES == 32
-    return (eng_fi)_mm256_max_epi16((__m256i)a, (__m256i)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
-    return (eng_fi)_mm_max_epi16((__m128i)a, (__m128i)b);
-#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
-    return (eng_fi)vmaxq_s16((int16x8_t)a, (int16x8_t)b);
-#else
-    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
-        int16_t low = (int16_t)a[i] > (int16_t)b[i] ? (int16_t)a[i] : (int16_t)b[i];
-        int32_t high = a[i] >> 16 > b[i] >> 16 ? a[i] >> 16 : b[i] >> 16;
-        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
-    }
-    return a;
-#endif
-}
-
-/* a w / 2^15 of each half, the nearest, up where two are; 0 <= w. */
-ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
-{
-#if ENG_VECTOR_BYTES == 64
-    return (eng_fi)_mm512_mulhrs_epi16((__m512i)a, _mm512_set1_epi16(w));
-#elif ENG_VECTOR_BYTES == 32
-    return (eng_fi)_mm256_mulhrs_epi16((__m256i)a, _mm256_set1_epi16(w));
-#elif defined __SSSE3__ && ENG_VECTOR_BYTES == 16
-    return (eng_fi)_mm_mulhrs_epi16((__m128i)a, _mm_set1_epi16(w));
-#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
-    return (eng_fi)vqrdmulhq_n_s16((int16x8_t)a, w);
-#else
-    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
-        int32_t low = ((int16_t)a[i] * w + 0x4000) >> 15;
-        int32_t high = ((a[i] >> 16) * w + 0x4000) >> 15;
-        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
-    }
-    return a;
-#endif
-}
-
-/* The halves of each lane change places. */
-ENG_INLINE eng_fi eng_fi_turn_halves(eng_fi a)
-{
-#if ENG_VECTOR_BYTES == 64
-    return (eng_fi)_mm512_rol_epi32((__m512i)a, 16);
-#else
-    return (a << 16) | ((a >> 16) & 0xffff);
-#endif
-}
-
-/* Lanes of which no half is negative. */
-ENG_INLINE eng_left eng_left_of_halves(eng_fi v)
-{
-#if ENG_VECTOR_BYTES == 64
-    return _mm512_testn_epi32_mask((__m512i)v, _mm512_set1_epi32((int)0x80008000u));
-#else
-    return v | (v << 16);
-#endif
-}
-
 /* ---- up to a time ------------------------------------------------------------------ */
 
 /* What is reached of q0 .. q1 by then; `around`: what was reached up to then. */
@@ -145,16 +51,33 @@ ENG_INLINE eng_fi narrow_reached(eng_fi q0, eng_fi q1, struct narrow_weights wei
     return around ? eng_fi_max_halves(q, q0) : q;
 }
 
-/* The rows of both ends up to a time; `around`: of the first alone, around the way. */
-ENG_INLINE void narrow_rows_until(const struct eng_narrow_block *block, float t_end,
-                                  bool around, struct eng_narrow_block *until)
+/* The rows of both ends with their halves turned: what is below comes to what is above
+ * where a box that is not turned is added. */
+ENG_INLINE void narrow_rows_turned(const struct eng_narrow_block *block,
+                                   struct eng_narrow_block *turned)
 {
-    struct narrow_weights weights = narrow_weights_at(t_end);
+#pragma GCC unroll 6
+    for (uint32_t i = 0; i < 6; i++) {
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_fi q = eng_fi_turn_halves(eng_fi_load(block->row[i / 3][i % 3] + at));
+            memcpy(turned->row[i / 3][i % 3] + at, &q, sizeof q);
+        }
+    }
+}
+
+/* The rows of both ends up to a time; `around`: of the first alone, around the way.
+ * `turned`: as above. */
+ENG_INLINE void narrow_rows_until(const struct eng_narrow_block *block,
+                                  struct narrow_weights weights, bool around, bool turned,
+                                  struct eng_narrow_block *until)
+{
 #pragma GCC unroll 3
     for (uint32_t axis = 0; axis < 3; axis++) {
         for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
             eng_fi q0 = eng_fi_load(block->row[0][axis] + at);
             eng_fi q1 = eng_fi_load(block->row[1][axis] + at);
+            q0 = turned ? eng_fi_turn_halves(q0) : q0;
+            q1 = turned ? eng_fi_turn_halves(q1) : q1;
             eng_fi q = narrow_reached(q0, q1, weights, around);
             memcpy(until->row[around ? 0 : 1][axis] + at, &q, sizeof q);
             if (!around) {
@@ -165,10 +88,10 @@ ENG_INLINE void narrow_rows_until(const struct eng_narrow_block *block, float t_
 }
 
 /* The same of one box: numbers as in a vector of lanes, eight at a time. */
-ENG_INLINE void narrow_box_until(const struct eng_narrow_box *box, float t_end,
-                                 bool around, struct eng_narrow_box *until)
+ENG_INLINE void narrow_box_until(const struct eng_narrow_box *box,
+                                 struct narrow_weights weights, bool around,
+                                 struct eng_narrow_box *until)
 {
-    struct narrow_weights weights = narrow_weights_at(t_end);
 #ifdef __SSSE3__
     __m128i q0 = _mm_load_si128((const __m128i *)(const void *)box->half[0]);
     __m128i q1 = _mm_load_si128((const __m128i *)(const void *)box->half[1]);

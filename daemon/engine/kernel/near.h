@@ -1,6 +1,6 @@
 /* daemon/engine/kernel/near.h - the boxes around the way up to a time that is near.
  *
- * Room:     engine. May include: boxes.h, four.h, lanes.h.
+ * Room:     engine. May include: four.h, join.h, lanes.h.
  * Does:     write a moving box as one that stands still, around all that it covers up to
  *           t_end: two of them are compared with half of what moving ones take, and up to
  *           a near time they are hardly larger.
@@ -19,8 +19,8 @@
 #ifndef ENG_NEAR_H
 #define ENG_NEAR_H
 
-#include "boxes.h"
 #include "four.h"
+#include "join.h"
 #include "lanes.h"
 
 /* Of t_end, 0 .. 1. */
@@ -40,9 +40,9 @@ ENG_INLINE eng_f larger_by_rounding(eng_f x)
     return eng_f_max(x * (1 + 0x1p-21f), x * (1 - 0x1p-21f));
 }
 
-/* The rows of the first end of `near`; `wider`: of the one that is made larger. */
+/* `wider`: of the one that is made larger. */
 ENG_INLINE void near_rows(const struct eng_wide_block *block, float t_end, bool wider,
-                          struct eng_wide_block *near)
+                          struct eng_near_block *near)
 {
     eng_f reach = eng_f_all(reach_of(t_end));
 #pragma GCC unroll 6
@@ -52,7 +52,7 @@ ENG_INLINE void near_rows(const struct eng_wide_block *block, float t_end, bool 
             eng_f x0 = eng_f_load(block->row[side][i % 3] + at);
             eng_f x1 = eng_f_load(block->row[side + 1][i % 3] + at);
             eng_f x = reached(x0, x1, reach);
-            eng_f_store(near->row[side][i % 3] + at, wider ? larger_by_rounding(x) : x);
+            eng_f_store(near->row[i / 3][i % 3] + at, wider ? larger_by_rounding(x) : x);
         }
     }
 }

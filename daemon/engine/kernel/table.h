@@ -35,12 +35,12 @@ bool ENG_KERNEL(narrow_blocks)(const struct eng_wide_block *blocks,
                                struct eng_narrow_block *narrow,
                                struct eng_narrow_box *narrow_around);
 
-uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
-                                uint32_t *out_a, uint32_t *out_b);
-uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
-                                uint32_t *out_a, uint32_t *out_b);
-uint32_t ENG_KERNEL(join_faces)(struct eng_join *job, uint32_t n, uint32_t m, bool self,
-                                uint32_t *out_a, uint32_t *out_b);
+uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, struct eng_join_round *round,
+                                uint32_t *out_a, uint32_t *out_b, uint32_t room);
+uint32_t ENG_KERNEL(join_edges)(struct eng_join *job, struct eng_join_round *round,
+                                uint32_t *out_a, uint32_t *out_b, uint32_t room);
+uint32_t ENG_KERNEL(join_faces)(struct eng_join *job, struct eng_join_round *round,
+                                uint32_t *out_a, uint32_t *out_b, uint32_t room);
 void ENG_KERNEL(bracket)(enum eng_kind kind, const struct eng_point *points,
                          const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
                          double tolerance, double t_end, struct eng_bracketed *out);

@@ -2,7 +2,8 @@
  *
  * Room:     engine.
  * Does:     see wide_join.h. Each level has a list of pairs that wait; one is refined
- *           into the list of the level below, at most 256, before the next is taken.
+ *           into the list of the level below, at most 256, before the next is taken. The
+ *           blocks of features that two nodes lead to are joined all at a time.
  * Threads:  wide_join.h.
  */
 #include "wide_join.h"
@@ -45,8 +46,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
                                      .b_narrow = narrow ? b->narrow : NULL,
                                      .b_narrow_boxes = narrow ? b->narrow_boxes : NULL,
                                      .boxes = boxes,
-                                     .t_end = 1,
-                                     .near_block = ENG_JOIN_NO_BLOCK};
+                                     .t_end = 1};
             for (int k = 0; k < 3; k++) {
                 job->a_corner[k] = a->corner[k];
                 job->b_corner[k] = b->corner[k];
@@ -64,7 +64,6 @@ void eng_wide_join_until(struct eng_wide_join *join, float t_end)
         for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
             job->t_end = t_end;
-            job->near_block = ENG_JOIN_NO_BLOCK;
             if (t_end <= NEAR_MOST) {
                 job->boxes = ENG_JOIN_NEAR;
                 job->in_time = false;
@@ -79,18 +78,26 @@ static void flush(struct eng_wide_join *join, enum eng_kind kind)
     assert(join->chunks[kind].count == 0);
 }
 
-static void join_features(struct eng_wide_join *join, enum eng_kind kind, uint32_t n,
-                          uint32_t m)
+/* Pairs of blocks of features, of one pair of nodes. */
+static void join_features(struct eng_wide_join *join, enum eng_kind kind,
+                          const uint32_t *a, const uint32_t *b, uint32_t count)
 {
+    struct eng_join *job = &join->jobs[kind][0];
+    struct eng_join_round *round = &join->round;
     struct eng_wide_chunk *chunk = &join->chunks[kind];
-    if (chunk->count > ENG_CHUNK_MAX - ENG_JOIN_MAX) {
+    eng_join_begin(round, a, b, count);
+    for (;;) {
+        uint32_t *out_a = chunk->a + chunk->count;
+        uint32_t *out_b = chunk->b + chunk->count;
+        uint32_t room = ENG_CHUNK_MAX - chunk->count;
+        chunk->count += kind == ENG_VF
+                            ? join->kernels->join_faces(job, round, out_a, out_b, room)
+                            : join->kernels->join_edges(job, round, out_a, out_b, room);
+        if (eng_join_has_ended(round) || join->stopped) {
+            return;
+        }
         flush(join, kind);
     }
-    struct eng_join *job = &join->jobs[kind][0];
-    uint32_t *a = chunk->a + chunk->count;
-    uint32_t *b = chunk->b + chunk->count;
-    chunk->count += kind == ENG_VF ? join->kernels->join_faces(job, n, m, false, a, b)
-                                   : join->kernels->join_edges(job, n, m, n == m, a, b);
 }
 
 /* Roots that may not meet: of all other pairs that has been seen to (owners_keep). */
@@ -108,8 +115,9 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32
     if (!is_allowed(join, kind, level, n, m)) {
         return;
     }
-    below->count = join->kernels->join_nodes(
-        &join->jobs[kind][level], n, m, kind == ENG_EE && n == m, below->a, below->b);
+    eng_join_begin(&join->round, &n, &m, 1);
+    below->count = join->kernels->join_nodes(&join->jobs[kind][level], &join->round,
+                                             below->a, below->b, ENG_JOIN_MAX);
     join->pairs++;
     join->below[kind] += below->count;
     if (join->filtered) {
@@ -124,7 +132,7 @@ void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_
     uint32_t top = level;
     if (level == 0) {
         if (is_allowed(join, kind, level, n, m)) {
-            join_features(join, kind, n, m);
+            join_features(join, kind, &n, &m, 1);
         }
         return;
     }
@@ -135,17 +143,20 @@ void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_
             level++;
             continue;
         }
-        if (++join->looked % JOINS_PER_LOOK == 0) {
+        join->looked += level == 0 ? list->count : 1;
+        if (join->looked >= JOINS_PER_LOOK) {
+            join->looked = 0;
             join->look(join->owner);
+        }
+        if (level == 0) {
+            join_features(join, kind, list->a, list->b, list->count);
+            list->count = 0;
+            continue;
         }
         list->count--;
         n = list->a[list->count];
         m = list->b[list->count];
-        if (level == 0) {
-            join_features(join, kind, n, m);
-        } else {
-            eng_wide_join_refine(join, kind, level--, n, m);
-        }
+        eng_wide_join_refine(join, kind, level--, n, m);
     }
     for (; level < top; level++) {
         join->lists[level].count = 0;

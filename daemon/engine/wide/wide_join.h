@@ -16,15 +16,15 @@
 /* Pairs of slots: VF vertex and face, EE two edges in any order. */
 struct eng_wide_chunk {
     uint32_t count;
-    uint32_t a[ENG_CHUNK_MAX + ENG_JOIN_SPARE];
-    uint32_t b[ENG_CHUNK_MAX + ENG_JOIN_SPARE];
+    uint32_t a[ENG_CHUNK_MAX + ENG_SIEVE_SPARE];
+    uint32_t b[ENG_CHUNK_MAX + ENG_SIEVE_SPARE];
 };
 
 /* Pairs of nodes of one level that wait. */
 struct eng_wide_list {
     uint32_t count;
-    uint32_t a[ENG_JOIN_MAX + ENG_JOIN_SPARE];
-    uint32_t b[ENG_JOIN_MAX + ENG_JOIN_SPARE];
+    uint32_t a[ENG_JOIN_MAX];
+    uint32_t b[ENG_JOIN_MAX];
 };
 
 struct eng_wide_join {
@@ -42,6 +42,7 @@ struct eng_wide_join {
     uint64_t below[ENG_KINDS]; /* pairs of nodes that they led to */
     struct eng_join jobs[ENG_KINDS][ENG_WIDE_LEVELS_MAX];
     struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
+    struct eng_join_round round;
     struct eng_wide_chunk chunks[ENG_KINDS];
 };
 
