@@ -39,6 +39,22 @@ extern const char *const report_phase_names[REPORT_PHASE_COUNT];
 /* Milliseconds of the phases of an answer. */
 void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_COUNT]);
 
+/* X(field of pccd_step_counters), in their order. */
+#define REPORT_COUNTERS(X)                                                               \
+    X(task_units)                                                                        \
+    X(box_tests)                                                                         \
+    X(leaf_pairs)                                                                        \
+    X(candidates_vf)                                                                     \
+    X(candidates_ee)                                                                     \
+    X(survivors)                                                                         \
+    X(exact)                                                                             \
+    X(builds)                                                                            \
+    X(allocs)                                                                            \
+    X(rebuilds)                                                                          \
+    X(rebuilt_triangles)                                                                 \
+    X(swaps)                                                                             \
+    X(swapped_triangles)
+
 struct report_mesh {
     struct pccd_mesh_info info;
     struct pccd_scene_settings settings;

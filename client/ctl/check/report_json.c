@@ -11,22 +11,6 @@
 
 #include "report.h"
 
-/* X(name) of the counters of an answer. */
-#define COUNTERS(X)                                                                      \
-    X(task_units)                                                                        \
-    X(box_tests)                                                                         \
-    X(leaf_pairs)                                                                        \
-    X(candidates_vf)                                                                     \
-    X(candidates_ee)                                                                     \
-    X(survivors)                                                                         \
-    X(exact)                                                                             \
-    X(builds)                                                                            \
-    X(allocs)                                                                            \
-    X(rebuilds)                                                                          \
-    X(rebuilt_triangles)                                                                 \
-    X(swaps)                                                                             \
-    X(swapped_triangles)
-
 /* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a
  * NULL value, so `ok` is all that has to be looked at. */
 static void set(json_t *object, const char *key, json_t *value, bool *ok)
@@ -95,7 +79,7 @@ static json_t *counters_object(const struct pccd_step_counters *counters, bool *
 {
     json_t *object = json_object();
 #define SET_COUNTER(name) set_count(object, #name, counters->name, ok);
-    COUNTERS(SET_COUNTER)
+    REPORT_COUNTERS(SET_COUNTER)
 #undef SET_COUNTER
     return object;
 }

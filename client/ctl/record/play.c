@@ -31,6 +31,7 @@ struct player {
     struct world world;
     struct drive drive;
     struct progress progress;
+    struct step_trace trace;
     void *records; /* recorded ones */
     size_t record_room;
     uint64_t begun_ns; /* now, and then, of the first step that is repeated */
@@ -105,12 +106,20 @@ static int repeat(struct player *player, const struct record_view *view,
     if (player->settings.at_recorded_pace) {
         keep_pace(player, view->time_ns);
     }
+    if (player->settings.is_traced) {
+        step_trace_begin(&player->trace, player->drive.client);
+    }
     uint64_t begin_ns = now_ns();
     int status = drive_step(&player->drive, &asked, slot, collects, error);
     player->summary->seconds += (double)(now_ns() - begin_ns) * 1e-9;
     if (status != PCCD_OK) {
         return status;
     }
+    if (player->settings.is_traced) {
+        step_trace_end(&player->trace, player->drive.client);
+        step->trace = &player->trace;
+    }
+    step->client = player->drive.client;
     step->answer = &player->drive.answer;
     if (collects && step->answer->status == PCCD_OK) {
         bool has_pairs = step->answer->mode == PCCD_MODE_PAIRS;
@@ -278,6 +287,7 @@ int play(const struct play_settings *settings, play_fn show, void *context,
     answers_deinit(&player.answers);
     record_reader_deinit(&player.reader);
     record_reader_deinit(&player.pages);
+    step_trace_deinit(&player.trace);
     free(player.records);
     return status;
 }

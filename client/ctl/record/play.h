@@ -1,6 +1,6 @@
 /* client/ctl/record/play.h - the steps of a recording, one after the other.
  *
- * Room:     client/ctl. May include: world.h, link.h, pccd.h.
+ * Room:     client/ctl. May include: world.h, link.h, step_trace.h, pccd.h.
  * Does:     read a recording, follow it, have a daemon repeat it where that is asked for,
  *           and show each step with what was answered then and now.
  * Does not: judge: that is who is shown the steps.
@@ -11,6 +11,7 @@
 
 #include "link.h"
 #include "pccd.h"
+#include "step_trace.h"
 #include "world.h"
 
 /* Who answers a step that is shown. */
@@ -30,6 +31,9 @@ struct play_step {
     const struct pccd_pair *pairs;       /* [count] */
     uint64_t count;
     bool is_whole; /* count is the answer's total */
+    struct pccd_client
+        *client; /* the daemon's, this being its last step; NULL: not asked */
+    const struct step_trace *trace; /* what its threads did; NULL: not asked for */
 };
 
 /* Return PCCD_OK to go on, PCCD_E_CANCELLED to end well, else an error. */
@@ -41,6 +45,7 @@ struct play_settings {
     const struct ctl_link *link;
     enum play_source source;
     bool needs_records;
+    bool is_traced; /* steps that a daemon answers: with what its threads did */
     bool at_recorded_pace;
     bool only_last;          /* of these steps: the last that was answered */
     uint64_t first, last;    /* steps to show and to repeat; last 0: to the end */
