@@ -1,0 +1,216 @@
+// data.js - what pccdctl inspect wrote into the page (client/ctl/inspect/inspect.h).
+//
+// Each blob is an element with base64 text. A section begins at a multiple of 12 bytes, so
+// that its part of the text can be decoded without the rest.
+
+import { byId } from "./dom.js";
+
+const FORMAT = 1;
+const EDGE_EDGE = 128;
+const PROVED = 1;
+const INITIAL = 2;
+const CONTACT_BYTES = 24;
+const EVENT_BYTES = 20;
+const BOX_BYTES = 48;
+const STEPS_KEPT = 12; // decoded ones
+
+export const KINDS = ["vertex-face", "edge-edge"];
+export const EVENT_KINDS = ["step", "refit", "task unit", "subtree", "pairs", "high-level node",
+  "tests", "rebuild", "built aside", "wait", "merge"];
+
+function decode(text) {
+  const binary = atob(text);
+  const bytes = new Uint8Array(binary.length);
+  for (let i = 0; i < binary.length; i++) {
+    bytes[i] = binary.charCodeAt(i);
+  }
+  return bytes;
+}
+
+/** `bytes` bytes of a section, aligned for any array of numbers. */
+function section([blob, offset], bytes) {
+  const text = byId(`pccd-${String(blob).padStart(8, "0")}`).firstChild?.data ?? "";
+  const begin = (offset / 3) * 4;
+  const decoded = decode(text.slice(begin, begin + Math.ceil(bytes / 3) * 4));
+  return decoded.buffer.slice(0, bytes);
+}
+
+/** A map that forgets what was not used for longest. */
+function makeCache(make, kept) {
+  const items = new Map();
+  return (key, ...rest) => {
+    const item = items.has(key) ? items.get(key) : make(key, ...rest);
+    items.delete(key);
+    items.set(key, item);
+    if (items.size > kept) {
+      items.delete(items.keys().next().value);
+    }
+    return item;
+  };
+}
+
+/** The unique edges, numbered by (larger, smaller vertex) as in the records. */
+function edgesOf(triangles, vertexCount) {
+  const keys = new Float64Array(triangles.length);
+  for (let i = 0; i < triangles.length; i += 3) {
+    for (let k = 0; k < 3; k++) {
+      const p = triangles[i + k];
+      const q = triangles[i + (k + 1) % 3];
+      keys[i + k] = Math.max(p, q) * vertexCount + Math.min(p, q);
+    }
+  }
+  keys.sort();
+  const edges = new Uint32Array(2 * keys.length);
+  let count = 0;
+  for (let i = 0; i < keys.length; i++) {
+    const a = keys[i] % vertexCount;
+    const b = (keys[i] - a) / vertexCount;
+    if ((i === 0 || keys[i] !== keys[i - 1]) && a !== b) {
+      edges[2 * count] = a;
+      edges[2 * count + 1] = b;
+      count++;
+    }
+  }
+  return edges.slice(0, 2 * count);
+}
+
+function readPositions(place, vertexCount, isRounded) {
+  if (!isRounded) {
+    return new Float32Array(section(place, 12 * vertexCount));
+  }
+  const buffer = section(place, 24 + 6 * vertexCount);
+  const head = new Float32Array(buffer, 0, 6);
+  const numbers = new Uint16Array(buffer, 24, 3 * vertexCount);
+  return Float32Array.from(numbers, (number, i) => head[i % 3] + head[3 + (i % 3)] * number);
+}
+
+/** Columns, so that a hundred thousand contacts stay small. */
+function readContacts({ at, count }) {
+  const buffer = section(at, CONTACT_BYTES * count);
+  const view = new DataView(buffer);
+  const contacts = {
+    count,
+    featureA: new Uint32Array(count),
+    featureB: new Uint32Array(count),
+    objectA: new Uint16Array(count),
+    objectB: new Uint16Array(count),
+    toi: new Float32Array(count),
+    u: new Float32Array(count),
+    v: new Float32Array(count),
+    normal: new Float32Array(3 * count),
+    kind: new Uint8Array(count),
+    flags: new Uint8Array(count),
+  };
+  for (let i = 0; i < count; i++) {
+    const from = i * CONTACT_BYTES;
+    contacts.featureA[i] = view.getUint32(from, true);
+    contacts.featureB[i] = view.getUint32(from + 4, true);
+    contacts.objectA[i] = view.getUint16(from + 8, true);
+    contacts.objectB[i] = view.getUint16(from + 10, true);
+    contacts.toi[i] = view.getFloat32(from + 12, true);
+    contacts.u[i] = view.getUint16(from + 16, true) / 65535;
+    contacts.v[i] = view.getUint16(from + 18, true) / 65535;
+    for (let k = 0; k < 3; k++) {
+      contacts.normal[3 * i + k] = view.getInt8(from + 20 + k) / 127;
+    }
+    const flags = view.getUint8(from + 23);
+    contacts.kind[i] = flags & EDGE_EDGE ? 1 : 0;
+    contacts.flags[i] = flags & (PROVED | INITIAL);
+  }
+  return contacts;
+}
+
+function readEvents({ at, count }) {
+  const words = new Uint32Array(section(at, EVENT_BYTES * count));
+  return Array.from({ length: count }, (_, i) => ({
+    begin: words[5 * i],
+    end: words[5 * i] + words[5 * i + 1],
+    kind: words[5 * i + 2] & 255,
+    thread: words[5 * i + 2] >>> 8,
+    a: words[5 * i + 3],
+    b: words[5 * i + 4],
+  }));
+}
+
+/** Where each contact is on its second feature at t = 0 and t = 1. */
+function placeContacts(contacts, objects) {
+  const at0 = new Float32Array(3 * contacts.count);
+  const at1 = new Float32Array(3 * contacts.count);
+  for (let i = 0; i < contacts.count; i++) {
+    const { x0, x1, mesh } = objects[contacts.objectB[i]];
+    const feature = contacts.featureB[i];
+    const u = contacts.u[i];
+    const v = contacts.v[i];
+    const corners = contacts.kind[i] === 0
+      ? [[mesh.triangles[3 * feature], 1 - u - v], [mesh.triangles[3 * feature + 1], u],
+        [mesh.triangles[3 * feature + 2], v]]
+      : [[mesh.edges[2 * feature], 1 - v], [mesh.edges[2 * feature + 1], v]];
+    for (const [vertex, weight] of corners) {
+      for (let k = 0; k < 3; k++) {
+        at0[3 * i + k] += weight * x0[3 * vertex + k];
+        at1[3 * i + k] += weight * x1[3 * vertex + k];
+      }
+    }
+  }
+  return { at0, at1 };
+}
+
+/** The whole page's data; throws an Error with a sentence for people. */
+export function readData() {
+  const text = byId("pccd-meta")?.textContent;
+  if (!text) {
+    throw new Error("This page is the template alone: pccdctl inspect fills it.");
+  }
+  const meta = JSON.parse(text);
+  if (meta.format !== FORMAT) {
+    throw new Error(`This page cannot read data of format ${meta.format}.`);
+  }
+  const mesh = makeCache((number) => {
+    const { vertices, triangles, at } = meta.meshes[number];
+    const isSmall = vertices <= 65536;
+    const buffer = section(at, triangles * 3 * (isSmall ? 2 : 4));
+    const corners = isSmall ? new Uint16Array(buffer) : new Uint32Array(buffer);
+    let edges = null;
+    return {
+      number,
+      vertexCount: vertices,
+      triangles: corners,
+      get edges() {
+        edges ??= edgesOf(corners, vertices);
+        return edges;
+      },
+    };
+  }, Infinity);
+  const positions = makeCache(
+    (key, place, vertexCount) => readPositions(place, vertexCount, meta.is_rounded), 64);
+  const step = makeCache((index) => {
+    const from = meta.steps[index];
+    const objects = from.objects.map((object) => {
+      const its = mesh(object.mesh);
+      return {
+        handle: object.handle,
+        mesh: its,
+        x0: positions(object.x0.join(), object.x0, its.vertexCount),
+        x1: positions(object.x1.join(), object.x1, its.vertexCount),
+        key1: object.x1.join(),
+        key0: object.x0.join(),
+      };
+    });
+    const contacts = readContacts(from.contacts);
+    return { ...from, index, objects, contacts, ...placeContacts(contacts, objects) };
+  }, STEPS_KEPT);
+  return {
+    meta,
+    step,
+    events: makeCache((index) => {
+      const { events } = meta.steps[index];
+      return events === null ? [] : readEvents(events);
+    }, STEPS_KEPT),
+    /** Boxes of a level as 12 floats each: low and high at t = 0, low and high at t = 1. */
+    boxes(index, tree, level) {
+      const levels = meta.steps[index].boxes?.[tree];
+      const { at, count } = levels[level];
+      return new Float32Array(section(at, BOX_BYTES * count));
+    },
+  };
+}

@@ -1,0 +1,54 @@
+// keys.js - the keyboard.
+
+import { byId } from "./dom.js";
+import { moveChoice } from "./contacts.js";
+import { moveStep } from "./transport.js";
+
+const TIME_STEP = 0.05;
+
+/** `does`: what the keys call beside changing the state: fit, fly. */
+export function makeKeys(data, state, does) {
+  const help = byId("help");
+  const move = (by) => state.set({ t: Math.min(1, Math.max(0, state.values.t + by)), playing: false });
+  const level = (by) => {
+    const slider = byId("level");
+    slider.value = String(Number(slider.value) + by);
+    slider.dispatchEvent(new Event("input"));
+  };
+  const kind = (which) => state.set({ kinds: state.values.kinds.map((on, i) => (i === which ? !on : on)) });
+  const keys = {
+    " ": () => state.set({ playing: !state.values.playing }),
+    ArrowLeft: (event) => (event.shiftKey ? move(-TIME_STEP) : moveStep(data, state, -1)),
+    ArrowRight: (event) => (event.shiftKey ? move(TIME_STEP) : moveStep(data, state, 1)),
+    Home: () => state.set({ index: 0 }),
+    End: () => state.set({ index: data.meta.steps.length - 1 }),
+    ArrowUp: () => moveChoice(state, -1),
+    ArrowDown: () => moveChoice(state, 1),
+    Enter: () => does.fly(state.values.chosen),
+    Escape: () => state.set({ chosen: -1 }),
+    1: () => kind(0),
+    2: () => kind(1),
+    "[": () => level(-1),
+    "]": () => level(1),
+    f: does.fit,
+    w: () => state.set({ wires: !state.values.wires }),
+    x: () => state.set({ opacity: state.values.opacity < 1 ? 1 : 0.28 }),
+    "?": () => help.showModal(),
+  };
+  document.addEventListener("keydown", (event) => {
+    const { target } = event;
+    const isForm = target.matches("input, select, button, summary, a");
+    const call = keys[event.key];
+    if (help.open || event.ctrlKey || event.metaKey || event.altKey || !call) {
+      return;
+    }
+    // A slider or a button has its own use for these.
+    if (isForm && (event.key.startsWith("Arrow") || [" ", "Enter", "Home", "End"].includes(event.key))) {
+      return;
+    }
+    event.preventDefault();
+    call(event);
+  });
+  byId("help-open").addEventListener("click", () => help.showModal());
+  byId("help-close").addEventListener("click", () => help.close());
+}

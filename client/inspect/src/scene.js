@@ -1,0 +1,229 @@
+// scene.js - the three-dimensional view: camera, ground, and what is drawn.
+
+import { Color, Group, Mesh, PerspectiveCamera, PlaneGeometry, Scene, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+import { makeBoxes } from "./boxes.js";
+import { colourOf, oncePerFrame } from "./dom.js";
+import { between, makeMarks } from "./marks.js";
+import { extentOf, makeObjects } from "./objects.js";
+import { groundMaterial, upVector } from "./shaders.js";
+
+const FLY_MS = 450;
+const FIT_ROOM = 1.12; // around what is seen
+const POINT_MAX = 11; // pixels across
+const POINT_MIN = 5;
+const PICK_PIXELS = 14;
+
+/** Colours of the style sheet as [r, g, b]. */
+function rgbOf(name) {
+  const colour = new Color(colourOf(name));
+  colour.convertLinearToSRGB();
+  return colour.toArray();
+}
+
+/** Where the camera looks from at first: a little from above, and aside. */
+function viewDirection(up) {
+  const direction = { x: [0.42, 1, 0.62], y: [0.62, 0.42, 1], z: [1, 0.62, 0.42] }[up];
+  return new Vector3(...direction).normalize();
+}
+
+/** Throws where there is no WebGL. */
+export function makeScene(canvas, onMove) {
+  const renderer = new WebGLRenderer({ canvas, antialias: true });
+  const scene = new Scene();
+  const camera = new PerspectiveCamera(38, 1, 0.01, 100);
+  let controls = null;
+  const uniforms = {
+    t: { value: 1 }, size: { value: 12 }, rim: { value: 0 }, opacity: { value: 1 },
+    up: { value: upVector("y") }, ring: { value: new Color() },
+  };
+  const groundUniforms = { colour: { value: new Color() }, cells: { value: 80 } };
+  const ground = new Mesh(new PlaneGeometry(1, 1), groundMaterial(groundUniforms));
+  const group = new Group();
+  const objects = makeObjects(group, uniforms);
+  const marks = makeMarks(group, uniforms);
+  const boxes = makeBoxes(group, uniforms);
+  let flight = null; // {begin, fromTarget, toTarget, fromAt, toAt}
+  let extent = null;
+  let pointSize = POINT_MAX;
+  ground.renderOrder = -1;
+  scene.add(ground, group);
+  renderer.outputColorSpace = "srgb-linear"; // colours are what the screen shows
+
+  /** They take what is up from the camera, once. */
+  function makeControls() {
+    const target = controls?.target ?? new Vector3();
+    controls?.dispose();
+    controls = new OrbitControls(camera, canvas);
+    controls.target.copy(target);
+    controls.enableDamping = true;
+    controls.dampingFactor = 0.12;
+    controls.addEventListener("change", () => draw());
+  }
+
+  function fly(now) {
+    const share = Math.min(1, (now - flight.begin) / FLY_MS);
+    const eased = share < 0.5 ? 4 * share ** 3 : 1 - (2 - 2 * share) ** 3 / 2;
+    controls.target.lerpVectors(flight.fromTarget, flight.toTarget, eased);
+    camera.position.lerpVectors(flight.fromAt, flight.toAt, eased);
+    flight = share < 1 ? flight : null;
+  }
+
+  const draw = oncePerFrame(() => {
+    if (flight) {
+      fly(performance.now());
+    }
+    const moves = controls.update() || flight !== null;
+    const away = camera.position.distanceTo(controls.target);
+    camera.near = away / 200;
+    camera.far = away * 20 + (extent ? 20 * extent.radius : 0);
+    camera.updateProjectionMatrix();
+    renderer.render(scene, camera);
+    onMove(camera);
+    if (moves) {
+      draw();
+    }
+  });
+  makeControls();
+
+  function resize() {
+    const { clientWidth: width, clientHeight: height } = canvas;
+    if (width > 0 && height > 0) {
+      renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+      renderer.setSize(width, height, false);
+      camera.aspect = width / height;
+      uniforms.size.value = pointSize * renderer.getPixelRatio();
+      draw();
+    }
+  }
+  new ResizeObserver(resize).observe(canvas);
+
+  function flyTo(target, at, isAtOnce) {
+    flight = {
+      begin: isAtOnce ? -Infinity : performance.now(),
+      fromTarget: controls.target.clone(), toTarget: target,
+      fromAt: camera.position.clone(), toAt: at,
+    };
+    draw();
+  }
+
+  /** How far from the middle every corner of the box is in the picture. */
+  function distanceToSee({ low, high, middle }, direction) {
+    const right = new Vector3().crossVectors(camera.up, direction).normalize();
+    const above = new Vector3().crossVectors(direction, right);
+    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    let away = 0;
+    for (let corner = 0; corner < 8; corner++) {
+      const at = new Vector3(...[0, 1, 2].map((k) => ((corner >> k) & 1 ? high : low)[k])).sub(middle);
+      const aside = Math.max(Math.abs(at.dot(right)) / camera.aspect, Math.abs(at.dot(above))) / tall;
+      away = Math.max(away, aside + at.dot(direction));
+    }
+    return away;
+  }
+
+  const view = {
+    draw,
+    /** What the light and dark of the page make of the view. */
+    dress() {
+      scene.background = new Color().setRGB(...rgbOf("view"));
+      groundUniforms.colour.value.setRGB(...rgbOf("grid"));
+      uniforms.ring.value.setRGB(...rgbOf("ring"));
+      draw();
+    },
+    setTime(t) {
+      uniforms.t.value = t;
+      marks.setTime(t);
+      draw();
+    },
+    setExtent(step, up) {
+      const box = extentOf(step.objects);
+      if (!box) {
+        return;
+      }
+      const middle = new Vector3(...box.low.map((low, k) => (low + box.high[k]) / 2));
+      const radius = Math.max(1e-9, new Vector3(...box.high).distanceTo(new Vector3(...box.low)) / 2);
+      extent = { ...box, middle, radius };
+      view.setUp(up);
+    },
+    setUp(up) {
+      const axis = { x: 0, y: 1, z: 2 }[up];
+      const side = 16 * extent.radius;
+      camera.up.copy(upVector(up));
+      uniforms.up.value.copy(camera.up);
+      ground.position.copy(extent.middle).setComponent(axis, extent.low[axis] - 0.002 * extent.radius);
+      ground.scale.set(side, side, 1);
+      ground.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), camera.up);
+      makeControls();
+    },
+    /** See everything. */
+    fit(up, isAtOnce = false) {
+      if (extent) {
+        const direction = viewDirection(up);
+        const away = FIT_ROOM * distanceToSee(extent, direction);
+        flyTo(extent.middle.clone(), extent.middle.clone().addScaledVector(direction, away), isAtOnce);
+      }
+    },
+    /** Look at a contact from outside of the face, or of where it is now. */
+    flyToContact(step, i, t, size) {
+      const at = new Vector3(...between(step.at0, step.at1, i, t));
+      const direction = camera.position.clone().sub(controls.target).normalize();
+      const normal = new Vector3().fromArray(step.contacts.normal, 3 * i);
+      if (normal.lengthSq() > 0.25 && normal.dot(direction) < -0.2) {
+        normal.negate();
+      }
+      direction.addScaledVector(normal, 0.6).addScaledVector(camera.up, 0.15).normalize();
+      flyTo(at, at.clone().addScaledVector(direction, 22 * size));
+    },
+    showObjects(step, options) {
+      uniforms.opacity.value = options.opacity;
+      objects.show(step, { ...options, wireColour: rgbOf("wire") });
+      draw();
+    },
+    showMarks(step, picked) {
+      marks.show(step, picked);
+      pointSize = Math.min(POINT_MAX, Math.max(POINT_MIN, 13 - 2 * Math.log10(picked.length + 1)));
+      uniforms.size.value = pointSize * renderer.getPixelRatio();
+      uniforms.rim.value = 0.035 * pointSize - 0.15; // small ones would be all ring
+      draw();
+    },
+    choose(step, i, size) {
+      marks.choose(step, i, size, { a: rgbOf("feature-a"), b: rgbOf("feature-b"), normal: rgbOf("normal") });
+      draw();
+    },
+    showBoxes(tree, floats) {
+      const count = boxes.show(tree, floats);
+      draw();
+      return count;
+    },
+    /** The contact of `picked` that is nearest to a place on the canvas; -1: none near. */
+    pick(step, picked, t, x, y) {
+      const { clientWidth: width, clientHeight: height } = canvas;
+      const place = new Vector3();
+      let best = -1;
+      let least = PICK_PIXELS ** 2;
+      let nearest = Infinity;
+      for (const i of picked) {
+        place.set(...between(step.at0, step.at1, i, t)).project(camera);
+        const dx = ((place.x + 1) / 2) * width - x;
+        const dy = ((1 - place.y) / 2) * height - y;
+        const away = dx * dx + dy * dy;
+        if (place.z < 1 && away < PICK_PIXELS ** 2 && (away < least * 0.6 || (away < least * 1.4 && place.z < nearest))) {
+          best = i;
+          least = Math.max(away, 4);
+          nearest = place.z;
+        }
+      }
+      return best;
+    },
+    /** What is seen, as the address of a PNG. */
+    picture() {
+      renderer.render(scene, camera);
+      return canvas.toDataURL("image/png");
+    },
+    extentRadius: () => extent?.radius ?? 1,
+  };
+  resize();
+  return view;
+}

@@ -1,0 +1,100 @@
+// timeline.js - what each phase of each step took, with the number of contacts over it.
+
+import { PHASES } from "./colours.js";
+import { byId, colourOf, count, duration, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
+
+const TOP = 16; // above the bars, for the scale
+const BAR_MAX = 44;
+
+/** A round number of nanoseconds below `ns`, for a line of the scale. */
+function roundBelow(ns) {
+  const power = 10 ** Math.floor(Math.log10(ns));
+  return [5, 2, 1].find((digit) => digit * power <= ns) * power;
+}
+
+/** Nanoseconds of a step that no phase has. */
+const restOf = ({ times }) =>
+  Math.max(0, times.step - PHASES.reduce((sum, phase) => sum + times[phase], 0));
+
+/** [name, nanoseconds] of the parts of a step in their order. */
+export const partsOf = (answer) =>
+  [...PHASES.map((phase) => [phase, answer.times[phase]]), ["other", restOf(answer)]];
+
+export function makeTimeline(data, state) {
+  const canvas = byId("timeline");
+  const { steps } = data.meta;
+  const highest = Math.max(1, ...steps.map(({ answer }) => answer.times.step));
+  const most = Math.max(1, ...steps.map(({ answer }) => answer.total));
+  let hover = -1;
+
+  const widthOf = (width) => Math.min(BAR_MAX, width / steps.length);
+  const indexAt = (event) => {
+    const box = canvas.getBoundingClientRect();
+    const index = Math.floor((event.clientX - box.left) / widthOf(box.width));
+    return Math.min(steps.length - 1, Math.max(0, index));
+  };
+
+  const draw = oncePerFrame(() => {
+    const { context, width, height } = prepareCanvas(canvas);
+    const room = height - TOP - 2;
+    const bar = widthOf(width);
+    const gap = bar > 4 ? Math.min(3, bar * 0.2) : 0;
+    const line = roundBelow(highest);
+    const y = height - (line / highest) * room;
+    context.fillStyle = colourOf("line");
+    context.fillRect(0, Math.round(y), width, 1);
+    steps.forEach(({ answer }, i) => {
+      const isShown = i === state.values.index;
+      let bottom = height;
+      if (isShown || i === hover) {
+        context.fillStyle = colourOf(isShown ? "chosen" : "hover");
+        context.fillRect(i * bar, 0, Math.max(bar, 2), height);
+      }
+      for (const [name, ns] of partsOf(answer)) {
+        const tall = (ns / highest) * room;
+        context.fillStyle = colourOf(`phase-${name}`);
+        context.fillRect(i * bar + gap / 2, bottom - tall, Math.max(bar - gap, 0.75), tall);
+        bottom -= tall;
+      }
+    });
+    context.strokeStyle = colourOf("text");
+    context.globalAlpha = 0.65;
+    context.lineWidth = 1.25;
+    context.beginPath();
+    steps.forEach(({ answer }, i) => {
+      context.lineTo((i + 0.5) * bar, height - 1 - (answer.total / most) * (room - 4));
+    });
+    context.stroke();
+    context.globalAlpha = 1;
+    context.fillStyle = colourOf("faint");
+    context.textAlign = "right";
+    context.fillText(duration(line), width - 4, Math.round(y) + 12);
+    context.fillText(`— contacts, at most ${count(most)}`, width - 4, 11);
+    context.fillStyle = colourOf("accent");
+    context.fillRect(state.values.index * bar, 0, Math.max(bar, 2), 2);
+  });
+
+  canvas.addEventListener("pointermove", (event) => {
+    hover = indexAt(event);
+    const { number, answer } = steps[hover];
+    showTip(event, `step ${number}: ${duration(answer.times.step)}`, [
+      ...partsOf(answer).map(([name, ns]) => `${name}  ${duration(ns)}`),
+      `${count(answer.total)} ${answer.mode === "pairs" ? "pairs" : "contacts"}`,
+    ]);
+    if (event.buttons & 1) {
+      state.set({ index: hover, playing: false });
+    }
+    draw();
+  });
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    state.set({ index: indexAt(event), playing: false });
+  });
+  canvas.addEventListener("pointerleave", () => {
+    hover = -1;
+    hideTip();
+    draw();
+  });
+  state.on(["index", "theme"], draw);
+  new ResizeObserver(draw).observe(canvas);
+}
