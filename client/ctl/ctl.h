@@ -31,6 +31,7 @@
     X(verify, "check the answers of a recording by exact arithmetic")                    \
     X(render, "draw a step of a recording")                                              \
     X(export, "write a step of a recording for Blender or ParaView")                     \
+    X(inspect, "write a recording as a page to look at in a browser")                    \
     X(demo, "stream a falling cloth through a daemon and draw its contacts")             \
     X(completion, "print what a shell needs to complete all this")                       \
     X(version, "tell the versions of tool and library, and the daemon's process")

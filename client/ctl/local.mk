@@ -22,6 +22,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_demo.c \
     client/ctl/commands/cmd_doctor.c \
     client/ctl/commands/cmd_export.c \
+    client/ctl/commands/cmd_inspect.c \
     client/ctl/commands/cmd_list.c \
     client/ctl/commands/cmd_load.c \
     client/ctl/commands/cmd_metrics.c \
@@ -40,6 +41,11 @@ libctl_la_SOURCES = \
     client/ctl/export/colour.c client/ctl/export/colour.h \
     client/ctl/export/gltf.c client/ctl/export/gltf.h \
     client/ctl/export/vtp.c client/ctl/export/vtp.h \
+    client/ctl/inspect/bytes.c client/ctl/inspect/bytes.h \
+    client/ctl/inspect/inspect.c client/ctl/inspect/inspect.h \
+    client/ctl/inspect/inspect_pack.c client/ctl/inspect/inspect_pack.h \
+    client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
+    client/ctl/inspect/page_template.h \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/ply.c \
@@ -63,6 +69,7 @@ libctl_la_SOURCES = \
     client/ctl/record/drive.c client/ctl/record/drive.h \
     client/ctl/record/play.c client/ctl/record/play.h \
     client/ctl/record/play_options.c client/ctl/record/play_options.h \
+    client/ctl/record/step_trace.c client/ctl/record/step_trace.h \
     client/ctl/record/still.c client/ctl/record/still.h \
     client/ctl/record/verify.c client/ctl/record/verify.h \
     client/ctl/record/verify_near.c \
@@ -72,12 +79,19 @@ libctl_la_SOURCES = \
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/observe \
-    -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/picture \
+    -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/inspect \
+    -iquote $(top_srcdir)/client/ctl/picture \
     -iquote $(top_srcdir)/client/ctl/record \
     -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto
 libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
     $(XXHASH_CFLAGS)
+# The assembler takes the page in: no compiler tells of it.
+noinst_LTLIBRARIES += libpage.la
+libpage_la_SOURCES = client/ctl/inspect/page_template.c
+libpage_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -Wa,-I.
+$(libpage_la_OBJECTS): client/inspect/page.html
+libctl_la_LIBADD = libpage.la
 
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)

@@ -13,7 +13,8 @@ CTL_TESTS = \
     tests/unit/test_ctl_malformed \
     tests/unit/test_ctl_cloth \
     tests/unit/test_ctl_output \
-    tests/unit/test_ctl_trace
+    tests/unit/test_ctl_trace \
+    tests/unit/test_ctl_inspect
 check_PROGRAMS += $(CTL_TESTS)
 TESTS += $(CTL_TESTS)
 
@@ -36,3 +37,8 @@ tests_unit_test_ctl_output_LDADD = $(CTL_TEST_LDADD) $(PNG_LIBS) $(JANSSON_LIBS)
 tests_unit_test_ctl_trace_SOURCES = tests/unit/test_ctl_trace.c
 tests_unit_test_ctl_trace_CPPFLAGS = $(CTL_TEST_CPPFLAGS) $(JANSSON_CFLAGS)
 tests_unit_test_ctl_trace_LDADD = libctl.la libpccd.la $(CMOCKA_LIBS) $(JANSSON_LIBS) $(LIBM)
+
+tests_unit_test_ctl_inspect_SOURCES = tests/unit/test_ctl_inspect.c
+tests_unit_test_ctl_inspect_CPPFLAGS = $(CTL_TEST_CPPFLAGS) $(JANSSON_CFLAGS)
+tests_unit_test_ctl_inspect_LDADD = libctl.la libpccd.la librecord.la liboracle.la \
+    $(CMOCKA_LIBS) $(JANSSON_LIBS) $(LIBM)

@@ -1,0 +1,225 @@
+/* client/ctl/commands/cmd_inspect.c - pccdctl inspect.
+ *
+ * Room:     client/ctl.
+ * Does:     has a daemon repeat a recording, and writes what it did as one page that a
+ *           browser opens, without a network.
+ * Does not: draw: the page does.
+ * Threads:  one.
+ * Source:   inspect.h, page_template.h.
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ctl.h"
+#include "inspect.h"
+#include "page_template.h"
+#include "picture.h"
+#include "play_options.h"
+
+#define MIB              (1u << 20)
+#define SIZE_DEFAULT_MIB 64u
+#define SIZE_MAX_MIB     2048u /* browsers do not open much more */
+#define EVERY_MAX        (1u << 30)
+
+enum {
+    OPTION_EVERY = 256 + 64,
+    OPTION_MAX_SIZE,
+    OPTION_ROUND,
+    OPTION_NO_LANES,
+    OPTION_OUTPUT = 'o'
+};
+
+struct command {
+    struct play_options options;
+    struct inspect_settings settings;
+    const char *path;
+};
+
+static const struct argp_option option_list[] = {
+    {"output", OPTION_OUTPUT, "FILE", 0, "Where the page goes: FILE.html", 0},
+    {"every", OPTION_EVERY, "N", 0, "Show one in N steps (default: each)", 0},
+    {"max-size", OPTION_MAX_SIZE, "MIB", 0,
+     "Of the page, MiB (default: 64). Steps for which there is no room are left out, and "
+     "a line on standard error says so",
+     0},
+    {"round", OPTION_ROUND, NULL, 0,
+     "Store coordinates in 16 bits each, a 65535th of their object's size apart, in half "
+     "of the room",
+     0},
+    {"no-lanes", OPTION_NO_LANES, NULL, 0,
+     "Do not record what the daemon's threads do at each step", 0},
+    {0},
+};
+
+static bool ends_with(const char *text, const char *end)
+{
+    size_t length = strlen(text), tail = strlen(end);
+    return length > tail && strcmp(text + length - tail, end) == 0;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct command *command = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &command->options;
+        return 0;
+    case OPTION_OUTPUT:
+        if (!ends_with(text, ".html")) {
+            argp_error(state, "-o: \"%s\" does not end with .html", text);
+        }
+        command->path = text;
+        return 0;
+    case OPTION_EVERY:
+        command->settings.every = ctl_option_count(state, "every", text, 1, EVERY_MAX);
+        return 0;
+    case OPTION_MAX_SIZE:
+        command->settings.bytes_max =
+            ctl_option_count(state, "max-size", text, 1, SIZE_MAX_MIB) * MIB;
+        return 0;
+    case OPTION_ROUND:
+        command->settings.is_rounded = true;
+        return 0;
+    case OPTION_NO_LANES:
+        command->options.play.is_traced = false;
+        return 0;
+    case ARGP_KEY_END:
+        if (command->path == NULL) {
+            argp_error(state, "-o FILE.html says where the page goes");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
+const struct argp ctl_argp_inspect = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "FILE",
+    .doc =
+        "Repeat the steps of a recording with a daemon, and write them as a page that "
+        "any browser opens: the objects in motion, the contacts by kind and time, the "
+        "boxes of the hierarchies, and what each phase and each thread took.\vThe page "
+        "is one file, which asks for nothing over a network. Without --url and --socket "
+        "a private daemon is started.",
+    .children = children};
+
+/* ---- the page ---------------------------------------------------------------------- */
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash != NULL && slash[1] != '\0' ? slash + 1 : path;
+}
+
+static void print_done(const struct command *command, const struct inspect *inspect,
+                       const struct play_summary *summary, uint64_t bytes)
+{
+    printf("%s: %" PRIu64 " steps, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n", command->path,
+           inspect->kept, inspect->first, inspect->last, (double)bytes / MIB);
+    if (inspect->differ > 0) {
+        ctl_complain("%" PRIu64 " answers are others than the recorded ones",
+                     inspect->differ);
+    }
+    if (inspect->no_lanes[0] != '\0') {
+        ctl_complain("without what threads did: %s", inspect->no_lanes);
+    }
+    if (inspect->is_full) {
+        uint64_t end = command->options.play.last != 0 &&
+                               command->options.play.last < summary->last_step
+                           ? command->options.play.last
+                           : summary->last_step;
+        uint64_t wanted = end - inspect->first + 1;
+        uint64_t fitting = inspect->last - inspect->first + command->settings.every;
+        ctl_complain("the page was full after step %" PRIu64 " of %" PRIu64
+                     ": --every %" PRIu64
+                     " has room for all, --max-size for more, --steps "
+                     "A..B shows others",
+                     inspect->last, end,
+                     (wanted + fitting - 1) / fitting * command->settings.every);
+    }
+}
+
+static int write_page(struct command *command, FILE *to, struct ctl_error *error)
+{
+    struct play_settings *play_settings = &command->options.play;
+    struct play_summary summary;
+    struct page_file page;
+    struct inspect inspect;
+    size_t template_bytes = 0;
+    const char *template = page_template(&template_bytes);
+    int status = inspect_init(&inspect, &command->settings, &page, error);
+    if (status == PCCD_OK) {
+        status =
+            page_file_begin(&page, to, command->path, template, template_bytes, error);
+    }
+    if (status == PCCD_OK) {
+        status = play(play_settings, inspect_step, &inspect, &summary, error);
+    }
+    if (status == PCCD_OK && inspect.kept == 0) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "%s holds no such step; it has %" PRIu64 ", the last "
+                               "%" PRIu64,
+                               play_settings->path, summary.frames, summary.last_step);
+    }
+    if (status == PCCD_OK) {
+        status =
+            inspect_finish(&inspect, base_name(play_settings->path), &summary, error);
+    }
+    if (status == PCCD_OK) {
+        play_options_warn(play_settings, &summary);
+        print_done(command, &inspect, &summary, (uint64_t)ftell(to));
+    }
+    inspect_deinit(&inspect);
+    return status;
+}
+
+int ctl_cmd_inspect(int argc, char **argv)
+{
+    struct command command = {
+        .settings = {.every = 1, .bytes_max = (uint64_t)SIZE_DEFAULT_MIB * MIB}};
+    struct ctl_error error = {.text = ""};
+    FILE *to = NULL;
+    size_t bytes;
+    play_options_init(&command.options, "steps");
+    command.options.play.source = PLAY_DAEMON;
+    command.options.play.needs_records = true;
+    command.options.play.is_traced = true;
+    if (argp_parse(&ctl_argp_inspect, argc, argv, 0, NULL, &command) != 0) {
+        return CTL_FAILED;
+    }
+    int status = PCCD_OK;
+    if (page_template(&bytes) == NULL) {
+        status = ctl_error_set(
+            &error, PCCD_E_SYSTEM,
+            "this pccdctl was built without the page of inspect: build it again where "
+            "node (18 or later) and npm are installed, with configure "
+            "--with-inspect=yes; \"pccdctl render\" and \"export\" need neither");
+    }
+    if (status == PCCD_OK) {
+        status = picture_open(command.path, &to, &error);
+    }
+    if (status == PCCD_OK) {
+        status = picture_empty(to, command.path, &error);
+    }
+    if (status == PCCD_OK) {
+        status = write_page(&command, to, &error);
+    }
+    if (to != NULL && status != PCCD_OK) {
+        picture_empty(to, command.path, &(struct ctl_error){.text = ""});
+        picture_discard(to, command.path); /* half a page shows nothing */
+    } else if (to != NULL && fclose(to) != 0) {
+        status = ctl_error_set(&error, PCCD_E_SYSTEM, "%s: cannot write: %s",
+                               command.path, strerror(errno));
+    }
+    if (status != PCCD_OK) {
+        play_complain(&error);
+    }
+    play_options_deinit(&command.options);
+    return play_exit(status, true);
+}

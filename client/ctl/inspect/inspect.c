@@ -1,0 +1,288 @@
+/* client/ctl/inspect/inspect.c - the steps of a recording become data of a page.
+ *
+ * Room:     client/ctl.
+ * Does:     one blob a step, written as soon as it is known to fit; the JSON text, which
+ *           says where all is, at the end.
+ * Does not: hold more than one step in memory, but for its description.
+ * Threads:  one.
+ * Source:   inspect.h.
+ */
+#include "inspect.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "inspect_pack.h"
+#include "report.h"
+
+#define FORMAT 1 /* of the data; data.js is in the same file, and asks nevertheless */
+/* Of the JSON text beside steps and meshes; names are cut to fit. */
+#define META_REST      4096u
+#define NAME_MAX_BYTES 256u
+
+static int no_memory(struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the page");
+}
+
+int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
+                 struct page_file *page, struct ctl_error *error)
+{
+    *inspect = (struct inspect){.settings = *settings,
+                                .page = page,
+                                .steps = json_array(),
+                                .meshes = json_array()};
+    return inspect->steps != NULL && inspect->meshes != NULL ? PCCD_OK : no_memory(error);
+}
+
+void inspect_deinit(struct inspect *inspect)
+{
+    json_decref(inspect->steps);
+    json_decref(inspect->meshes);
+    bytes_deinit(&inspect->data);
+    free(inspect->places);
+    free(inspect->known);
+    memset(inspect, 0, sizeof(*inspect));
+}
+
+/* ---- what is said of a step -------------------------------------------------------- */
+
+/* jansson's *_set_new takes the value also when it fails, and fails on a NULL value. */
+static void set(json_t *object, const char *key, json_t *value, bool *ok)
+{
+    *ok = json_object_set_new(object, key, value) == 0 && *ok;
+}
+
+static void set_count(json_t *object, const char *key, uint64_t value, bool *ok)
+{
+    set(object, key, json_integer((json_int_t)value), ok);
+}
+
+static void set_name(json_t *object, const char *key, const char *name, bool *ok)
+{
+    set(object, key, name != NULL ? json_string(name) : json_null(), ok);
+}
+
+static json_t *times_of(const struct pccd_step_times *times, bool *ok)
+{
+    json_t *object = json_object();
+    set_count(object, "queue", times->queue, ok);
+#define SET_TIME(name) set_count(object, #name, times->name, ok);
+    REPORT_PHASES(SET_TIME)
+#undef SET_TIME
+    return object;
+}
+
+static json_t *counters_of(const struct pccd_step_counters *counters, bool *ok)
+{
+    json_t *object = json_object();
+#define SET_COUNTER(name) set_count(object, #name, counters->name, ok);
+    REPORT_COUNTERS(SET_COUNTER)
+#undef SET_COUNTER
+    return object;
+}
+
+static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
+{
+    json_t *object = json_object();
+    char hash[33];
+    snprintf(hash, sizeof(hash), "%016" PRIx64 "%016" PRIx64, answer->hash[0],
+             answer->hash[1]);
+    set_name(object, "status", pccd_status_name(answer->status), ok);
+    set_name(object, "mode", report_mode_name(answer->mode), ok);
+    set_name(object, "method", report_method_name(answer->method), ok);
+    set_name(object, "scheduler", report_scheduler_name(answer->scheduler), ok);
+    set_name(object, "refit", report_refit_name(answer->refit), ok);
+    set_count(object, "incomplete", answer->incomplete, ok);
+    set_count(object, "verdict", answer->verdict, ok);
+    set_count(object, "threads", answer->threads, ok);
+    set_count(object, "total", answer->total, ok);
+    set_count(object, "vf", answer->vf, ok);
+    set_count(object, "ee", answer->ee, ok);
+    set_count(object, "possible", answer->possible, ok);
+    set_count(object, "initial", answer->initial, ok);
+    set(object, "toi_first",
+        answer->toi_first <= 1 ? json_real(answer->toi_first) : json_null(), ok);
+    set_name(object, "hash", hash, ok);
+    set(object, "times", times_of(&answer->times, ok), ok);
+    set(object, "counters", counters_of(&answer->counters, ok), ok);
+    return object;
+}
+
+/* Only answers that were and are complete must be equal. */
+static bool is_complete(uint32_t incomplete)
+{
+    return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
+}
+
+/* "same", "other", or "none": there is nothing to compare. */
+static const char *compare(const struct play_step *step)
+{
+    const struct record_answer *then = step->recorded;
+    const struct pccd_answer *now = step->answer;
+    if (then == NULL || now == NULL ||
+        (then->status == PCCD_OK &&
+         (!is_complete(then->incomplete) || !is_complete((uint32_t)now->incomplete)))) {
+        return "none";
+    }
+    return then->status == now->status &&
+                   (then->status != PCCD_OK || memcmp(then->hash, now->hash, 16) == 0)
+               ? "same"
+               : "other";
+}
+
+/* ---- steps ------------------------------------------------------------------------- */
+
+/* The middle of the first step's objects: what is far from zero stays sharp as float. */
+static void choose_origin(struct inspect *inspect, const struct world_scene *scene)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct world_object *object = &scene->objects[i];
+        for (uint32_t v = 0; v < object->mesh->vertex_count; v++) {
+            for (uint32_t k = 0; k < 3; k++) {
+                low[k] = fmin(low[k], object->x0[v][k]);
+                high[k] = fmax(high[k], object->x0[v][k]);
+            }
+        }
+    }
+    for (uint32_t k = 0; k < 3 && scene->object_count > 0; k++) {
+        inspect->origin[k] = low[k] + (high[k] - low[k]) / 2;
+    }
+    inspect->has_origin = scene->object_count > 0;
+}
+
+/* Everything of a step: its description, its data, and the meshes that it brings. */
+static json_t *describe(struct inspect *inspect, const struct play_step *step,
+                        const char *compared, json_t *meshes)
+{
+    bool ok = true;
+    json_t *object = json_object();
+    set_count(object, "number", step->number, &ok);
+    set_count(object, "scene", step->scene->handle, &ok);
+    set_name(object, "recorded", compared, &ok);
+    set(object, "answer", answer_of(step->answer, &ok), &ok);
+    set(object, "objects", inspect_pack_objects(inspect, step->scene, meshes), &ok);
+    set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);
+    set(object, "events", inspect_pack_events(inspect, step->trace), &ok);
+    if (!ok || inspect->data.is_short) {
+        json_decref(object);
+        return NULL;
+    }
+    return object;
+}
+
+/* Write it if it fits. */
+static int keep(struct inspect *inspect, uint64_t number, json_t *step, json_t *meshes,
+                struct ctl_error *error)
+{
+    uint64_t meta = page_file_json_bytes(step) + 1 + page_file_json_bytes(meshes) + 1;
+    uint64_t bytes = inspect->page->bytes + inspect->meta_bytes + META_REST + meta +
+                     page_file_blob_bytes(inspect->data.used);
+    if (bytes > inspect->settings.bytes_max) {
+        inspect->is_full = true;
+        return inspect->kept > 0
+                   ? PCCD_E_CANCELLED
+                   : ctl_error_set(error, PCCD_E_LIMIT,
+                                   "step %" PRIu64 " alone makes a page of %.1f MiB: "
+                                   "--max-size allows more, --round halves positions",
+                                   number, (double)bytes / (1 << 20));
+    }
+    int status =
+        page_file_blob(inspect->page, inspect->data.at, inspect->data.used, error);
+    if (status == PCCD_OK && (json_array_append(inspect->steps, step) != 0 ||
+                              json_array_extend(inspect->meshes, meshes) != 0)) {
+        status = no_memory(error);
+    }
+    inspect->meta_bytes += meta;
+    inspect->first = inspect->kept++ == 0 ? number : inspect->first;
+    inspect->last = number;
+    return status;
+}
+
+int inspect_step(void *context, const struct play_step *step, struct ctl_error *error)
+{
+    struct inspect *inspect = context;
+    if (step->scene == NULL || step->answer == NULL) {
+        return PCCD_OK; /* it failed, in a scene that there was not */
+    }
+    const char *compared = compare(step);
+    inspect->differ += strcmp(compared, "other") == 0;
+    if (inspect->seen++ % inspect->settings.every != 0) {
+        inspect->left_out++;
+        return PCCD_OK;
+    }
+    if (!inspect->has_origin) {
+        choose_origin(inspect, step->scene);
+    }
+    if (step->trace != NULL && step->trace->status != PCCD_OK) {
+        memcpy(inspect->no_lanes, step->trace->text, sizeof(inspect->no_lanes));
+    }
+    bytes_empty(&inspect->data);
+    json_t *meshes = json_array();
+    json_t *object = describe(inspect, step, compared, meshes);
+    int status = object != NULL ? keep(inspect, step->number, object, meshes, error)
+                                : no_memory(error);
+    json_decref(object);
+    json_decref(meshes);
+    return status;
+}
+
+/* ---- the end ----------------------------------------------------------------------- */
+
+/* Bytes as text that JSON can hold: what is not UTF-8 becomes "?", what is too long is
+ * cut. */
+static json_t *text_of(const char *bytes, size_t count)
+{
+    char text[NAME_MAX_BYTES + 1];
+    size_t used = 0;
+    while (used < count && used < NAME_MAX_BYTES && bytes[used] != '\0') {
+        text[used] = bytes[used];
+        used++;
+    }
+    text[used] = '\0';
+    json_t *value = json_string(text);
+    for (size_t i = 0; value == NULL && i < used; i++) {
+        text[i] = (text[i] & 0x80) != 0 || text[i] < ' ' ? '?' : text[i];
+    }
+    return value != NULL ? value : json_string(text);
+}
+
+static json_t *recording_of(const char *name, const struct play_summary *summary,
+                            bool *ok)
+{
+    const struct record_begin *begin = &summary->begin;
+    json_t *object = json_object();
+    set(object, "name", text_of(name, strlen(name)), ok);
+    set(object, "library", text_of(begin->library, sizeof(begin->library)), ok);
+    set(object, "cpu", text_of(begin->cpu, sizeof(begin->cpu)), ok);
+    set(object, "unix_ms", json_real((double)begin->unix_ns / 1e6), ok);
+    set_count(object, "pid", begin->pid, ok);
+    set_count(object, "steps", summary->frames, ok);
+    set(object, "is_whole", json_boolean(summary->ending == RECORD_ENDING_WHOLE), ok);
+    return object;
+}
+
+int inspect_finish(struct inspect *inspect, const char *name,
+                   const struct play_summary *summary, struct ctl_error *error)
+{
+    const double *origin = inspect->origin;
+    bool ok = true;
+    json_t *meta = json_object();
+    set_count(meta, "format", FORMAT, &ok);
+    set_name(meta, "version", pccd_version(), &ok);
+    set(meta, "recording", recording_of(name, summary, &ok), &ok);
+    set_count(meta, "every", inspect->settings.every, &ok);
+    set(meta, "is_full", json_boolean(inspect->is_full), &ok);
+    set(meta, "is_rounded", json_boolean(inspect->settings.is_rounded), &ok);
+    set(meta, "no_lanes", text_of(inspect->no_lanes, sizeof(inspect->no_lanes)), &ok);
+    set(meta, "origin", json_pack("[f, f, f]", origin[0], origin[1], origin[2]), &ok);
+    set(meta, "meshes", json_incref(inspect->meshes), &ok);
+    set(meta, "steps", json_incref(inspect->steps), &ok);
+    int status = ok ? page_file_finish(inspect->page, meta, error) : no_memory(error);
+    json_decref(meta);
+    return status;
+}

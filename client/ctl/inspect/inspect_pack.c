@@ -1,0 +1,302 @@
+/* client/ctl/inspect/inspect_pack.c - parts of a step as sections of data.
+ *
+ * Room:     client/ctl.
+ * Does:     positions relative to the page's origin, so that float is enough far from
+ *           zero; each mesh once, each position of what stands still once.
+ * Does not: choose steps, or write them (inspect.c).
+ * Threads:  one.
+ * Source:   inspect_pack.h.
+ */
+#include "inspect_pack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#define LEVELS 65535.0 /* of a rounded coordinate */
+
+_Static_assert(sizeof(struct inspect_contact) == 24, "data.js reads 24 bytes");
+_Static_assert(sizeof(struct inspect_event) == 20, "data.js reads 20 bytes");
+
+json_t *inspect_section(const struct inspect *inspect, size_t offset)
+{
+    return json_pack("[I, I]", (json_int_t)inspect->page->blob_count, (json_int_t)offset);
+}
+
+static void hash_of(const void *bytes, size_t count, uint64_t hash[2])
+{
+    XXH128_hash_t sum = XXH3_128bits(bytes, count);
+    hash[0] = sum.high64;
+    hash[1] = sum.low64;
+}
+
+/* Room for one more of `bytes` each in a growing array. */
+static bool make_room(void **items, uint32_t count, uint32_t *room, size_t bytes)
+{
+    uint32_t larger = *room == 0 ? 16 : *room * 2;
+    if (count < *room) {
+        return true;
+    }
+    void *grown = realloc(*items, larger * bytes);
+    if (grown == NULL) {
+        return false;
+    }
+    *items = grown;
+    *room = larger;
+    return true;
+}
+
+/* ---- meshes ------------------------------------------------------------------------ */
+
+static json_t *pack_triangles(struct inspect *inspect, const struct world_mesh *mesh)
+{
+    size_t corners = (size_t)mesh->triangle_count * 3, offset = 0;
+    const uint32_t *from = &mesh->triangles[0][0];
+    bool is_small = mesh->vertex_count <= 65536;
+    void *to = bytes_section(&inspect->data,
+                             corners * (is_small ? sizeof(uint16_t) : sizeof(uint32_t)),
+                             &offset);
+    if (to == NULL) {
+        return NULL;
+    }
+    for (size_t i = 0; i < corners; i++) {
+        if (is_small) {
+            ((uint16_t *)to)[i] = (uint16_t)from[i];
+        } else {
+            ((uint32_t *)to)[i] = from[i];
+        }
+    }
+    return json_pack("{s:I, s:I, s:o}", "vertices", (json_int_t)mesh->vertex_count,
+                     "triangles", (json_int_t)mesh->triangle_count, "at",
+                     inspect_section(inspect, offset));
+}
+
+/* The number of a mesh in the file, -1 without memory. */
+static int64_t find_mesh(struct inspect *inspect, const struct world_mesh *mesh,
+                         json_t *meshes)
+{
+    struct inspect_mesh key = {.vertex_count = mesh->vertex_count,
+                               .triangle_count = mesh->triangle_count};
+    hash_of(mesh->triangles, (size_t)mesh->triangle_count * sizeof(*mesh->triangles),
+            key.hash);
+    for (uint32_t i = 0; i < inspect->known_count; i++) {
+        if (memcmp(&inspect->known[i], &key, sizeof(key)) == 0) {
+            return i;
+        }
+    }
+    if (!make_room((void **)&inspect->known, inspect->known_count, &inspect->known_room,
+                   sizeof(key)) ||
+        json_array_append_new(meshes, pack_triangles(inspect, mesh)) != 0) {
+        return -1;
+    }
+    inspect->known[inspect->known_count] = key;
+    return inspect->known_count++;
+}
+
+/* ---- positions --------------------------------------------------------------------- */
+
+static bool pack_floats(struct inspect *inspect, const double (*x)[3], uint32_t count,
+                        size_t *offset)
+{
+    float(*to)[3] = bytes_section(&inspect->data, count * sizeof(*to), offset);
+    for (uint32_t i = 0; to != NULL && i < count; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            to[i][k] = (float)(x[i][k] - inspect->origin[k]);
+        }
+    }
+    return to != NULL;
+}
+
+static bool pack_rounded(struct inspect *inspect, const double (*x)[3], uint32_t count,
+                         size_t *offset)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float head[6];
+    uint8_t *to = bytes_section(&inspect->data,
+                                sizeof(head) + count * 3 * sizeof(uint16_t), offset);
+    if (to == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], x[i][k]);
+            high[k] = fmax(high[k], x[i][k]);
+        }
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        head[k] = (float)(low[k] - inspect->origin[k]);
+        head[3 + k] = (float)((high[k] - low[k]) / LEVELS);
+    }
+    memcpy(to, head, sizeof(head));
+    uint16_t *rounded = (uint16_t *)(void *)(to + sizeof(head));
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            double side = high[k] - low[k];
+            double at = side > 0 ? (x[i][k] - low[k]) / side * LEVELS : 0;
+            rounded[3 * i + k] = (uint16_t)lrint(at);
+        }
+    }
+    return true;
+}
+
+static struct inspect_place *find_place(struct inspect *inspect, uint32_t scene,
+                                        uint32_t object)
+{
+    for (uint32_t i = 0; i < inspect->place_count; i++) {
+        if (inspect->places[i].scene == scene && inspect->places[i].object == object) {
+            return &inspect->places[i];
+        }
+    }
+    if (!make_room((void **)&inspect->places, inspect->place_count, &inspect->place_room,
+                   sizeof(*inspect->places))) {
+        return NULL;
+    }
+    struct inspect_place *place = &inspect->places[inspect->place_count++];
+    *place = (struct inspect_place){.scene = scene, .object = object};
+    return place;
+}
+
+/* Positions of an object, where it is last or in a section of their own. */
+static json_t *pack_positions(struct inspect *inspect, struct inspect_place *place,
+                              const double (*x)[3], uint32_t count)
+{
+    size_t used = inspect->data.used, offset = 0;
+    uint64_t hash[2];
+    if (!(inspect->settings.is_rounded ? pack_rounded(inspect, x, count, &offset)
+                                       : pack_floats(inspect, x, count, &offset))) {
+        return NULL;
+    }
+    hash_of(inspect->data.at + offset, inspect->data.used - offset, hash);
+    if (memcmp(hash, place->hash, sizeof(hash)) == 0) {
+        inspect->data.used = used;
+    } else {
+        memcpy(place->hash, hash, sizeof(hash));
+        place->blob = inspect->page->blob_count;
+        place->offset = offset;
+    }
+    return json_pack("[I, I]", (json_int_t)place->blob, (json_int_t)place->offset);
+}
+
+json_t *inspect_pack_objects(struct inspect *inspect, const struct world_scene *scene,
+                             json_t *meshes)
+{
+    json_t *objects = json_array();
+    for (uint32_t i = 0; i < scene->object_count && objects != NULL; i++) {
+        const struct world_object *object = &scene->objects[i];
+        uint32_t count = object->mesh->vertex_count;
+        int64_t mesh = find_mesh(inspect, object->mesh, meshes);
+        struct inspect_place *place = find_place(inspect, scene->handle, object->handle);
+        if (mesh < 0 || place == NULL) {
+            json_decref(objects);
+            return NULL;
+        }
+        json_t *x0 =
+            pack_positions(inspect, place, (const double(*)[3])object->x0, count);
+        json_t *x1 =
+            pack_positions(inspect, place, (const double(*)[3])object->x1, count);
+        json_t *item =
+            json_pack("{s:I, s:I, s:o, s:o}", "handle", (json_int_t)object->handle,
+                      "mesh", (json_int_t)mesh, "x0", x0, "x1", x1);
+        if (json_array_append_new(objects, item) != 0) {
+            json_decref(objects);
+            return NULL;
+        }
+    }
+    return objects;
+}
+
+/* ---- contacts ---------------------------------------------------------------------- */
+
+/* The place of a handle in the scene's list; records come in the order of the first, so
+ * that the place of the one before is nearly always right. */
+static bool find_object(const struct world_scene *scene, uint32_t handle, uint16_t *place)
+{
+    if (*place < scene->object_count && scene->objects[*place].handle == handle) {
+        return true;
+    }
+    for (uint32_t i = 0; i < scene->object_count && i <= UINT16_MAX; i++) {
+        if (scene->objects[i].handle == handle) {
+            *place = (uint16_t)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint16_t share_of(float value)
+{
+    return (uint16_t)lrintf(fminf(fmaxf(value, 0), 1) * 65535);
+}
+
+static int8_t part_of(float value)
+{
+    return (int8_t)lrintf(fminf(fmaxf(value, -1), 1) * 127);
+}
+
+json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step)
+{
+    uint64_t count = step->contacts != NULL && step->scene != NULL ? step->count : 0;
+    size_t offset = 0;
+    uint16_t a = 0, b = 0;
+    uint64_t packed = 0;
+    struct inspect_contact *to =
+        bytes_section(&inspect->data, count * sizeof(*to), &offset);
+    for (uint64_t i = 0; to != NULL && i < count; i++) {
+        const struct pccd_contact *from = &step->contacts[i];
+        if (!find_object(step->scene, from->object_a, &a) ||
+            !find_object(step->scene, from->object_b, &b)) {
+            continue; /* a record that makes no sense: see still.c */
+        }
+        to[packed++] = (struct inspect_contact){
+            .feature_a = from->feature_a,
+            .feature_b = from->feature_b,
+            .object_a = a,
+            .object_b = b,
+            .toi = (float)from->toi,
+            .param = {share_of(from->param[0]), share_of(from->param[1])},
+            .normal = {part_of(from->normal[0]), part_of(from->normal[1]),
+                       part_of(from->normal[2])},
+            .flags = (uint8_t)((from->flags & (PCCD_PROVED | PCCD_INITIAL)) |
+                               (from->kind == PCCD_EE ? INSPECT_EDGE_EDGE : 0))};
+    }
+    return to == NULL ? NULL
+                      : json_pack("{s:o, s:I}", "at", inspect_section(inspect, offset),
+                                  "count", (json_int_t)packed);
+}
+
+/* ---- events ------------------------------------------------------------------------ */
+
+json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace)
+{
+    size_t offset = 0;
+    uint32_t threads = 0;
+    if (trace == NULL || trace->status != PCCD_OK || trace->end_ns == 0) {
+        return json_null();
+    }
+    struct inspect_event *to =
+        bytes_section(&inspect->data, trace->count * sizeof(*to), &offset);
+    if (to == NULL) {
+        return NULL;
+    }
+    for (uint32_t i = 0; i < trace->count; i++) {
+        const struct pccd_trace_event *from = &trace->events[i];
+        uint64_t begin_ns = from->begin_ns - trace->begin_ns;
+        uint64_t duration_ns = from->end_ns - from->begin_ns;
+        threads = from->thread >= threads ? from->thread + 1 : threads;
+        to[i] = (struct inspect_event){
+            .begin_ns = (uint32_t)(begin_ns < UINT32_MAX ? begin_ns : UINT32_MAX),
+            .duration_ns =
+                (uint32_t)(duration_ns < UINT32_MAX ? duration_ns : UINT32_MAX),
+            .kind_thread = from->kind | from->thread << 8,
+            .a = from->a,
+            .b = from->b};
+    }
+    return json_pack("{s:o, s:I, s:I, s:I, s:I}", "at", inspect_section(inspect, offset),
+                     "count", (json_int_t)trace->count, "threads", (json_int_t)threads,
+                     "ns", (json_int_t)(trace->end_ns - trace->begin_ns), "lost",
+                     (json_int_t)trace->lost);
+}

@@ -1,0 +1,28 @@
+/* client/ctl/inspect/inspect_pack.h - parts of a step as sections of data.
+ *
+ * Room:     client/ctl. May include: inspect.h.
+ * Does:     round and place; say in JSON where.
+ * Does not: write files.
+ * Threads:  one.
+ * Source:   inspect.h has the layouts.
+ *
+ * All append to inspect->data and return a new reference, or NULL without memory.
+ */
+#ifndef CTL_INSPECT_PACK_H
+#define CTL_INSPECT_PACK_H
+
+#include "inspect.h"
+
+/* [{"handle", "mesh", "x0", "x1"}] of the step's scene; `meshes` gets those that are not
+ * in the file yet. */
+json_t *inspect_pack_objects(struct inspect *inspect, const struct world_scene *scene,
+                             json_t *meshes);
+/* {"at", "count"} */
+json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
+/* {"at", "count", "threads", "lost"}, or null: it was not recorded. */
+json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);
+
+/* [blob, offset] of a section of the step that is being packed. */
+json_t *inspect_section(const struct inspect *inspect, size_t offset);
+
+#endif

@@ -1,0 +1,32 @@
+/* client/ctl/inspect/page_template.c - the page, without data.
+ *
+ * Room:     client/ctl.
+ * Does:     have the assembler take the file in: a C array of it takes a compiler longer
+ *           than all the rest of this folder.
+ * Does not: read a file when the program runs.
+ * Threads:  [any].
+ * Source:   page_template.h; client/inspect/local.mk makes the file, empty where there is
+ *           nothing to make it with.
+ */
+#include "page_template.h"
+
+/* From the folder of the build, which is on the assembler's path. */
+__asm__(".section .rodata\n"
+        ".global ctl_page_begin\n"
+        ".hidden ctl_page_begin\n"
+        ".global ctl_page_end\n"
+        ".hidden ctl_page_end\n"
+        "ctl_page_begin:\n"
+        ".incbin \"client/inspect/page.html\"\n"
+        "ctl_page_end:\n"
+        ".byte 0\n"
+        ".previous\n");
+
+extern const char ctl_page_begin[] __attribute__((visibility("hidden")));
+extern const char ctl_page_end[] __attribute__((visibility("hidden")));
+
+const char *page_template(size_t *bytes)
+{
+    *bytes = (size_t)(ctl_page_end - ctl_page_begin);
+    return *bytes > 0 ? ctl_page_begin : NULL;
+}
