@@ -14,5 +14,6 @@ include $(top_srcdir)/tests/abi/local.mk
 include $(top_srcdir)/tests/integration/local.mk
 include $(top_srcdir)/tests/zoo/local.mk
 include $(top_srcdir)/tests/python/local.mk
+include $(top_srcdir)/tests/inspect/local.mk
 include $(top_srcdir)/tests/docs/local.mk
 include $(top_srcdir)/tests/style/local.mk

@@ -1,0 +1,126 @@
+"""check_options.py - what pccdctl inspect writes, without a browser.
+
+Room:     tests/inspect.
+Does:     options, exit statuses, size; the data against what check said.
+"""
+
+import os
+import tempfile
+import unittest
+
+from page import Page
+from scene import FRAMES, NAME, Scene, pccdctl, positions
+
+MIB = 1 << 20
+
+
+class Options(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.made.cleanup)
+        cls.scene = Scene(cls.made.name)
+
+    def page(self, *options):
+        self.scene.inspect("page.html", *options)
+        return Page(os.path.join(self.made.name, "page.html"))
+
+    def worst(self, page, step, end, frame):
+        return max(abs(a - b) for given, true in zip(page.positions(step, end),
+                                                     positions(frame), strict=True)
+                   for a, b in zip(given, true, strict=True))
+
+    # If it failed, the page would show other places than the daemon was told.
+    def test_page__holds_the_positions_of_both_ends(self):
+        page = self.page()
+        for step in range(FRAMES - 1):
+            self.assertLess(self.worst(page, step, "x0", step), 1e-5)
+            self.assertLess(self.worst(page, step, "x1", step + 1), 1e-5)
+
+    # If it failed, the page would count otherwise than everybody else.
+    def test_page__has_the_counts_that_check_told(self):
+        page = self.page()
+        self.assertEqual(len(page.meta["steps"]), FRAMES - 1)
+        self.assertGreater(sum(said["contacts"] for said in self.scene.steps), 100)
+        for step, said in zip(page.meta["steps"], self.scene.steps, strict=True):
+            answer = step["answer"]
+            self.assertEqual((answer["total"], answer["vf"], answer["ee"]),
+                             (said["contacts"], said["vf"], said["ee"]))
+            self.assertEqual(answer["hash"], said["hash"])
+            self.assertEqual(answer["counters"]["candidates_vf"],
+                             said["counters"]["candidates_vf"])
+            self.assertEqual(step["contacts"]["count"], said["contacts"])
+            self.assertEqual(step["recorded"], "same")
+
+    # If it failed, what stands still would be stored at each step.
+    def test_page__stores_an_end_once(self):
+        steps = self.page().meta["steps"]
+        for before, after in zip(steps, steps[1:], strict=False):
+            self.assertEqual(before["objects"][0]["x1"], after["objects"][0]["x0"])
+
+    # If it failed, half of the room would show something else.
+    def test_round__keeps_positions_to_a_65535th(self):
+        page = self.page("--round")
+        self.assertTrue(page.meta["is_rounded"])
+        for step in range(FRAMES - 1):
+            self.assertLess(self.worst(page, step, "x1", step + 1), 12 / 65535)
+
+    # If it failed, a long recording could not be thinned out.
+    def test_every__shows_one_in_so_many(self):
+        page = self.page("--every", "2", "--steps", "1..4")
+        self.assertEqual([step["number"] for step in page.meta["steps"]], [1, 3])
+        self.assertLess(self.worst(page, 1, "x0", 2), 1e-5)
+
+    # If it failed, a page could become larger than a browser opens, without a word.
+    def test_size__is_kept_and_told(self):
+        names = [f"large{i}.ply" for i in range(4)]
+        points = 30000
+        for i, name in enumerate(names):
+            with open(os.path.join(self.made.name, name), "w") as to:
+                to.write(f"ply\nformat ascii 1.0\nelement vertex {points}\n"
+                         "property float x\nproperty float y\nproperty float z\n"
+                         "element face 1\nproperty list uchar int vertex_indices\n"
+                         "end_header\n")
+                to.writelines(f"{v} {i} 0\n" for v in range(points))
+                to.write("3 0 1 2\n")
+        pccdctl("record", "-o", "large.rec", "--", os.environ["PCCDCTL"], "check", *names,
+                folder=self.made.name)
+        done = pccdctl("inspect", "large.rec", "-o", "large.html", "--max-size", "2",
+                       folder=self.made.name)
+        path = os.path.join(self.made.name, "large.html")
+        self.assertLessEqual(os.path.getsize(path), 2 * MIB)
+        self.assertIn("full after step", done.stderr)
+        self.assertTrue(Page(path).meta["is_full"])
+        done = pccdctl("inspect", "large.rec", "-o", "none.html", "--max-size", "1",
+                       folder=self.made.name, check=False)
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("--max-size", done.stderr)
+        self.assertFalse(os.path.exists(os.path.join(self.made.name, "none.html")))
+
+    # If it failed, the page would ask for something, or run what it was not built with.
+    def test_page__names_no_address_and_has_a_policy(self):
+        page = self.page()
+        self.assertTrue(all(at.startswith("data:") for at in page.addresses))
+        self.assertIn("default-src 'none'", page.policy)
+        self.assertNotIn("unsafe", page.policy)
+        self.assertEqual(page.meta["recording"]["name"], NAME)
+
+    # If it failed, steps would come without what threads did, or with it unasked.
+    def test_lanes__are_recorded_unless_they_are_not_wanted(self):
+        for step in self.page().meta["steps"]:
+            self.assertGreaterEqual(step["events"]["threads"], 1)
+            self.assertGreater(step["events"]["count"], 0)
+        self.assertIsNone(self.page("--no-lanes").meta["steps"][0]["events"])
+
+    # If it failed, a wrong use would end in something else than a sentence.
+    def test_options__are_refused_when_they_are_wrong(self):
+        for wrong in (["x.rec"], ["x.rec", "-o", "x.htm"], ["-o", "x.html"],
+                      ["x.rec", "-o", "x.html", "--every", "0"],
+                      ["x.rec", "-o", "x.html", "--max-size", "99999"]):
+            done = pccdctl("inspect", *wrong, check=False, folder=self.made.name)
+            self.assertEqual((done.returncode, bool(done.stderr)), (2, True), wrong)
+        for wrong in (["x.rec"], [NAME, "--steps", "99"]):
+            done = pccdctl("inspect", *wrong, "-o", "x.html", check=False,
+                           folder=self.made.name)
+            self.assertEqual((done.returncode, bool(done.stderr)), (4, True), wrong)
+            self.assertFalse(os.path.exists(os.path.join(self.made.name, "x.html")))

@@ -1,0 +1,252 @@
+"""check_page.py - the page of pccdctl inspect in a headless Chromium.
+
+Room:     tests/inspect.
+Does:     open it from the file system and use it as people do; compare what it shows with
+          what check said of the same frames.
+          $PCCD_PICTURES: a folder for pictures of it.
+"""
+
+import os
+import tempfile
+import unittest
+
+from browser import Browser, is_here
+from scene import FRAMES, NAME, Scene, positions
+
+SPACE, ENTER, RIGHT, HOME = " ", "\ue007", "\ue014", "\ue011"
+READY = "return document.body.classList.contains('ready')"
+# How many colours a canvas shows; of the view, after it has been drawn.
+COLOURS = """
+    const from = document.getElementById(arguments[0]);
+    if (from.id === 'view') pccd.view.picture();
+    const copy = document.createElement('canvas');
+    copy.width = from.width;
+    copy.height = from.height;
+    const context = copy.getContext('2d');
+    context.drawImage(from, 0, 0);
+    const {data} = context.getImageData(0, 0, copy.width, copy.height);
+    return new Set(new Uint32Array(data.buffer)).size;"""
+SET = """
+    const input = document.getElementById(arguments[0]);
+    input.value = arguments[1];
+    input.dispatchEvent(new Event(input.tagName === 'SELECT' ? 'change' : 'input'));"""
+TEXT = "return document.getElementById(arguments[0]).textContent"
+
+
+def number(text):
+    return int("".join(digit for digit in text if digit.isdigit()))
+
+
+@unittest.skipUnless(is_here(), "no chromium, or no chromedriver")
+class InBrowser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.made.cleanup)
+        cls.scene = Scene(cls.made.name)
+        cls.scene.inspect("page.html")
+        cls.page = os.path.join(cls.made.name, "page.html")
+
+    def open(self, browser):
+        browser.open_blank()
+        browser.said(), browser.asked()
+        browser.open(self.page)
+        browser.wait(READY)
+        browser.frames()
+
+
+class Opened(InBrowser):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = Browser(cls.made.name)
+        cls.addClassCleanup(cls.browser.close)
+
+    def setUp(self):
+        self.open(self.browser)
+
+    def tearDown(self):
+        self.assertEqual(self.browser.said(), [])
+
+    def text(self, name):
+        return self.browser.run(TEXT, name)
+
+    def value(self, name):
+        return self.browser.run("return pccd.state.values[arguments[0]]", name)
+
+    def set(self, name, value):
+        self.browser.run(SET, name, str(value))
+        self.browser.frames()
+
+    def shown(self, step, t):
+        """The places of vertices, step from 0, against the true ones."""
+        origin = self.browser.run("return pccd.data.meta.origin")
+        given = self.browser.run("return pccd.positions(0)")
+        before, after = positions(step), positions(step + 1)
+        true = [a[k] + t * (b[k] - a[k]) for a, b in zip(before, after, strict=True)
+                for k in range(3)]
+        return max(abs(x + origin[i % 3] - true[i]) for i, x in enumerate(given))
+
+    # If it failed, a page from a disk would need the network, or tell somebody of itself.
+    def test_page__asks_nobody_for_anything(self):
+        self.browser.run("document.getElementById('play').click()")
+        self.browser.frames(20)
+        asked = [at for at in self.browser.asked() if not at.startswith("data:")]
+        self.assertEqual(asked, [self.browser.run("return location.href")])
+        self.assertTrue(asked[0].startswith("file:///"))
+
+    # If it failed, there would be nothing to see.
+    def test_view__shows_surfaces_and_contacts(self):
+        self.assertGreater(self.browser.run(COLOURS, "view"), 500)
+        drawn = self.browser.run("return pccd.view.picture()")
+        self.browser.run("pccd.state.set({kinds: [false, false]})")
+        self.browser.frames()
+        self.assertNotEqual(self.browser.run("return pccd.view.picture()"), drawn)
+
+    # If it failed, what lies between two steps would not be seen, or would be wrong.
+    def test_time__moves_vertices_between_the_ends(self):
+        self.set("step", 2)
+        pictures = set()
+        for t in (0, 0.25, 0.5, 1):
+            self.set("time", t)
+            self.assertLess(self.shown(2, t), 1e-5)
+            pictures.add(self.browser.run("return pccd.view.picture()"))
+        self.assertEqual(len(pictures), 4)
+
+    # If it failed, the page would show other contacts than the daemon answered.
+    def test_steps__have_the_contacts_that_check_told(self):
+        for step, said in enumerate(self.scene.steps):
+            self.set("step", step)
+            self.assertLess(self.shown(step, 1), 1e-5)
+            self.assertEqual(number(self.text("total")), said["contacts"])
+            self.assertEqual([number(self.text(f"kind-{kind}")) for kind in ("vf", "ee")],
+                             [said["vf"], said["ee"]])
+            self.assertEqual(self.text("hash"), said["hash"])
+            times = self.browser.run("""
+                const {index, picked} = pccd.state.values;
+                return picked.map((i) => pccd.data.step(index).contacts.toi[i]);""")
+            true = self.scene.times(step + 1)
+            self.assertEqual(len(times), len(true))
+            self.assertLess(max((abs(a - b) for a, b in zip(times, true, strict=True)),
+                                default=0), 1e-6)
+
+    # If it failed, a contact would be drawn where nothing touches.
+    def test_contacts__lie_on_both_features_at_their_time(self):
+        worst = self.browser.run("""
+            const step = pccd.data.step(pccd.state.values.index);
+            const {contacts: c, objects: [{x0, x1, mesh}]} = step;
+            const at = (v, t) => [0, 1, 2].map((k) =>
+              x0[3 * v + k] + t * (x1[3 * v + k] - x0[3 * v + k]));
+            let worst = 0;
+            for (let i = 0; i < c.count; i++) {
+              const t = c.toi[i];
+              const mark = [0, 1, 2].map((k) =>
+                step.at0[3 * i + k] + t * (step.at1[3 * i + k] - step.at0[3 * i + k]));
+              const edge = [0, 1].map((k) => at(mesh.edges[2 * c.featureA[i] + k], t));
+              const place = c.kind[i] === 0 ? at(c.featureA[i], t)
+                : edge[0].map((x, k) => x + c.u[i] * (edge[1][k] - x));
+              worst = Math.max(worst, ...mark.map((x, k) => Math.abs(x - place[k])));
+            }
+            return worst;""")
+        self.assertLess(worst, 1e-3)
+
+    # If it failed, kinds and times could not be told apart.
+    def test_filters__leave_out_kinds_and_times(self):
+        said = self.scene.steps[self.value("index")]
+        self.browser.click("#kind-vf")
+        self.assertEqual(number(self.text("picked").split(" of ")[0]), said["ee"])
+        self.browser.click("#kind-vf")
+        self.browser.run("pccd.state.set({range: [0.25, 0.5]})")
+        times = self.scene.times(self.value("index") + 1)
+        self.assertEqual(len(self.value("picked")),
+                         sum(0.25 <= time <= 0.5 for time in times))
+        self.browser.click("#range-clear")
+        self.assertEqual(len(self.value("picked")), said["contacts"])
+
+    # If it failed, a contact of the list could not be found in the view.
+    def test_contact__is_flown_to_when_it_is_chosen(self):
+        before = self.browser.run("return pccd.view.picture()")
+        self.browser.click("#contact-rows .row:nth-child(3)")
+        self.browser.frames(60)
+        chosen = self.value("chosen")
+        self.assertEqual(chosen, self.value("picked")[2])
+        toi = self.browser.run("""
+            const {index, chosen} = pccd.state.values;
+            return pccd.data.step(index).contacts.toi[chosen];""")
+        self.assertEqual(self.value("t"), toi)
+        self.assertIn("meets", self.text("caption"))
+        self.assertNotEqual(self.browser.run("return pccd.view.picture()"), before)
+
+    # If it failed, what the threads did would be in the page and not be seen.
+    def test_lanes__are_drawn_for_each_thread(self):
+        self.assertGreaterEqual(self.value("lanes"), 1)
+        self.assertGreater(self.browser.run(COLOURS, "lanes"), 5)
+        self.assertGreater(self.browser.run(COLOURS, "timeline"), 5)
+
+    # If it failed, who has no mouse could not use the page.
+    def test_keys__do_what_the_help_says(self):
+        self.browser.run("document.activeElement.blur()")
+        self.browser.press(HOME)
+        self.assertEqual(self.value("index"), 0)
+        self.browser.press(RIGHT, RIGHT)
+        self.assertEqual(self.value("index"), 2)
+        self.browser.press("1")
+        self.assertEqual(self.value("kinds"), [False, True])
+        self.browser.press(SPACE)
+        self.assertTrue(self.value("playing"))
+        self.browser.press(SPACE)
+        self.assertFalse(self.value("playing"))
+        self.browser.press("?")
+        self.assertTrue(self.browser.run("return document.getElementById('help').open"))
+        unnamed = self.browser.run("""
+            return [...document.querySelectorAll('button, input, select, canvas')]
+              .filter((one) => !one.getAttribute('aria-label') && !one.textContent.trim()
+                && !one.labels?.length).map((one) => one.outerHTML);""")
+        self.assertEqual(unnamed, [])
+
+    # If it failed, playing would show steps without what lies between them.
+    def test_play__goes_through_times_and_steps(self):
+        self.set("step", 0)
+        self.set("speed", 4)
+        self.browser.run("""
+            window.seen = {steps: new Set(), times: new Set()};
+            pccd.state.on(['t', 'index'], ({t, index}) => {
+              seen.steps.add(index);
+              seen.times.add(t);
+            });
+            document.getElementById('play').click();""")
+        self.browser.wait("return seen.steps.size === arguments[0]", FRAMES - 1)
+        self.assertGreater(self.browser.run("return seen.times.size"), 4)
+
+    # If it failed, the name of a file could put markup, or a script, into the page.
+    def test_name__stays_text(self):
+        self.assertEqual(self.text("name"), NAME)
+        self.assertEqual(self.browser.run("return document.title").split(" · ")[0], NAME)
+        self.assertEqual(self.browser.run("""
+            return [...document.scripts].filter((one) => !one.type).length"""), 1)
+        run = "window.hurt = false; const one = document.createElement('script');" \
+              "one.textContent = 'window.hurt = true'; document.body.append(one);" \
+              "return window.hurt"
+        self.assertFalse(self.browser.run(run))
+        self.assertTrue(all("Content Security Policy" in line
+                            for line in self.browser.said()))
+
+    # If it failed, nobody could be shown what the page looks like.
+    def test_picture__can_be_taken(self):
+        folder = os.environ.get("PCCD_PICTURES", self.made.name)
+        path = os.path.join(folder, "inspect.png")
+        self.browser.picture(path)
+        self.assertGreater(os.path.getsize(path), 20000)
+
+
+class Lean(InBrowser):
+    # If it failed, a browser without a graphics card would show nothing, and not say why.
+    def test_page__says_that_there_is_no_webgl_and_shows_the_rest(self):
+        with Browser(self.made.name, dark=False, webgl=False) as browser:
+            self.open(browser)
+            self.assertIn("no WebGL", browser.run(TEXT, "failure"))
+            busiest = max(said["contacts"] for said in self.scene.steps)
+            self.assertEqual(number(browser.run(TEXT, "total")), busiest)
+            self.assertGreater(browser.run(COLOURS, "timeline"), 5)
+            light = browser.run("return getComputedStyle(document.body).backgroundColor")
+            self.assertGreater(number(light.split(",")[0]), 200)
