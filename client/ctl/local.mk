@@ -95,11 +95,7 @@ libctl_la_LIBADD = libpage.la
 
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
-# Of our own libraries it takes the static ones: build/pccdctl is then the program itself, not
-# a script that starts it, and finds the daemon beside it as an installed one does.
-pccdctl_LDFLAGS = $(AM_LDFLAGS) -static
-pccdctl_LDADD = libctl.la libpccd.la librecord.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) \
-    $(LIBM)
+pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
 
 # Completion, where the shells look for it: the program itself knows its options.
 bashcompletiondir = $(datadir)/bash-completion/completions

@@ -1,9 +1,9 @@
 /* direct.c - the service in this process.
  *
  * Room:     client/lib. See direct.h.
- * Does:     find the library: as $PCCD_DIRECT says, else beside this one, else where the
- *           loader finds it. It stays for as long as the process lives: the threads of
- *           its OpenMP runtime do.
+ * Does:     find the library: as $PCCD_DIRECT says, else beside this one or the program,
+ *           else where it was installed or the loader finds it. It stays for as long as
+ *           the process lives: the threads of its OpenMP runtime do.
  * Does not: bring the engine's libraries into programs that talk to a daemon.
  * Threads:  [owner]; the loader has locks of its own.
  */
@@ -13,29 +13,41 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "client.h"
 #include "proto_direct.h"
 
 #define PATH_BYTES 4096
+#define WHY_BYTES  (CLI_TEXT_BYTES / 2)
 
-/* The file beside the one that this function is in; "": not known, or too long. */
-static void beside_us(char path[PATH_BYTES])
+static void cut_name(char path[PATH_BYTES])
+{
+    char *slash = strrchr(path, '/');
+
+    *(slash != NULL ? slash : path) = '\0';
+}
+
+/* The folder of the file that this function is in, and that of the program; "": not
+ * known, or too long. */
+static void find_folder_of_us(char folder[PATH_BYTES])
 {
     Dl_info info;
-    const char *slash;
 
-    path[0] = '\0';
-    if (dladdr((const void *)(uintptr_t)&cli_direct_open, &info) == 0 ||
-        info.dli_fname == NULL || (slash = strrchr(info.dli_fname, '/')) == NULL) {
-        return;
+    folder[0] = '\0';
+    if (dladdr((const void *)(uintptr_t)&cli_direct_open, &info) != 0 &&
+        info.dli_fname != NULL && strlen(info.dli_fname) < PATH_BYTES) {
+        memcpy(folder, info.dli_fname, strlen(info.dli_fname) + 1);
     }
-    int length = snprintf(path, PATH_BYTES, "%.*s/%s", (int)(slash - info.dli_fname),
-                          info.dli_fname, PROTO_DIRECT_LIBRARY);
+    cut_name(folder);
+}
 
-    if (length < 0 || length >= PATH_BYTES) {
-        path[0] = '\0';
-    }
+static void find_folder_of_program(char folder[PATH_BYTES])
+{
+    ssize_t bytes = readlink("/proc/self/exe", folder, PATH_BYTES - 1);
+
+    folder[bytes > 0 ? bytes : 0] = '\0';
+    cut_name(folder);
 }
 
 static void *load(const char *path)
@@ -43,11 +55,55 @@ static void *load(const char *path)
     return dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
 }
 
+/* The library in `folder``sub`, NULL where there is none that can be loaded; the first
+ * reason goes to `why`. */
+static void *load_in(const char *folder, const char *sub, char why[WHY_BYTES])
+{
+    char path[PATH_BYTES];
+    void *library = NULL;
+    int length =
+        snprintf(path, sizeof(path), "%s%s/%s", folder, sub, PROTO_DIRECT_LIBRARY);
+
+    if (folder[0] != '\0' && (size_t)length < sizeof(path) && access(path, F_OK) == 0) {
+        library = load(path);
+        if (library == NULL && why[0] == '\0') {
+            (void)snprintf(why, WHY_BYTES, "%s", dlerror());
+        }
+    }
+    return library;
+}
+
+/* Wherever it may be, if nobody has said where. */
+static void *search(char why[WHY_BYTES])
+{
+    char folder[PATH_BYTES];
+    void *library;
+
+    find_folder_of_us(folder);
+    library = load_in(folder, "", why);
+    if (library == NULL) {
+        find_folder_of_program(folder);
+        library = load_in(folder, "", why);
+    }
+    if (library == NULL) { /* where libtool has it, of a program in a build folder */
+        library = load_in(folder, "/.libs", why);
+    }
+    if (library == NULL) {
+        library = load_in(CLI_LIBRARY_FOLDER, "", why);
+    }
+    if (library == NULL) {
+        library = load(PROTO_DIRECT_LIBRARY);
+        if (library == NULL && why[0] == '\0') {
+            (void)snprintf(why, WHY_BYTES, "%s", dlerror());
+        }
+    }
+    return library;
+}
+
 static void *find_library(struct pccd_client *client)
 {
     const char *chosen = getenv("PCCD_DIRECT");
-    char beside[PATH_BYTES];
-    char why[CLI_TEXT_BYTES / 2] = "";
+    char why[WHY_BYTES] = "";
     void *library = NULL;
 
     if (chosen != NULL && chosen[0] != '\0') {
@@ -58,21 +114,12 @@ static void *find_library(struct pccd_client *client)
         }
         return library;
     }
-    beside_us(beside);
-    if (beside[0] != '\0') {
-        library = load(beside);
-        if (library == NULL) {
-            (void)snprintf(why, sizeof(why), "%s", dlerror());
-        }
-    }
-    if (library == NULL) {
-        library = load(PROTO_DIRECT_LIBRARY);
-    }
+    library = search(why);
     if (library == NULL) {
         (void)cli_fail(client, PCCD_E_SYSTEM,
                        "direct: needs %s, which cannot be loaded: %.250s; install it "
                        "beside libpccd, name it in $PCCD_DIRECT, or use a daemon",
-                       PROTO_DIRECT_LIBRARY, why[0] != '\0' ? why : dlerror());
+                       PROTO_DIRECT_LIBRARY, why);
     }
     return library;
 }

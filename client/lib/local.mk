@@ -1,10 +1,15 @@
 # client/lib/local.mk - libpccd, the client library.
+#
+# All of it is libclient.la: libpccd.la is that and nothing else, and our own programs have it
+# within. They are then the programs themselves in the build folder, too, not scripts that start
+# them, and need no path to a library wherever they are installed.
 
 lib_LTLIBRARIES += libpccd.la
+noinst_LTLIBRARIES += libclient.la
 include_HEADERS += client/lib/pccd.h
 pkgconfig_DATA += client/lib/pccd.pc
 
-libpccd_la_SOURCES = \
+libclient_la_SOURCES = \
     client/lib/attach.c \
     client/lib/attach.h \
     client/lib/client.c \
@@ -51,10 +56,13 @@ libpccd_la_SOURCES = \
     client/lib/watch.c \
     client/lib/watch.h
 # -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
-libpccd_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
+libclient_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \
-    -DCLI_DAEMON_PATH='"$(bindir)/pccdd"'
-libpccd_la_LIBADD = librecord.la libproto.la
+    -DCLI_DAEMON_PATH='"$(bindir)/pccdd"' -DCLI_LIBRARY_FOLDER='"$(libdir)"'
+libclient_la_LIBADD = librecord.la libproto.la
+
+libpccd_la_SOURCES =
+libpccd_la_LIBADD = libclient.la
 libpccd_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \
     -Wl,--version-script=$(top_srcdir)/client/lib/libpccd.map
 EXTRA_libpccd_la_DEPENDENCIES = client/lib/libpccd.map

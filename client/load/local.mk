@@ -1,6 +1,6 @@
 # client/load/local.mk - pccd-load, the load harness.
 
-noinst_PROGRAMS += pccd-load
+bin_PROGRAMS += pccd-load
 noinst_LTLIBRARIES += libload.la
 
 # Everything but main, so that tests can link what they test.
@@ -30,9 +30,7 @@ libload_la_CPPFLAGS = $(AM_CPPFLAGS) $(load_cppflags)
 
 pccd_load_SOURCES = client/load/main.c
 pccd_load_CPPFLAGS = $(libload_la_CPPFLAGS)
-# The static library of our own, so that build/pccd-load is the program itself.
-pccd_load_LDFLAGS = $(AM_LDFLAGS) -static
-pccd_load_LDADD = libload.la libpccd.la $(LIBM)
+pccd_load_LDADD = libload.la libclient.la $(LIBM)
 
 # Long runs; each fails unless everything is as it must be. README.md has the figures reached.
 LOAD_CLIENTS = 1000
