@@ -118,7 +118,6 @@ bench_ipc_LDADD = libpccd.la
 
 bench_direct_SOURCES = bench/direct.c bench/report.c bench/report.h \
     bench/workload.c bench/workload.h $(bench_scenes_sources)
-# -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 bench_direct_CPPFLAGS = $(bench_cppflags) -iquote $(top_srcdir)/client/lib \
     -iquote $(top_srcdir)/proto -I$(top_srcdir)/tests/support
 bench_direct_LDADD = libpccd.la $(GMP_LIBS) $(LIBM)

@@ -4,7 +4,6 @@ noinst_LTLIBRARIES += libproto.la
 
 libproto_la_SOURCES = \
     proto/codec.h \
-    proto/limits.h \
     proto/memfd.h \
     proto/messages.def \
     proto/messages.h \
@@ -12,6 +11,7 @@ libproto_la_SOURCES = \
     proto/pccd_trace.h \
     proto/pccd_types.h \
     proto/proto_direct.h \
+    proto/proto_limits.h \
     proto/records.h \
     proto/seqpacket.h \
     proto/shm.h \

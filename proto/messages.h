@@ -1,6 +1,6 @@
 /* messages.h - the manifest as C types.
  *
- * Room:     proto. May include: messages.def, limits.h, pccd_types.h.
+ * Room:     proto. May include: messages.def, proto_limits.h, pccd_types.h.
  * Does:     turns messages.def into enums, structs and field tables.
  * Does not: encode or decode (codec.h).
  */
@@ -11,9 +11,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "limits.h"
 #include "messages.def"
 #include "pccd_types.h"
+#include "proto_limits.h"
 
 #define PROTO_F_BEFORE_HELLO 1u
 #define PROTO_F_COMPUTE 2u

@@ -1,6 +1,6 @@
 /* shm.h - layout of the upload ring and of the result region.
  *
- * Room:     proto. May include: limits.h and the C library.
+ * Room:     proto. May include: proto_limits.h and the C library.
  * Does:     byte offsets and types of what two processes see; static asserts on each.
  * Does not: create or map memory (memfd.h) or follow the slot protocol (the client
  *           library writes, daemon/server/ringio.c reads).
@@ -31,7 +31,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "limits.h"
+#include "proto_limits.h"
 
 #define PROTO_UPLOAD_MAGIC 0x75636370u /* "pccu" */
 #define PROTO_RESULT_MAGIC 0x72636370u /* "pccr" */

@@ -75,7 +75,6 @@ libctl_la_SOURCES = \
     client/ctl/record/verify_near.c \
     client/ctl/record/world.c client/ctl/record/world.h \
     client/ctl/record/world_pairs.c client/ctl/record/world_pairs.h
-# -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/observe \

@@ -21,10 +21,10 @@
 
 #include "codec.h"
 #include "direct.h"
-#include "limits.h"
 #include "memfd.h"
 #include "messages.h"
 #include "pccd.h"
+#include "proto_limits.h"
 #include "seqpacket.h"
 #include "shm.h"
 

@@ -55,7 +55,6 @@ libclient_la_SOURCES = \
     client/lib/trace.c \
     client/lib/watch.c \
     client/lib/watch.h
-# -iquote: proto/limits.h must not stand in for the C library's <limits.h>.
 libclient_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \
     -DCLI_DAEMON_PATH='"$(bindir)/pccdd"' -DCLI_LIBRARY_FOLDER='"$(libdir)"'

@@ -20,12 +20,12 @@
 #include "dispatch.h"
 #include "invariant.h"
 #include "kernel.h"
-#include "limits.h"
 #include "line.h"
 #include "loop.h"
 #include "now.h"
 #include "pccd_types.h"
 #include "proto_direct.h"
+#include "proto_limits.h"
 #include "session.h"
 
 /* Quotas keep the users of a daemon from each other. Here is one, and the memory is its

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #include "allow.h"
-#include "limits.h"
+#include "proto_limits.h"
 #include "seqpacket.h"
 #include "supervise.h"
 

@@ -14,7 +14,7 @@
 #include <uv.h>
 
 #include "host.h"
-#include "limits.h"
+#include "proto_limits.h"
 
 /* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
  * is not read; answers of requests in flight still arrive, and beyond this it is

@@ -21,7 +21,6 @@ libserver_la_SOURCES = \
     daemon/server/threads.c daemon/server/threads.h \
     daemon/server/timer.c \
     daemon/server/watch.c daemon/server/watch.h
-# -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.
 server_cppflags = $(service_cppflags) -iquote $(top_srcdir)/daemon/server
 libserver_la_CPPFLAGS = $(server_cppflags)
 libserver_la_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) -pthread

@@ -28,11 +28,11 @@
 #include "invariant.h"
 #include "kernel.h"
 #include "lifeline.h"
-#include "limits.h"
 #include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
 #include "priority.h"
+#include "proto_limits.h"
 #include "sandbox.h"
 #include "session.h"
 

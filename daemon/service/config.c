@@ -13,9 +13,9 @@
 #include <string.h>
 
 #include "invariant.h"
-#include "limits.h"
 #include "log.h"
 #include "loop.h"
+#include "proto_limits.h"
 
 /* X(ID, name, least, most, text). Most 0: the value at the daemon's start, from which the
  * team and the table of descriptors have their sizes. */

@@ -43,7 +43,6 @@ libservice_la_SOURCES = \
     daemon/service/shared.c daemon/service/shared.h \
     daemon/service/tracing.c daemon/service/tracing.h \
     daemon/service/wire.c daemon/service/wire.h
-# -iquote and not -I: proto/limits.h must not stand in for the system's <limits.h>.
 service_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/service \
     $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto
 libservice_la_CPPFLAGS = $(service_cppflags)

@@ -13,11 +13,11 @@
 
 #include "enginemem.h"
 #include "invariant.h"
-#include "limits.h"
 #include "linger.h"
 #include "loop.h"
 #include "memory.h"
 #include "meshes.h"
+#include "proto_limits.h"
 #include "session.h"
 #include "wire.h"
 

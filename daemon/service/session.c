@@ -23,11 +23,11 @@
 
 #include "host.h"
 #include "invariant.h"
-#include "limits.h"
 #include "loop.h"
 #include "meshes.h"
 #include "monitor.h"
 #include "now.h"
+#include "proto_limits.h"
 #include "replies.h"
 #include "request.h"
 #include "shared.h"

@@ -14,8 +14,8 @@
 
 #include "compute.h"
 #include "handles.h"
-#include "limits.h"
 #include "messages.h"
+#include "proto_limits.h"
 #include "quota.h"
 
 #define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */

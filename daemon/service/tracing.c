@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "invariant.h"
-#include "limits.h"
 #include "loop.h"
 #include "now.h"
+#include "proto_limits.h"
 #include "session.h"
 #include "wire.h"
 #include "worker.h"

@@ -19,9 +19,9 @@
 
 #include "commandline.h"
 #include "fuzz_target.h"
-#include "limits.h"
 #include "log.h"
 #include "memory.h"
+#include "proto_limits.h"
 #include "raw.h"
 #include "reactor.h"
 #include "visitor.h"

@@ -19,7 +19,7 @@
 #include <cmocka.h>
 
 #include "fixture.h"
-#include "limits.h"
+#include "proto_limits.h"
 #include "raw.h"
 
 #define NOBODY 65534

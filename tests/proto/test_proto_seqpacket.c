@@ -19,8 +19,8 @@
 
 #include <cmocka.h>
 
-#include "limits.h"
 #include "pccd_types.h"
+#include "proto_limits.h"
 #include "seqpacket.h"
 
 #define FD_LIMIT 1024

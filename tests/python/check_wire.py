@@ -26,7 +26,7 @@ def header(path):
 
 TYPES = header("proto/pccd_types.h")
 SHM = header("proto/shm.h")
-LIMITS = header("proto/limits.h")
+LIMITS = header("proto/proto_limits.h")
 TRACE = header("proto/pccd_trace.h")
 DAEMON = header("proto/pccd_daemon.h")
 

@@ -1,8 +1,8 @@
 """wire.py - what proto/*.h says, in Python.
 
 Room:     client/python. May import: numpy.
-Does:     the constants and records of pccd_types.h, pccd_trace.h, limits.h and shm.h.
-          tests/python compares each with the headers.
+Does:     the constants and records of pccd_types.h, pccd_trace.h, proto_limits.h and
+          shm.h. tests/python compares each with the headers.
 """
 
 import enum

@@ -1,15 +1,9 @@
-/* limits.h - every limit of the protocol, by name.
+/* proto_limits.h - every limit of the protocol, by name.
  *
- * Room:     proto. May include: nothing. Builds that use it say -iquote, not -I: with -I,
- *           a system header that asks for <limits.h> would find it.
+ * Room:     proto. May include: nothing.
  * Does:     names the bounds that messages, rings and sessions keep.
  * Does not: decide what happens at the bound; PROTOCOL.md says so, the server does it.
  */
-#ifdef _GCC_NEXT_LIMITS_H
-/* gcc's own <limits.h> asks for the C library's, and finds this one despite -iquote. */
-#include_next <limits.h>
-#endif
-
 #ifndef PROTO_LIMITS_H
 #define PROTO_LIMITS_H
 
