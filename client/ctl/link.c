@@ -14,7 +14,14 @@
 
 #include "ctl.h"
 
-enum { OPTION_URL = 256, OPTION_SOCKET, OPTION_PRIVATE, OPTION_DAEMON, OPTION_TIMEOUT };
+enum {
+    OPTION_URL = 256,
+    OPTION_SOCKET,
+    OPTION_PRIVATE,
+    OPTION_DAEMON,
+    OPTION_TIMEOUT,
+    OPTION_JSON
+};
 
 static const struct argp_option options[] = {
     {"url", OPTION_URL, "URL", 0,
@@ -72,6 +79,32 @@ static error_t parse(int key, char *text, struct argp_state *state)
 static const struct argp_child children[] = {{&ctl_common_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_link_argp = {
     .options = options, .parser = parse, .children = children};
+
+static const struct argp_option query_options[] = {
+    {"json", OPTION_JSON, NULL, 0, "JSON instead of text", 0},
+    {0},
+};
+
+static error_t parse_query(int key, char *text, struct argp_state *state)
+{
+    struct ctl_query *query = state->input;
+    (void)text;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &query->link;
+        return 0;
+    case OPTION_JSON:
+        query->is_json = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child query_children[] = {{&ctl_link_argp, 0, "Daemon:", 10},
+                                                   {0}};
+const struct argp ctl_query_argp = {
+    .options = query_options, .parser = parse_query, .children = query_children};
 
 void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked)
 {

@@ -1,8 +1,8 @@
 /* client/ctl/link.h - which daemon a command talks to.
  *
  * Room:     client/ctl. May include: pccd.h.
- * Does:     the options --url, --socket, --private, --daemon, --timeout, and the
- *           connection.
+ * Does:     the options --url, --socket, --private, --daemon, --timeout, --json beside
+ *           them, and the connection.
  * Does not: keep the connection; that is the command's.
  * Threads:  one.
  * Source:   used as an argp child by every command.
@@ -35,6 +35,15 @@ struct ctl_link {
 
 /* For `children`, under the heading "Daemon:"; its input is a struct ctl_link. */
 extern const struct argp ctl_link_argp;
+
+/* What a command takes that looks at a daemon and tells: where it is, and --json. */
+struct ctl_query {
+    struct ctl_link link;
+    bool is_json;
+};
+
+/* For `children`, without a heading; its input is a struct ctl_query. */
+extern const struct argp ctl_query_argp;
 
 /* What to connect with, as it was asked for; `link` keeps the strings. */
 void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked);

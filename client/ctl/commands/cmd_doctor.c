@@ -15,38 +15,8 @@
 #include "link.h"
 #include "terminal.h"
 
-enum { OPTION_JSON = 256 + 64 };
-
-struct doctor_options {
-    struct ctl_link link;
-    bool is_json;
-};
-
-static const struct argp_option option_list[] = {
-    {"json", OPTION_JSON, NULL, 0, "A JSON array", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct doctor_options *options = state->input;
-    (void)text;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_doctor = {
-    .options = option_list,
-    .parser = parse,
     .doc =
         "Look for what is wrong with a set-up: socket, rights, limits, versions, "
         "processors, threads, the daemon itself.\v"
@@ -90,23 +60,23 @@ static void print_json(const struct doctor *doctor)
 
 int ctl_cmd_doctor(int argc, char **argv)
 {
-    struct doctor_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_doctor, argc, argv, 0, NULL, &options) != 0) {
+    if (argp_parse(&ctl_argp_doctor, argc, argv, 0, NULL, &query) != 0) {
         return CTL_USAGE;
     }
     struct doctor *doctor = calloc(1, sizeof *doctor);
     if (doctor == NULL) {
-        ctl_link_deinit(&options.link);
+        ctl_link_deinit(&query.link);
         return ctl_complain("out of memory");
     }
     struct pccd_options asked;
-    ctl_link_options(&options.link, &asked);
+    ctl_link_options(&query.link, &asked);
     doctor_look_at_machine(doctor);
     doctor_look_at_socket(doctor, &asked);
     int status = pccd_connect(&asked, &client);
     doctor_look_at_daemon(doctor, client, status);
-    if (options.is_json) {
+    if (query.is_json) {
         print_json(doctor);
     } else {
         print(doctor);
@@ -114,6 +84,6 @@ int ctl_cmd_doctor(int argc, char **argv)
     int exit_status = doctor->has_failed ? CTL_NEGATIVE : CTL_DONE;
     free(doctor);
     pccd_close(client);
-    ctl_link_deinit(&options.link);
+    ctl_link_deinit(&query.link);
     return exit_status;
 }

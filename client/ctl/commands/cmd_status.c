@@ -20,38 +20,8 @@
 #include "link.h"
 #include "terminal.h"
 
-struct status_options {
-    struct ctl_link link;
-    bool is_json;
-};
-
-enum { OPTION_JSON = 256 + 64 };
-
-static const struct argp_option option_list[] = {
-    {"json", OPTION_JSON, NULL, 0, "One JSON object", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct status_options *options = state->input;
-    (void)text;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_status = {
-    .options = option_list,
-    .parser = parse,
     .doc = "Tell on one screen how a daemon is: its clients, its memory, its last step.",
     .children = children};
 
@@ -247,26 +217,26 @@ static void print_json(const struct status *status)
 
 int ctl_cmd_status(int argc, char **argv)
 {
-    struct status_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_status, argc, argv, 0, NULL, &options) != 0) {
+    if (argp_parse(&ctl_argp_status, argc, argv, 0, NULL, &query) != 0) {
         return CTL_USAGE;
     }
     struct status *status = calloc(1, sizeof *status);
     if (status == NULL) {
-        ctl_link_deinit(&options.link);
+        ctl_link_deinit(&query.link);
         return ctl_complain("out of memory");
     }
-    int exit_status = ctl_link_open(&options.link, &client);
+    int exit_status = ctl_link_open(&query.link, &client);
     if (exit_status == CTL_DONE && look(client, status) != PCCD_OK) {
         exit_status = ctl_complain("status: %s", pccd_error_text(client));
-    } else if (exit_status == CTL_DONE && options.is_json) {
+    } else if (exit_status == CTL_DONE && query.is_json) {
         print_json(status);
     } else if (exit_status == CTL_DONE) {
         print(status);
     }
     free(status);
     pccd_close(client);
-    ctl_link_deinit(&options.link);
+    ctl_link_deinit(&query.link);
     return exit_status;
 }

@@ -13,38 +13,8 @@
 #include "ctl.h"
 #include "link.h"
 
-struct version_options {
-    struct ctl_link link;
-    bool is_json;
-};
-
-enum { OPTION_JSON = 256 + 64 };
-
-static const struct argp_option option_list[] = {
-    {"json", OPTION_JSON, NULL, 0, "One JSON object", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct version_options *options = state->input;
-    (void)text;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_version = {
-    .options = option_list,
-    .parser = parse,
     .doc = "Tell the versions of this tool and of the library, and whether a daemon "
            "answers.",
     .children = children};
@@ -79,18 +49,18 @@ static void print_json(struct pccd_client *client)
 
 int ctl_cmd_version(int argc, char **argv)
 {
-    struct version_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_version, argc, argv, 0, NULL, &options) != 0) {
+    if (argp_parse(&ctl_argp_version, argc, argv, 0, NULL, &query) != 0) {
         return CTL_USAGE;
     }
-    (void)ctl_link_open(&options.link, &client); /* says itself why there is none */
-    if (options.is_json) {
+    (void)ctl_link_open(&query.link, &client); /* says itself why there is none */
+    if (query.is_json) {
         print_json(client);
     } else {
         print(client);
     }
     pccd_close(client);
-    ctl_link_deinit(&options.link);
+    ctl_link_deinit(&query.link);
     return CTL_DONE;
 }
