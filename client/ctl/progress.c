@@ -11,7 +11,8 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <time.h>
-#include <unistd.h>
+
+#include "terminal.h"
 
 #define BAR_CHARS 40
 #define REDRAW_NS 50000000u
@@ -28,7 +29,7 @@ void progress_begin(struct progress *progress, const char *label, uint64_t total
     progress->label = label;
     progress->total = total;
     progress->drawn_ns = 0;
-    progress->is_on = total > 0 && isatty(STDERR_FILENO) == 1;
+    progress->is_on = total > 0 && terminal_has_live_errors();
 }
 
 void progress_update(struct progress *progress, uint64_t done)
@@ -42,6 +43,7 @@ void progress_update(struct progress *progress, uint64_t done)
         return;
     }
     char bar[BAR_CHARS + 1];
+    done = done < progress->total ? done : progress->total; /* time goes on */
     uint64_t filled = done * BAR_CHARS / progress->total;
     for (uint64_t i = 0; i < BAR_CHARS; i++) {
         bar[i] = i < filled ? '#' : '.';

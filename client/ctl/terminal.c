@@ -22,10 +22,20 @@ void terminal_forbid_colours(void)
     is_forbidden = true;
 }
 
-bool terminal_is_live(void)
+static bool is_live(int fd)
 {
     const char *kind = getenv("TERM");
-    return isatty(STDOUT_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
+    return isatty(fd) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
+}
+
+bool terminal_is_live(void)
+{
+    return is_live(STDOUT_FILENO);
+}
+
+bool terminal_has_live_errors(void)
+{
+    return is_live(STDERR_FILENO);
 }
 
 static bool has_colours(void)

@@ -20,8 +20,10 @@ void terminal_forbid_colours(void);
 const char *terminal_begin(enum terminal_colour colour);
 const char *terminal_end(void);
 
-/* Whether the standard output is a terminal, on which a screen may be drawn anew. */
+/* Whether the standard output is a terminal, on which a screen may be drawn anew; the
+ * same of the standard error. */
 bool terminal_is_live(void);
+bool terminal_has_live_errors(void);
 /* Begin to draw it anew, from the top; what was below goes. */
 void terminal_redraw(void);
 

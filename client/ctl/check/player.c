@@ -141,7 +141,8 @@ int player_play(struct player *player, struct ctl_error *error)
     struct progress progress;
     int status = place_all(player, error);
     double begin_s = terminal_now_s();
-    progress_begin(&progress, "steps", wanted);
+    progress_begin(&progress, wanted > 0 ? "steps" : "playing (ms)",
+                   wanted > 0 ? wanted : (uint64_t)(settings->seconds * 1e3));
     while (status == PCCD_OK && !terminal_was_interrupted() &&
            (wanted > 0 ? player->steps < wanted
                        : terminal_now_s() - begin_s < settings->seconds)) {
@@ -155,7 +156,9 @@ int player_play(struct player *player, struct ctl_error *error)
             player->late += left_s < -1.0 / settings->hz;
         }
         status = play_step(player, error);
-        progress_update(&progress, player->steps);
+        progress_update(&progress, wanted > 0
+                                       ? player->steps
+                                       : (uint64_t)((terminal_now_s() - begin_s) * 1e3));
     }
     progress_clear(&progress);
     player->seconds = terminal_now_s() - begin_s;

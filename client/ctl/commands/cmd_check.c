@@ -423,8 +423,8 @@ static int report_all(struct check *check, struct ctl_error *error)
         report_print_step(check->report, &check->run.mesh, &check->steps[0]);
     }
     if (check->options->trace.path != NULL) {
-        trace_file_report(&check->trace,
-                          check->options->is_json ? stderr : check->report);
+        trace_file_report(&check->trace, check->options->is_json ? stderr : check->report,
+                          false);
     }
     return PCCD_OK;
 }

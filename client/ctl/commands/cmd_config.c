@@ -29,7 +29,7 @@ struct config_options {
 };
 
 static const struct argp_option option_list[] = {
-    {"json", OPTION_JSON, NULL, 0, "JSON: an array (list), or an object (get)", 0},
+    {"json", OPTION_JSON, NULL, 0, "JSON: an array (list), or an object (get, set)", 0},
     {0},
 };
 
@@ -110,6 +110,9 @@ static int run(struct pccd_client *client, struct config_options *options)
     int status = PCCD_OK;
     if (options->what == SET) {
         status = pccd_config_set(client, options->name, options->value);
+        if (status == PCCD_OK && options->is_json) {
+            status = pccd_config_get(client, options->name, print_value, options);
+        }
     } else if (options->what == GET) {
         status = pccd_config_get(client, options->name, print_value, options);
     } else if (options->is_json) {

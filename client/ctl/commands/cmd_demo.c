@@ -8,6 +8,7 @@
  * Source:   cloth_scene.h, demo_picture.h.
  */
 #include <inttypes.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,7 +33,7 @@
 enum { OPTION_STEPS = 256 + 64, OPTION_OUTPUT, OPTION_THREADS };
 
 struct demo_options {
-    struct ctl_link link;
+    struct ctl_query query;
     uint32_t steps;
     uint32_t threads;
     const char *output;
@@ -52,7 +53,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     struct demo_options *options = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
+        state->child_inputs[0] = &options->query;
         return 0;
     case OPTION_STEPS:
         options->steps = (uint32_t)ctl_option_count(state, "steps", text, 1, STEPS_MAX);
@@ -68,7 +69,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_demo = {
     .options = option_list,
     .parser = parse,
@@ -265,7 +266,6 @@ static void print_table(const struct demo *demo)
     const uint32_t steps = demo->options->steps;
     const struct pccd_answer *last = &demo->last;
     double whole = demo->phase_ms[REPORT_step], other = 100.0;
-    statistics_sort(demo->step_ms, steps);
     printf("steps       %" PRIu32 ", up to %u in flight\n", steps, IN_FLIGHT);
     printf("triangles   %d: cloth %d, ball %d\n", CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES,
            CLOTH_TRIANGLES, CLOTH_BALL_TRIANGLES);
@@ -291,6 +291,32 @@ static void print_table(const struct demo *demo)
            last->hash[1]);
 }
 
+static void print_json(const struct demo *demo)
+{
+    const uint32_t steps = demo->options->steps;
+    char hash[33];
+    snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, demo->last.hash[0],
+             demo->last.hash[1]);
+    json_t *phases = json_object();
+    for (uint32_t phase = 0; phase <= REPORT_step; phase++) {
+        json_object_set_new(phases, report_phase_names[phase],
+                            json_real(demo->phase_ms[phase] / steps));
+    }
+    json_t *object = json_pack(
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:I, s:o, s:s, s:s}", "steps",
+        (json_int_t)steps, "triangles",
+        (json_int_t)(CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES), "contacts",
+        (json_int_t)demo->contacts, "vf", (json_int_t)demo->vf, "ee",
+        (json_int_t)demo->ee, "possible", (json_int_t)demo->possible, "incomplete",
+        (json_int_t)demo->incomplete, "p50_ms", statistics_median(demo->step_ms, steps),
+        "p99_ms", statistics_quantile(demo->step_ms, steps, 0.99), "max_ms",
+        demo->step_ms[steps - 1], "threads", (json_int_t)demo->last.threads, "mean_ms",
+        phases, "hash", hash, "picture", demo->options->output);
+    json_dumpf(object, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(object);
+}
+
 static void tear_down(struct demo *demo)
 {
     pccd_close(demo->client);
@@ -311,7 +337,8 @@ static int run_demo(const struct demo_options *options)
     }
     demo->options = options;
     int status = picture_open(options->output, &file, &error);
-    if (status == PCCD_OK && ctl_link_open(&options->link, &demo->client) != CTL_DONE) {
+    if (status == PCCD_OK &&
+        ctl_link_open(&options->query.link, &demo->client) != CTL_DONE) {
         status = PCCD_E_NODAEMON; /* and has been told */
     }
     if (status == PCCD_OK) {
@@ -322,13 +349,18 @@ static int run_demo(const struct demo_options *options)
     }
     if (status == PCCD_OK) {
         place_last(demo);
-        print_table(demo);
+        statistics_sort(demo->step_ms, options->steps);
+        if (!options->query.is_json) {
+            print_table(demo);
+        }
         status =
             demo_picture_write(demo->objects, &demo->last, file, options->output, &error);
         file = NULL;
         pccd_answer_release(demo->client, &demo->last);
     }
-    if (status == PCCD_OK) {
+    if (status == PCCD_OK && options->query.is_json) {
+        print_json(demo);
+    } else if (status == PCCD_OK) {
         printf("picture     %s\n", options->output);
     }
     if (file != NULL) {
@@ -346,13 +378,13 @@ static int run_demo(const struct demo_options *options)
 
 int ctl_cmd_demo(int argc, char **argv)
 {
-    struct demo_options options = {.link = {.policy = CTL_LINK_PRIVATE},
+    struct demo_options options = {.query = {.link = {.policy = CTL_LINK_PRIVATE}},
                                    .steps = STEPS_DEFAULT,
                                    .output = OUTPUT_DEFAULT};
     if (argp_parse(&ctl_argp_demo, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;
     }
     int status = run_demo(&options);
-    ctl_link_deinit(&options.link);
+    ctl_link_deinit(&options.query.link);
     return status;
 }

@@ -113,21 +113,18 @@ int ctl_cmd_export(int argc, char **argv)
     export.options.play.needs_records = true;
     export.options.play.only_last = true;
     if (argp_parse(&ctl_argp_export, argc, argv, 0, NULL, &export) != 0) {
-        return CTL_FAILED;
+        return CTL_USAGE;
     }
     int status = still_take(&export.options.play, export.t, &still, &summary, &error);
     if (status == PCCD_OK) {
         status = write_still(&export, &still, &error);
     }
     if (status == PCCD_OK) {
-        printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " objects, %" PRIu64
-               " contacts\n",
-               export.path, still.step, still.t, still.object_count, still.contact_count);
-        still_deinit(&still);
+        still_report(&still, export.path, export.options.is_json);
     } else {
-        still_deinit(&still);
         play_complain(&error);
     }
+    still_deinit(&still);
     play_options_deinit(&export.options);
     return play_exit(status, true);
 }

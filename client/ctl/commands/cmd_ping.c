@@ -15,6 +15,7 @@
 
 #include "ctl.h"
 #include "link.h"
+#include "progress.h"
 #include "statistics.h"
 
 enum { OPTION_JSON = 256 + 64 };
@@ -83,21 +84,27 @@ static void pause_for(double seconds)
 static int ping_all(struct pccd_client *client, const struct ping_options *options,
                     double *times_us)
 {
+    struct progress progress;
+    /* Lines are progress enough. */
+    progress_begin(&progress, "round trips", options->is_quiet ? options->count : 0);
     for (uint32_t i = 0; i < options->count; i++) {
         uint64_t round_trip_ns;
         if (i > 0 && options->interval_s > 0.0) {
             pause_for(options->interval_s);
         }
         if (pccd_ping(client, &round_trip_ns) != PCCD_OK) {
+            progress_clear(&progress);
             return ctl_complain("ping %" PRIu32 " of %" PRIu32 ": %s", i + 1,
                                 options->count, pccd_error_text(client));
         }
         times_us[i] = (double)round_trip_ns / 1e3;
+        progress_update(&progress, i + 1);
         if (!options->is_quiet) {
             printf("daemon %" PRIu32 ": seq %" PRIu32 ", %.1f us\n",
                    pccd_daemon_pid(client), i + 1, times_us[i]);
         }
     }
+    progress_clear(&progress);
     statistics_sort(times_us, options->count);
     if (options->is_json) {
         json_t *object = json_pack(

@@ -192,7 +192,7 @@ int ctl_cmd_record(int argc, char **argv)
 {
     struct record_command command = {.path = NULL};
     if (argp_parse(&ctl_argp_record, argc, argv, ARGP_IN_ORDER, NULL, &command) != 0) {
-        return CTL_FAILED;
+        return CTL_USAGE;
     }
     if (command.is_forced && unlink(command.path) != 0 && errno != ENOENT) {
         return ctl_complain("%s: %s", command.path, strerror(errno));

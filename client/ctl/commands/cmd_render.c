@@ -255,7 +255,7 @@ int ctl_cmd_render(int argc, char **argv)
     render.options.play.needs_records = true;
     render.options.play.only_last = true;
     if (argp_parse(&ctl_argp_render, argc, argv, 0, NULL, &render) != 0) {
-        return CTL_FAILED;
+        return CTL_USAGE;
     }
     int status = still_take(&render.options.play, render.t, &still, &summary, &error);
     if (status == PCCD_OK && still.object_count == 0) {
@@ -270,8 +270,7 @@ int ctl_cmd_render(int argc, char **argv)
         status = draw(&render, &still, file, &error);
     }
     if (status == PCCD_OK) {
-        printf("%s: step %" PRIu64 " at t = %g, %" PRIu64 " contacts\n", render.path,
-               still.step, still.t, still.contact_count);
+        still_report(&still, render.path, render.options.is_json);
     } else {
         play_complain(&error);
     }

@@ -15,11 +15,10 @@
 #include "play_options.h"
 #include "report.h"
 
-enum { OPTION_PACE = 256 + 64, OPTION_JSON, OPTION_KEEP_GOING };
+enum { OPTION_PACE = 256 + 64, OPTION_KEEP_GOING };
 
 struct replay {
     struct play_options options;
-    bool is_json;
     bool goes_on; /* after a difference */
     uint64_t compared, same, differ, unanswered, incomplete;
     uint64_t step; /* of the first difference */
@@ -33,7 +32,6 @@ static const struct argp_option option_list[] = {
      "fast (the default): one step after the other; recorded: when they were submitted",
      0},
     {"keep-going", OPTION_KEEP_GOING, NULL, 0, "Go on after a difference, and count", 0},
-    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
     {0},
 };
 
@@ -52,9 +50,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_KEEP_GOING:
         replay->goes_on = true;
-        return 0;
-    case OPTION_JSON:
-        replay->is_json = true;
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -210,14 +205,14 @@ int ctl_cmd_replay(int argc, char **argv)
     play_options_init(&replay.options, "steps");
     replay.options.play.source = PLAY_DAEMON;
     if (argp_parse(&ctl_argp_replay, argc, argv, 0, NULL, &replay) != 0) {
-        return CTL_FAILED;
+        return CTL_USAGE;
     }
     status = play(&replay.options.play, compare, &replay, &summary, &error);
     if (summary.frames > 0 || status == PCCD_OK) {
         play_options_warn(&replay.options.play, &summary);
-        if (replay.is_json && !print_json(&replay, &summary)) {
+        if (replay.options.is_json && !print_json(&replay, &summary)) {
             status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report cannot be written");
-        } else if (!replay.is_json) {
+        } else if (!replay.options.is_json) {
             print_text(&replay, &summary);
         }
     }

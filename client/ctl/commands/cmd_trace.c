@@ -30,7 +30,7 @@ enum {
 };
 
 struct trace_command {
-    struct ctl_link link;
+    struct ctl_query query;
     struct trace_options trace;
     double seconds; /* 0: until so many steps */
     uint64_t steps; /* 0: until so many seconds */
@@ -56,7 +56,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     struct trace_command *command = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &command->link;
+        state->child_inputs[0] = &command->query;
         return 0;
     case OPTION_OUTPUT:
         command->trace.path = text;
@@ -88,7 +88,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_trace = {
     .options = option_list,
     .parser = parse,
@@ -177,7 +177,7 @@ static int record(const struct trace_command *command, struct pccd_client *clien
         status = trace_file_end(&trace, client, error);
     }
     if (status == PCCD_OK) {
-        trace_file_report(&trace, to_stdout ? stderr : stdout);
+        trace_file_report(&trace, to_stdout ? stderr : stdout, command->query.is_json);
     }
     trace_file_deinit(&trace);
     return status;
@@ -185,14 +185,14 @@ static int record(const struct trace_command *command, struct pccd_client *clien
 
 int ctl_cmd_trace(int argc, char **argv)
 {
-    struct trace_command command = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct trace_command command = {.query = {.link = {.policy = CTL_LINK_EXISTING}}};
     struct ctl_error error = {.text = ""};
     struct pccd_client *client = NULL;
     struct sigaction action = {.sa_handler = on_interrupt};
     if (argp_parse(&ctl_argp_trace, argc, argv, 0, NULL, &command) != 0) {
         return CTL_USAGE;
     }
-    int status = ctl_link_open(&command.link, &client);
+    int status = ctl_link_open(&command.query.link, &client);
     if (status == CTL_DONE) {
         sigemptyset(&action.sa_mask);
         sigaction(SIGINT, &action, NULL);
@@ -201,6 +201,6 @@ int ctl_cmd_trace(int argc, char **argv)
         }
     }
     pccd_close(client);
-    ctl_link_deinit(&command.link);
+    ctl_link_deinit(&command.query.link);
     return status;
 }

@@ -19,20 +19,13 @@
 #define SAMPLE     1000u
 #define SAMPLE_MAX 1000000000u
 
-enum {
-    OPTION_JSON = 256 + 64,
-    OPTION_SAMPLE,
-    OPTION_CONTACTS,
-    OPTION_SEED,
-    OPTION_REPEAT
-};
+enum { OPTION_SAMPLE = 256 + 64, OPTION_CONTACTS, OPTION_SEED, OPTION_REPEAT };
 
 struct verification {
     struct play_options options;
     struct verify_settings settings;
     struct verify_counts counts;
     struct verify_witness witness;
-    bool is_json;
     bool has_failed;
 };
 
@@ -45,7 +38,6 @@ static const struct argp_option option_list[] = {
     {"seed", OPTION_SEED, "N", 0, "Of the samples (default: 1)", 0},
     {"repeat", OPTION_REPEAT, NULL, 0,
      "Have a daemon repeat the steps even if the recording holds the contacts", 0},
-    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
     {0},
 };
 
@@ -70,9 +62,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_REPEAT:
         verification->options.play.source = PLAY_DAEMON;
-        return 0;
-    case OPTION_JSON:
-        verification->is_json = true;
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -201,14 +190,14 @@ int ctl_cmd_verify(int argc, char **argv)
     verification.options.play.source = PLAY_RECORDS;
     verification.options.play.needs_records = true;
     if (argp_parse(&ctl_argp_verify, argc, argv, 0, NULL, &verification) != 0) {
-        return CTL_FAILED;
+        return CTL_USAGE;
     }
     int status = play(&verification.options.play, check, &verification, &summary, &error);
     if (status == PCCD_OK) {
         play_options_warn(&verification.options.play, &summary);
-        if (verification.is_json && !print_json(&verification)) {
+        if (verification.options.is_json && !print_json(&verification)) {
             status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report cannot be written");
-        } else if (!verification.is_json) {
+        } else if (!verification.options.is_json) {
             print_text(&verification);
         }
     }

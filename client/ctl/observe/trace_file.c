@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -260,8 +261,17 @@ int trace_file_end(struct trace_file *trace, struct pccd_client *client,
     return PCCD_OK;
 }
 
-void trace_file_report(const struct trace_file *trace, FILE *to)
+void trace_file_report(const struct trace_file *trace, FILE *to, bool is_json)
 {
+    if (is_json) {
+        json_t *object = json_pack("{s:s, s:I, s:I}", "file", trace->path, "events",
+                                   (json_int_t)trace->info.events, "lost",
+                                   (json_int_t)trace->info.lost);
+        json_dumpf(object, to, JSON_INDENT(2));
+        fputc('\n', to);
+        json_decref(object);
+        return;
+    }
     fprintf(to, "trace      %s: %" PRIu64 " events\n", trace->path, trace->info.events);
     if (trace->info.lost > 0) {
         fprintf(to,

@@ -34,9 +34,9 @@ struct trace_file {
     uint32_t pid;       /* of the daemon */
     uint64_t count;     /* entries written */
     struct pccd_trace_info info;
-    uint32_t threads;   /* of the team that were seen */
+    uint32_t threads; /* of the team that were seen */
     bool has_loop;
-    bool is_short; /* of memory: requests are missing */
+    bool is_short;                     /* of memory: requests are missing */
     struct pccd_trace_event *requests; /* ours */
     uint64_t request_count;
     uint64_t request_capacity;
@@ -49,7 +49,7 @@ int trace_file_begin(struct trace_file *trace, const struct trace_options *optio
 int trace_file_end(struct trace_file *trace, struct pccd_client *client,
                    struct ctl_error *error);
 /* After end: say what the file holds. */
-void trace_file_report(const struct trace_file *trace, FILE *to);
+void trace_file_report(const struct trace_file *trace, FILE *to, bool is_json);
 /* After begin, also when it failed; leaves what report needs. */
 void trace_file_deinit(struct trace_file *trace);
 

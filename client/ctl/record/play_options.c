@@ -19,7 +19,7 @@
 #define STEP_MAX    (1ull << 62)
 #define THREADS_MAX 1024u
 
-enum { OPTION_STEPS = 256 + 96, OPTION_METHOD, OPTION_THREADS };
+enum { OPTION_STEPS = 256 + 96, OPTION_METHOD, OPTION_THREADS, OPTION_JSON };
 
 static const struct argp_option option_list[] = {
     {"steps", OPTION_STEPS, "A..B", 0,
@@ -30,6 +30,7 @@ static const struct argp_option option_list[] = {
     {"method", OPTION_METHOD, "paper|wide", 0,
      "Have the steps computed by paper or wide (default: as recorded)", 0},
     {"threads", OPTION_THREADS, "N", 0, "By at most N threads (default: as recorded)", 0},
+    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
     {0},
 };
 
@@ -77,6 +78,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_THREADS:
         options->play.threads =
             (uint32_t)ctl_option_count(state, "threads", text, 1, THREADS_MAX);
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
         return 0;
     case ARGP_KEY_ARG:
         if (options->play.path != NULL) {

@@ -1,7 +1,7 @@
 /* client/ctl/record/play_options.h - options of the commands that read a recording.
  *
  * Room:     client/ctl. May include: link.h, play.h.
- * Does:     FILE, --steps, --method, --threads and the daemon's options.
+ * Does:     FILE, --steps, --method, --threads, --json and the daemon's options.
  * Does not: know what a command does with the steps.
  * Threads:  one.
  */
@@ -17,6 +17,7 @@
 struct play_options {
     struct ctl_link link;
     struct play_settings play;
+    bool is_json;
 };
 extern const struct argp play_options_argp;
 

@@ -10,7 +10,9 @@
 #include "still.h"
 
 #include <inttypes.h>
+#include <jansson.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -165,6 +167,23 @@ int still_take(const struct play_settings *settings, double t, struct still *sti
         still_deinit(still);
     }
     return status;
+}
+
+void still_report(const struct still *still, const char *path, bool is_json)
+{
+    if (!is_json) {
+        printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " objects, %" PRIu64
+               " contacts\n",
+               path, still->step, still->t, still->object_count, still->contact_count);
+        return;
+    }
+    json_t *object = json_pack("{s:s, s:I, s:f, s:I, s:I}", "file", path, "step",
+                               (json_int_t)still->step, "t", still->t, "objects",
+                               (json_int_t)still->object_count, "contacts",
+                               (json_int_t)still->contact_count);
+    json_dumpf(object, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(object);
 }
 
 void still_deinit(struct still *still)

@@ -2,8 +2,8 @@
  *
  * Room:     client/ctl. May include: play.h.
  * Does:     copy the objects of a step as they are at one time, and place its contacts on
- *           them.
- * Does not: draw or write files.
+ *           them; say what was made of it.
+ * Does not: draw, or write what others read.
  * Threads:  one.
  */
 #ifndef CTL_STILL_H
@@ -41,6 +41,8 @@ struct still {
 /* The last answered step of `settings`, or the one it names, at time t. */
 int still_take(const struct play_settings *settings, double t, struct still *still,
                struct play_summary *summary, struct ctl_error *error);
+/* What there is of it in the file `path`, on the standard output. */
+void still_report(const struct still *still, const char *path, bool is_json);
 void still_deinit(struct still *still);
 
 #endif
