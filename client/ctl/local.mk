@@ -96,6 +96,9 @@ pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
 
+# Of README.md, which has the command that drew it.
+EXTRA_DIST += client/ctl/picture/cloth.png
+
 # Completion, where the shells look for it: the program itself knows its options.
 bashcompletiondir = $(datadir)/bash-completion/completions
 zshcompletiondir = $(datadir)/zsh/site-functions

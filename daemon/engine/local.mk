@@ -168,4 +168,4 @@ libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 libengine_la_LDFLAGS = $(OPENMP_CFLAGS)
 libengine_la_LIBADD = $(kernel_libraries) $(XXHASH_LIBS) $(GMP_LIBS) $(LIBM)
 
-EXTRA_DIST += daemon/engine/elementary/BOUNDS.md
+EXTRA_DIST += daemon/engine/README.md daemon/engine/elementary/BOUNDS.md

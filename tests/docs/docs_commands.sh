@@ -1,11 +1,12 @@
 #!/bin/bash
-# docs_commands.sh - every command of README.md and of the manual pages' examples works (TAP).
+# docs_commands.sh - every command of the documents works as it is written (TAP).
 #
 # Room:     tests/docs.
-# Does:     take the command blocks of README.md (four blanks, after an empty line), the commands
-#           in its tables, and the commands of every EXAMPLES section (a tab); run each as it is
-#           written, where its files are: frames of a mesh, build/, a daemon of the user's own
-#           with a client that plays. Compile and run the program of libpccd(3).
+# Does:     take the command blocks of README.md and tests/README.md (four blanks, after an
+#           empty line), the commands in their tables, and the commands of every EXAMPLES
+#           section (a tab); run each as it is written, where its files are: frames of a mesh,
+#           build/, a daemon of the user's own with a client that plays. Compile and run the
+#           programs of README.md and libpccd(3).
 # Does not: run what excluded.txt names, with the reason; such a line that stands in no document
 #           any more fails.
 
@@ -55,7 +56,8 @@ done
 awk '/^```/ { fence = !fence }
     fence { next }
     /^    [^ ]/ && (empty || block) { print substr($0, 5); block = 1; next }
-    { empty = $0 == ""; block = 0 }' "$top_srcdir/README.md" >"$work/readme"
+    { empty = $0 == ""; block = 0 }' "$top_srcdir/README.md" "$top_srcdir/tests/README.md" \
+    >"$work/readme"
 sed -n 's/^| `\([^`]*\)` |.*/\1/p' "$top_srcdir/README.md" | grep -E '^(make|build/|pccd|\./)' \
     >>"$work/readme"
 # Examples: a tab before each; "++" ends a line, a backslash escapes.
@@ -140,21 +142,28 @@ grep -vE '^#|^$|.+ :: .+' "$top_srcdir/tests/docs/excluded.txt" >>"$log"
 [ ! -s "$log" ]
 tap_result $? excluded__are_all_written_somewhere "$log"
 
-# ---- the program of libpccd(3) ----------------------------------------------------------
+# ---- the programs -----------------------------------------------------------------------
 
-awk '/^```/ { fence = !fence; next } fence' "$top_srcdir/client/man/libpccd.3.scd" >program.c
 mkdir include && cp "$top_srcdir"/client/lib/pccd.h "$top_srcdir"/proto/pccd_*.h include
 library=$top_builddir/.libs
-# shellcheck disable=SC2086 # CC may hold flags
-${CC-cc} -std=c11 -Wall -Wextra -Werror -Iinclude program.c -L"$library" -lpccd \
-    -Wl,-rpath,"$library" -o program >"$log" 2>&1 && ./program >out 2>>"$log" &&
-    grep -q '^vertex-face at t = 0\.\(5\|4999\)' out
-status=$?
-if [ $status -ne 0 ] && grep -qE 'asan|ubsan|tsan' "$log"; then
-    tap_skip page__program_of_libpccd_works "the library is built with a sanitiser"
-else
-    # If it failed, the first program that somebody copies would not work.
-    tap_result $status page__program_of_libpccd_works "$log"
-fi
+
+# check_program NAME LINE: program.c, the first that somebody copies, prints a line like LINE.
+check_program() {
+    # shellcheck disable=SC2086 # CC may hold flags
+    ${CC-cc} -std=c11 -Wall -Wextra -Werror -Iinclude program.c -L"$library" -lpccd \
+        -Wl,-rpath,"$library" -o program >"$log" 2>&1 && ./program >out 2>>"$log" &&
+        grep -q "$2" out
+    local status=$?
+    if [ $status -ne 0 ] && grep -qE 'asan|ubsan|tsan' "$log"; then
+        tap_skip "$1" "the library is built with a sanitiser"
+        return
+    fi
+    # If it failed, that program would not work.
+    tap_result $status "$1" "$log"
+}
+awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/README.md" >program.c
+check_program readme__program_works '^frame 9: 3 meets 0 at t = '
+awk '/^```/ { fence = !fence; next } fence' "$top_srcdir/client/man/libpccd.3.scd" >program.c
+check_program page__program_of_libpccd_works '^vertex-face at t = 0\.\(5\|4999\)'
 
 tap_end
