@@ -80,15 +80,35 @@ static void print_words(FILE *to, const char *argument)
     }
 }
 
-/* The first sentence of a help text, without what the shells give a meaning to. */
-static void print_text(FILE *to, const char *text)
+/* How much of a help text is its first statement, without the default. */
+static size_t statement_chars(const char *text)
 {
-    for (; text != NULL && *text != '\0' && *text != ';'; text++) {
-        if (strchr("'\"\\[]:$`(", *text) == NULL) {
-            putc(*text, to);
-        } else if (*text == '(') {
-            break;
+    static const char *const ends[] = {";", ". ", " (default"};
+    size_t chars = strlen(text);
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        const char *end = strstr(text, ends[i]);
+        if (end != NULL && (size_t)(end - text) < chars) {
+            chars = (size_t)(end - text);
         }
+    }
+    return chars;
+}
+
+/* That, within single quotes of fish, or of a specification of zsh. */
+static void print_text_fish(FILE *to, const char *text)
+{
+    for (size_t i = 0, chars = statement_chars(text); i < chars; i++) {
+        fprintf(to, text[i] == '\'' || text[i] == '\\' ? "\\%c" : "%c", text[i]);
+    }
+}
+
+static void print_text_zsh(FILE *to, const char *text)
+{
+    for (size_t i = 0, chars = statement_chars(text); i < chars; i++) {
+        const char *form = text[i] == '\''                    ? "'\\%c'"
+                           : strchr("[]:\\", text[i]) != NULL ? "\\%c"
+                                                              : "%c";
+        fprintf(to, form, text[i]);
     }
 }
 
@@ -175,7 +195,7 @@ static void zsh_option(FILE *to, const struct row *row, const struct argp_option
 {
     (void)row;
     fprintf(to, "            '--%s%s[", option->name, option->arg != NULL ? "=" : "");
-    print_text(to, option->doc);
+    print_text_zsh(to, option->doc);
     putc(']', to);
     if (has_words(option->arg)) {
         fprintf(to, ":%s:(", option->name);
@@ -195,7 +215,7 @@ void completion_print_zsh(FILE *to)
           to);
     for (size_t i = 0; i < ROW_COUNT; i++) {
         fprintf(to, "        '%s:", rows[i].name);
-        print_text(to, rows[i].text);
+        print_text_zsh(to, rows[i].text);
         fputs("'\n", to);
     }
     fputs("        'help:explain a command'\n    )\n"
@@ -238,20 +258,26 @@ static void fish_option(FILE *to, const struct row *row, const struct argp_optio
         fputs(is_file(option->arg) ? " -r -F" : " -x", to);
     }
     fputs(" -d '", to);
-    print_text(to, option->doc);
+    print_text_fish(to, option->doc);
     fputs("'\n", to);
 }
 
 void completion_print_fish(FILE *to)
 {
     fputs("# pccdctl: completion for fish, printed by pccdctl completion fish.\n"
-          "complete -c pccdctl -f\n",
+          "complete -c pccdctl -f\n"
+          "complete -c pccdctl -n __fish_use_subcommand -a help -d 'explain a command'\n",
           to);
+    fputs("complete -c pccdctl -n '__fish_seen_subcommand_from help' -a '", to);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        fprintf(to, "%s%s", i > 0 ? " " : "", rows[i].name);
+    }
+    fputs("'\n", to);
     for (size_t i = 0; i < ROW_COUNT; i++) {
         const char *arguments = rows[i].argp->args_doc;
         fprintf(to, "complete -c pccdctl -n __fish_use_subcommand -a %s -d '",
                 rows[i].name);
-        print_text(to, rows[i].text);
+        print_text_fish(to, rows[i].text);
         fputs("'\n", to);
         each_option(to, &rows[i], rows[i].argp, fish_option);
         if (has_words(arguments) || is_file(arguments)) {

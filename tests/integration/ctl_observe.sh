@@ -214,6 +214,26 @@ ctl ping -c 20 -i 0 --json && json 'j["count"] == 20 and j["pid"] == '"$daemon" 
     PCCD_URL="unix:$work/none" ctl version --json && json 'j["daemon"] is None and j["library"] != ""'
 tap_result $? ping__and_version_speak_json "$log"
 
+# If it failed, a user could not trace, watch or change the daemon that is their own: root may
+# everything, and a sandbox in which the daemon cannot tell who it is refuses everybody else.
+mkdir plain && chmod 0777 plain && chmod 0755 "$work"
+as_plain_user() {
+    if [ "$(id -u)" -eq 0 ]; then
+        set -- setpriv --reuid=65534 --regid=65534 --clear-groups "$@"
+    fi
+    (cd plain && env -u PCCD_URL XDG_RUNTIME_DIR="$work/plain" timeout 60 "$@") >out 2>"$log"
+}
+name=daemon__lets_its_own_user_do_all
+if as_plain_user "$PCCDCTL" version --private; then
+    as_plain_user "$PCCDCTL" config set log-level warn --private &&
+        as_plain_user "$PCCDCTL" trace -o trace.json --seconds 0.1 --private &&
+        as_plain_user "$PCCDCTL" watch --seconds 0.1 --private
+    tap_result $? $name "$log"
+else
+    tap_skip $name "no other user can run what was built here"
+fi
+chmod 0700 "$work"
+
 # ---- what all commands have ---------------------------------------------------------
 
 # If it failed, a script could not tell why a command failed.
@@ -257,16 +277,103 @@ complete_words() {
 [ ! -s "$log" ] && [ "$(wc -l <commands)" -ge 15 ]
 tap_result $? completion__bash_knows_every_command_and_option "$log"
 
-for shell in zsh fish; do
-    "$PCCDCTL" completion $shell >script
-    if command -v $shell >/dev/null; then
-        # If it failed, the shell would complain whenever it starts.
-        $shell -n script >"$log" 2>&1
-        tap_result $? completion__is_read_by_$shell "$log"
-    else
-        tap_skip completion__is_read_by_$shell "$shell is not installed"
-    fi
+# offers LINE WORD...: the shell's answers, "LINE: WORD..." a line in out, have this one.
+offers() {
+    local line=$1
+    shift
+    grep -qxF -- "$line: $*" out || echo "no \"$line: $*\" in: $(grep -F -- "$line:" out)"
+}
+completion_lines=('pccdctl st' 'pccdctl check --mode=f' 'pccdctl list m' 'pccdctl config g'
+    'pccdctl help li' 'pccdctl top --so')
+is_completed() {
+    offers 'pccdctl st' stats status
+    offers 'pccdctl check --mode=f' "$1first"
+    offers 'pccdctl list m' meshes
+    offers 'pccdctl config g' get
+    offers 'pccdctl help li' list
+    offers 'pccdctl top --so' --socket --sort
+}
+
+# What zsh offers at a terminal: its own compadd, heard.
+cat >capture.zsh <<'END'
+zmodload zsh/zpty
+zpty probe zsh -f -i
+zpty -w probe "PROMPT= RPROMPT=; fpath=($PWD/functions \$fpath); autoload -Uz compinit; compinit -u -d $PWD/dump"
+zpty -w probe 'compadd() {
+    [[ ${@[1,(i)(-|--)]} == *-(O|A|D)\ * ]] || {
+        local -a hits; builtin compadd -A hits "$@"; print -l -- $hits >>hits
+    }
+    builtin compadd "$@"
+}'
+while IFS= read -r line; do
+    : >hits
+    zpty -w -n probe "$line"$'\t'
+    for i in {1..100}; do sleep 0.1; zpty -r -t probe trash; [[ -s hits ]] && break; done
+    sleep 0.2
+    words=(${(fo)"$(<hits)"})
+    print -r -- "$line: ${(uj: :)words}"
+    zpty -w -n probe $'\x15'
 done
+zpty -d probe
+END
+name=completion__zsh_offers_what_there_is
+if command -v zsh >/dev/null; then
+    mkdir functions && "$PCCDCTL" completion zsh >functions/_pccdctl &&
+        zsh -n functions/_pccdctl 2>err &&
+        printf '%s\n' "${completion_lines[@]}" | timeout 120 zsh -f capture.zsh >out 2>>err
+    is_completed '' >"$log"
+    cat err >>"$log"
+    [ ! -s "$log" ]
+    # If it failed, zsh would complain when it starts, or offer other words.
+    tap_result $? $name "$log"
+else
+    tap_skip $name "zsh is not installed"
+fi
+
+name=completion__fish_knows_every_command_and_option
+if command -v fish >/dev/null; then
+    "$PCCDCTL" completion fish >pccdctl.fish
+    {
+        printf 'source pccdctl.fish\n'
+        for line in "${completion_lines[@]}"; do
+            printf "echo '%s:' (complete -C '%s' | string replace -r '\\\\t.*' '' | sort)\n" "$line" "$line"
+        done
+        while read -r command; do
+            printf "echo '%s --:' (complete -C 'pccdctl %s --' | string replace -r '\\\\t.*' '')\n" \
+                "$command" "$command"
+        done <commands
+    } >ask.fish
+    HOME=$work timeout 120 fish --no-config ask.fish >out 2>"$log"
+    is_completed --mode= >>"$log"
+    while read -r command; do
+        "$PCCDCTL" "$command" --help | grep -oE -- '--[a-z][a-z-]*' | sort -u |
+            grep -vxE -- '--(usage|version|help)' | while read -r option; do
+            grep -qE -- "^$command --:.* $option( |\$)" out || echo "$command $option"
+        done
+    done <commands >>"$log"
+    [ ! -s "$log" ] && [ -s out ]
+    # If it failed, fish would complain, or lack a command or an option.
+    tap_result $? $name "$log"
+else
+    tap_skip $name "fish is not installed"
+fi
+
+# ---- for programs --------------------------------------------------------------------
+
+# metrics is OpenMetrics, completion a script; the standard output of record is its program's.
+while read -r command; do
+    "$PCCDCTL" "$command" --help | grep -q -- '--json' || echo "$command has no --json"
+done < <(grep -vxE 'metrics|completion|record' commands) >"$log"
+[ ! -s "$log" ]
+# If it failed, a script would have to read what is meant for people.
+tap_result $? commands__have_json_where_a_program_may_read "$log"
+
+ctl demo --steps 3 --output demo.png --json && json 'j["steps"] == 3 and j["incomplete"] == 0' &&
+    json 'j["mean_ms"]["step"] > 0 and len(j["hash"]) == 32 and j["picture"] == "demo.png"' &&
+    ctl trace -o trace.json --seconds 0.1 --json && json 'j["file"] == "trace.json" and j["lost"] == 0' &&
+    ctl config set log-level warn --json && json 'j["name"] == "log-level" and j["value"] == "warn"'
+# If it failed, a program could not tell what was done.
+tap_result $? commands__that_make_or_change_something_speak_json "$log"
 
 kill $player && wait $player 2>/dev/null
 tap_end
