@@ -189,12 +189,12 @@ int main(int argc, char **argv)
     struct load_target target = {0};
     load_options_parse(argc, argv, &load.settings);
     if ((load.settings.plot && !load_plot_can()) || !share_memory(&load)) {
-        return 1;
+        return LOAD_FAILED;
     }
     if (load.settings.url) {
         snprintf(load.url, sizeof load.url, "%s", load.settings.url);
     } else if (!load_target_start(&target, &load)) {
-        return 1;
+        return LOAD_NO_DAEMON;
     }
-    return run(&load, &target) ? 0 : 1;
+    return run(&load, &target) ? LOAD_DONE : LOAD_NEGATIVE;
 }

@@ -381,13 +381,14 @@ void load_options_parse(int argc, char **argv, struct load_settings *settings)
         .options = option_table,
         .parser = parse,
         .args_doc = "[-- DAEMON-OPTION...]",
-        .doc = "Put a pccd daemon under the load of many clients, kill some of them and "
-               "the daemon itself, and compare every answer with what a lone client "
-               "gets.\v"
-               "Games, 64 of them: --clients 64 --triangles 1k --scene wave --hz 60 "
-               "--kinds follow --seconds 60. As much as it can take: --clients 1000.\n\n"
-               "Exit status: 0 all is as it must be; 1 something is not; 64 the command "
-               "line is wrong.",
+        .doc =
+            "Put a pccd daemon under the load of many clients, kill some of them and "
+            "the daemon itself, and compare every answer with what a lone client "
+            "gets.\v"
+            "Games, 64 of them: --clients 64 --triangles 1k --scene wave --hz 60 "
+            "--kinds follow --seconds 60. As much as it can take: --clients 1000.\n\n"
+            "Exit status: 0 all is as it must be; 1 something is not; 2 the command line "
+            "is wrong; 3 no daemon could be started; 4 any other error.",
     };
     const char *daemon = getenv("PCCD_DAEMON");
     struct input input = {.settings = {.seed = 1,
@@ -400,6 +401,7 @@ void load_options_parse(int argc, char **argv, struct load_settings *settings)
                                        .mode = -1,
                                        .sizes = {1, {{40, 40, 1}}},
                                        .daemon = daemon ? daemon : "pccdd"}};
+    argp_err_exit_status = LOAD_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &input);
     complete(&input);
     *settings = input.settings;

@@ -79,8 +79,12 @@ load slow --clients 4 --requests 20 --p99-ms 0.0001
 [ $? -eq 1 ] && grep -q '^p99 as asked  *NO' "$work/slow"
 tap_result $? load__fails_where_p99_is_missed "$work/slow"
 load wrong --triangles 5..2
-[ $? -eq 64 ]
+[ $? -eq 2 ]
 tap_result $? load__refuses_a_wrong_command_line "$work/wrong"
+load absent --clients 4 --requests 20 --daemon /nowhere/pccdd
+# If it failed, a script could not tell an absent daemon from a wrong answer.
+[ $? -eq 3 ]
+tap_result $? load__tells_that_there_is_no_daemon "$work/absent"
 
 # If it failed, the picture would be missing, or gnuplot's absence be no error.
 if command -v gnuplot >/dev/null; then
@@ -88,7 +92,7 @@ if command -v gnuplot >/dev/null; then
         head -c 4 "$work/plot.png" | grep -q PNG
 else
     load plot --clients 4 --requests 50 --plot "$work/plot.png"
-    [ $? -eq 1 ] && grep -q 'needs gnuplot' "$work/plot"
+    [ $? -eq 4 ] && grep -q 'needs gnuplot' "$work/plot"
 fi
 tap_result $? load__draws_a_picture "$work/plot"
 
