@@ -26,6 +26,10 @@ else
     find . -name build -prune -o -type f -print # an unpacked tarball
 fi | tar -cf - --verbatim-files-from -T - | tar -xf - -C "$work/pccd"
 
+# The page of pccdctl inspect, as a tarball has it: a package fetches nothing.
+page=${result%/*}/client/inspect/page.html
+[ ! -s "$page" ] || cp "$page" "$work/pccd/client/inspect/page.dist.html"
+
 cd "$work/pccd"
 : "${DEB_BUILD_OPTIONS:=parallel=$(nproc)}"
 export DEB_BUILD_OPTIONS
