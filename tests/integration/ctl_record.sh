@@ -175,6 +175,17 @@ for cell, each, count in (('Verts', 1, verts), ('Polys', 3, polys)):
 EOF
 report export__writes_vtk
 
+# If it failed, a program could not tell what was drawn or written.
+for command in 'render --size 320x200 -o a.png' 'export -o a.glb'; do
+    # shellcheck disable=SC2086 # words
+    timeout 60 "$PCCDCTL" $command --json --steps 1 session.rec >out 2>"$log" &&
+        grep -q '^  "step": 1,$' out && grep -q '^  "objects": 1,$' out &&
+        grep -q '^  "contacts": 1$' out && grep -q "^  \"file\": \"${command##* }\",\$" out ||
+        { echo "$command" && cat out; } >>"$log"
+done
+[ ! -s "$log" ]
+report stills__speak_json
+
 # If it failed, a wrong use would end in something else than a sentence.
 status=0
 for wrong in "replay" "replay a b" "replay --steps 3..2 session.rec" "replay --steps 0 session.rec" \

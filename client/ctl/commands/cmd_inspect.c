@@ -9,6 +9,7 @@
  */
 #include <errno.h>
 #include <inttypes.h>
+#include <jansson.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -120,8 +121,20 @@ static const char *base_name(const char *path)
 static void print_done(const struct command *command, const struct inspect *inspect,
                        const struct play_summary *summary, uint64_t bytes)
 {
-    printf("%s: %" PRIu64 " steps, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n", command->path,
-           inspect->kept, inspect->first, inspect->last, (double)bytes / MIB);
+    if (command->options.is_json) {
+        json_t *object = json_pack(
+            "{s:s, s:I, s:I, s:I, s:I, s:I, s:b}", "file", command->path, "steps",
+            (json_int_t)inspect->kept, "first", (json_int_t)inspect->first, "last",
+            (json_int_t)inspect->last, "bytes", (json_int_t)bytes, "differ",
+            (json_int_t)inspect->differ, "full", inspect->is_full);
+        json_dumpf(object, stdout, JSON_INDENT(2));
+        putchar('\n');
+        json_decref(object);
+    } else {
+        printf("%s: %" PRIu64 " steps, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n",
+               command->path, inspect->kept, inspect->first, inspect->last,
+               (double)bytes / MIB);
+    }
     if (inspect->differ > 0) {
         ctl_complain("%" PRIu64 " answers are others than the recorded ones",
                      inspect->differ);
@@ -191,7 +204,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     command.options.play.needs_records = true;
     command.options.play.is_traced = true;
     if (argp_parse(&ctl_argp_inspect, argc, argv, 0, NULL, &command) != 0) {
-        return CTL_FAILED;
+        return CTL_USAGE;
     }
     int status = PCCD_OK;
     if (page_template(&bytes) == NULL) {

@@ -43,7 +43,6 @@ static void look_at_files(struct doctor *doctor)
 /* What a ring is made of: a memfd of that size, allocated and mapped. */
 static void look_at_memory(struct doctor *doctor)
 {
-    struct rlimit space = {0, 0};
     int fd = memfd_create("pccdctl doctor", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     int failed = fd < 0 ? errno : posix_fallocate(fd, 0, SHM_WANTED);
     void *memory =
@@ -57,7 +56,6 @@ static void look_at_memory(struct doctor *doctor)
     if (fd >= 0) {
         close(fd);
     }
-    getrlimit(RLIMIT_AS, &space);
     doctor_find(doctor, failed == 0 ? DOCTOR_OK : DOCTOR_FAIL, "memory",
                 failed == 0 ? ""
                             : "clients share memory with the daemon: raise ulimit -v, or "
