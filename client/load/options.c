@@ -9,346 +9,315 @@
 #include <argp.h>
 #include <errno.h>
 #include <math.h>
+#include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "actor.h"
 
-enum {
-    OPT_CLIENTS = 'c',
-    OPT_REQUESTS = 'n',
-    OPT_PROCESSES = 'p',
-    OPT_DEPTH = 'd',
-    OPT_THINK = 't',
-    OPT_SEED = 's',
-    OPT_URL = 'u',
-    OPT_DAEMON = 0x100,
-    OPT_HZ,
-    OPT_RATE,
-    OPT_ARRIVALS,
-    OPT_RAMP,
-    OPT_WARM_UP,
-    OPT_DEADLINE,
-    OPT_P99,
-    OPT_STALL,
-    OPT_TRIANGLES,
-    OPT_SCENE,
-    OPT_KINDS,
-    OPT_MODE,
-    OPT_PER_PROCESS,
-    OPT_MINUTES,
-    OPT_SECONDS,
-    OPT_VICTIMS,
-    OPT_KILL_CLIENTS,
-    OPT_KILL_WORKER,
-    OPT_PAUSE,
-    OPT_FLAT,
-    OPT_JSON,
-    OPT_CSV,
-    OPT_PLOT
-};
-
-static const char *const kind_names[LOAD_KINDS] = {"follow", "jump", "rigid", "pairs",
-                                                   "churn"};
-
-static const char *const scene_names[LOAD_SCENE_COUNT] = {
-#define LOAD_SCENE_NAME(name, text) [LOAD_SCENE_##name] = #name,
-    LOAD_SCENES(LOAD_SCENE_NAME)
-#undef LOAD_SCENE_NAME
-};
-
-static const struct argp_option option_table[] = {
-    {NULL, 0, NULL, 0, "How many", 1},
-    {"clients", OPT_CLIENTS, "N", 0, "clients at once (default 100)", 0},
-    {"processes", OPT_PROCESSES, "N", 0, "processes that share the clients (default 4)",
-     0},
-    {"clients-per-process", OPT_PER_PROCESS, "N", 0, "instead of --processes", 0},
-    {"requests", OPT_REQUESTS, "N", 0,
-     "of each client, at least (default 100, or 1 with a time)", 0},
-    {"seconds", OPT_SECONDS, "N", 0,
-     "go on at least so long, minutes added, after ramp and warm-up", 0},
-    {"minutes", OPT_MINUTES, "N", 0, "go on at least so long, seconds added", 0},
-    {"depth", OPT_DEPTH, "N", 0, "requests of a client in flight (default 2)", 0},
-
-    {NULL, 0, NULL, 0,
-     "When: in the closed loop (default) a client asks again when an answer has come", 2},
-    {"think-ms", OPT_THINK, "N", 0,
-     "closed loop: between two requests of a client, about (default 0)", 0},
-    {"hz", OPT_HZ, "F", 0,
-     "open loop: each client asks F times a second, whatever the answers do; latency "
-     "counts "
-     "from when a request is due",
-     0},
-    {"rate", OPT_RATE, "F", 0, "open loop: all of them together F times a second", 0},
-    {"arrivals", OPT_ARRIVALS, "KIND", 0,
-     "fixed: at even distances, clients spread over them (default); poisson: at random",
-     0},
-    {"deadline-ms", OPT_DEADLINE, "F", 0,
-     "an answer that comes later is missed (default with --hz: the period)", 0},
-    {"ramp", OPT_RAMP, "S", 0, "clients join over S seconds", 0},
-    {"warm-up", OPT_WARM_UP, "S", 0,
-     "latencies count S seconds after the ramp (default 0)", 0},
-
-    {NULL, 0, NULL, 0, "What", 3},
-    {"triangles", OPT_TRIANGLES, "SIZES", 0,
-     "of each client's scene: 1k; 200..5k, any octave as likely; 1k:3,20k:1 with weights "
-     "(default 40)",
-     0},
-    {"scene", OPT_SCENE, "KIND", 0,
-     "crumple (default): all of a sheet goes through a floor; wave: troughs of it do; "
-     "apart: nothing does",
-     0},
-    {"kinds", OPT_KINDS, "LIST", 0,
-     "clients are by turns (default all): follow, from where the last step ended; jump, "
-     "with both ends, and mischief; rigid; pairs; churn, which makes things anew",
-     0},
-    {"mode", OPT_MODE, "MODE", 0,
-     "of every step: all, first, any, pairs (default by kind)", 0},
-    {"seed", OPT_SEED, "N", 0, "of the scenes (default 1)", 0},
-
-    {NULL, 0, NULL, 0, "Trouble", 4},
-    {"stall", OPT_STALL, "P,MS", 0,
-     "after this share of its requests a client stops reading for MS milliseconds", 0},
-    {"kill-clients", OPT_KILL_CLIENTS, "N", 0, "SIGKILL so many other clients", 0},
-    {"victims", OPT_VICTIMS, "N", 0, "of the clients to kill, at a time (default 8)", 0},
-    {"kill-worker", OPT_KILL_WORKER, "N", 0, "SIGKILL the daemon's worker so often", 0},
-    {"pause-ms", OPT_PAUSE, "N", 0,
-     "between two kills of the worker, about (default 100)", 0},
-
-    {NULL, 0, NULL, 0, "Whom", 5},
-    {"daemon", OPT_DAEMON, "PROGRAM", 0,
-     "start it, supervised (default: $PCCD_DAEMON, or pccdd in $PATH)", 0},
-    {"url", OPT_URL, "URL", 0,
-     "unix:PATH: use that daemon instead; direct: no daemon, the engine in each process",
-     0},
-
-    {NULL, 0, NULL, 0, "What is said", 6},
-    {"json", OPT_JSON, NULL, 0, "the report as one JSON object", 0},
-    {"csv", OPT_CSV, "FILE", 0, "a line for each second", 0},
-    {"plot", OPT_PLOT, "FILE.png", 0, "latency by percentile and by second (gnuplot)", 0},
-    {"p99-ms", OPT_P99, "F", 0, "fail if that of the latency is longer", 0},
-    {"flat", OPT_FLAT, NULL, 0, "fail if the daemon's memory grows", 0},
-    {NULL, 0, NULL, 0, NULL, 0},
-};
-
-static uint64_t number(const struct argp_state *state, const char *text, uint64_t low,
-                       uint64_t high)
-{
-    char *end;
-    errno = 0;
-    unsigned long long value = strtoull(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || *end || errno || value < low || value > high) {
-        argp_error(state, "\"%s\" is not a number from %llu to %llu", text,
-                   (unsigned long long)low, (unsigned long long)high);
-    }
-    return value;
-}
-
-static uint32_t small(const struct argp_state *state, const char *text, uint32_t low,
-                      uint32_t high)
-{
-    return (uint32_t)number(state, text, low, high);
-}
-
-static double real(const struct argp_state *state, const char *text, double low,
-                   double high)
-{
-    char *end;
-    double value = strtod(text, &end);
-    if (end == text || *end || !(value >= low && value <= high)) {
-        argp_error(state, "\"%s\" is not a number from %g to %g", text, low, high);
-    }
-    return value;
-}
-
-/* Which of the names; `length` of the text count. */
-static int choice(const struct argp_state *state, const char *text, size_t length,
-                  const char *const *names, int count)
-{
-    for (int i = 0; i < count; i++) {
-        if (strlen(names[i]) == length && strncmp(text, names[i], length) == 0) {
-            return i;
-        }
-    }
-    argp_error(state, "\"%.*s\" is not known here", (int)length, text);
-    return 0;
-}
-
-static uint32_t parse_kinds(const struct argp_state *state, const char *text)
-{
-    uint32_t kinds = 0;
-    for (;;) {
-        size_t length = strcspn(text, ",");
-        kinds |= 1u << choice(state, text, length, kind_names, LOAD_KINDS);
-        if (text[length] == '\0') {
-            return kinds;
-        }
-        text += length + 1;
-    }
-}
-
-static void parse_stall(const struct argp_state *state, const char *text,
-                        struct load_settings *settings)
-{
-    char share[32] = "";
-    size_t length = strcspn(text, ",");
-    if (text[length] != ',' || length >= sizeof share) {
-        argp_error(state, "\"%s\" is not a share and milliseconds, such as 0.01,200",
-                   text);
-        return;
-    }
-    memcpy(share, text, length);
-    settings->stall_share = real(state, share, 0, 1);
-    settings->stall_ms = small(state, text + length + 1, 1, 60000);
-}
-
-static error_t parse_trouble(int key, char *text, struct argp_state *state)
-{
-    struct load_settings *settings = state->input;
-    switch (key) {
-    case OPT_STALL:
-        parse_stall(state, text, settings);
-        return 0;
-    case OPT_VICTIMS:
-        settings->victims = small(state, text, 1, LOAD_VICTIM_MAX);
-        return 0;
-    case OPT_KILL_CLIENTS:
-        settings->kills = number(state, text, 0, UINT32_MAX);
-        return 0;
-    case OPT_KILL_WORKER:
-        settings->crashes = number(state, text, 0, UINT32_MAX);
-        return 0;
-    case OPT_PAUSE:
-        settings->pause_ms = small(state, text, 1, 3600000);
-        return 0;
-    case OPT_FLAT:
-        settings->flat = true;
-        return 0;
-    case ARGP_KEY_ARGS: /* after --: for the daemon */
-        settings->daemon_options = state->argv + state->next;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static error_t parse_work(int key, char *text, struct argp_state *state)
-{
-    static const char *const modes[] = {"all", "first", "any", "pairs"};
-    static const enum pccd_mode mode_values[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST,
-                                                 PCCD_MODE_ANY, PCCD_MODE_PAIRS};
-    struct load_settings *settings = state->input;
-    switch (key) {
-    case OPT_TRIANGLES:
-        if (!load_sizes_parse(&settings->sizes, text)) {
-            argp_error(state, "\"%s\" is no list of sizes, such as 200..5k or 1k:3,20k:1",
-                       text);
-        }
-        return 0;
-    case OPT_SCENE:
-        settings->scene = (enum load_scene)choice(state, text, strlen(text), scene_names,
-                                                  LOAD_SCENE_COUNT);
-        return 0;
-    case OPT_KINDS:
-        settings->kinds = parse_kinds(state, text);
-        return 0;
-    case OPT_MODE:
-        settings->mode = (int)mode_values[choice(state, text, strlen(text), modes, 4)];
-        return 0;
-    case OPT_JSON:
-        settings->json = true;
-        return 0;
-    case OPT_CSV:
-        settings->csv = text;
-        return 0;
-    case OPT_PLOT:
-        settings->plot = text;
-        return 0;
-    case OPT_P99:
-        settings->p99_ms = real(state, text, 0, 1e6);
-        return 0;
-    case OPT_DAEMON:
-        settings->daemon = text;
-        return 0;
-    case OPT_URL:
-        settings->url = text;
-        return 0;
-    default:
-        return parse_trouble(key, text, state);
-    }
-}
-
 /* What depends on more than one option. */
 struct input {
-    struct load_settings settings; /* first: the others parse into it */
+    struct load_settings settings;
     double rate;
     uint32_t per_process;
 };
 
-static error_t parse_time(int key, char *text, struct argp_state *state)
+struct row;
+typedef void (*take_fn)(const struct argp_state *state, const struct row *row,
+                        const char *text, void *to);
+
+/* An option is one row: what --help says of it, what it may be, and where that goes. */
+struct row {
+    const char *name;
+    char letter; /* 0: none */
+    const char *arg, *text;
+    take_fn take; /* NULL: a heading */
+    size_t at;    /* in struct input */
+    double low, high;
+    const char *const *names; /* NULL-terminated; what it may be, if it is a word */
+};
+
+#define AT(member)  offsetof(struct input, settings.member)
+#define OWN(member) offsetof(struct input, member)
+
+/* ---- what may stand there ---------------------------------------------------------- */
+
+static const char *const arrival_names[] = {"fixed", "poisson", NULL};
+static const char *const kind_names[] = {"follow", "jump",  "rigid",
+                                         "pairs",  "churn", NULL};
+static const char *const mode_names[] = {"all", "first", "any", "pairs", NULL};
+static const char *const scene_names[] = {
+#define LOAD_SCENE_NAME(name, text) [LOAD_SCENE_##name] = #name,
+    LOAD_SCENES(LOAD_SCENE_NAME)
+#undef LOAD_SCENE_NAME
+        NULL};
+
+static uint64_t number(const struct argp_state *state, const struct row *row,
+                       const char *text, double low, double high)
 {
-    static const char *const arrivals[] = {"fixed", "poisson"};
-    struct input *input = state->input;
-    struct load_settings *settings = &input->settings;
-    switch (key) {
-    case OPT_THINK:
-        settings->think_ms = small(state, text, 0, 60000);
-        return 0;
-    case OPT_HZ:
-        settings->hz = real(state, text, 1e-3, 1e5);
-        return 0;
-    case OPT_RATE:
-        input->rate = real(state, text, 1e-3, 1e7);
-        return 0;
-    case OPT_ARRIVALS:
-        settings->poisson = choice(state, text, strlen(text), arrivals, 2) == 1;
-        return 0;
-    case OPT_DEADLINE:
-        settings->deadline_ms = real(state, text, 1e-3, 1e6);
-        return 0;
-    case OPT_RAMP:
-        settings->ramp_s = real(state, text, 0, 1e5);
-        return 0;
-    case OPT_WARM_UP:
-        settings->warm_up_s = real(state, text, 0, 1e5);
-        return 0;
-    case OPT_MINUTES:
-        settings->minutes = small(state, text, 0, 1u << 20);
-        return 0;
-    case OPT_SECONDS:
-        settings->seconds = small(state, text, 0, 1u << 20);
-        return 0;
-    default:
-        return parse_work(key, text, state);
+    char *end;
+    errno = 0;
+    unsigned long long value = strtoull(text, &end, 10);
+    if (text[0] < '0' || text[0] > '9' || *end || errno || (double)value < low ||
+        (double)value > high) {
+        argp_error(state, "--%s: \"%s\" is not a whole number from %.0f to %.0f",
+                   row->name, text, low, high);
+    }
+    return value;
+}
+
+static double real(const struct argp_state *state, const struct row *row,
+                   const char *text, double low, double high)
+{
+    char *end;
+    double value = strtod(text, &end);
+    if (end == text || *end || !(value >= low && value <= high)) {
+        argp_error(state, "--%s: \"%s\" is not a number from %g to %g", row->name, text,
+                   low, high);
+    }
+    return value;
+}
+
+/* Which of the row's names; `length` of the text count. */
+static uint32_t choice(const struct argp_state *state, const struct row *row,
+                       const char *text, size_t length)
+{
+    char list[128] = "";
+    size_t used = 0;
+    for (uint32_t i = 0; row->names[i] != NULL; i++) {
+        if (strlen(row->names[i]) == length &&
+            strncmp(text, row->names[i], length) == 0) {
+            return i;
+        }
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s",
+                                 i > 0 ? ", " : "", row->names[i]);
+    }
+    argp_error(state, "--%s: \"%.*s\" is none of %s", row->name, (int)length, text, list);
+    return 0;
+}
+
+static void take_u32(const struct argp_state *state, const struct row *row,
+                     const char *text, void *to)
+{
+    *(uint32_t *)to = (uint32_t)number(state, row, text, row->low, row->high);
+}
+
+static void take_u64(const struct argp_state *state, const struct row *row,
+                     const char *text, void *to)
+{
+    *(uint64_t *)to = number(state, row, text, row->low, row->high);
+}
+
+static void take_real(const struct argp_state *state, const struct row *row,
+                      const char *text, void *to)
+{
+    *(double *)to = real(state, row, text, row->low, row->high);
+}
+
+static void take_text(const struct argp_state *state, const struct row *row,
+                      const char *text, void *to)
+{
+    (void)state;
+    (void)row;
+    *(const char **)to = text;
+}
+
+static void take_flag(const struct argp_state *state, const struct row *row,
+                      const char *text, void *to)
+{
+    (void)state;
+    (void)row;
+    (void)text;
+    *(bool *)to = true;
+}
+
+static void take_arrivals(const struct argp_state *state, const struct row *row,
+                          const char *text, void *to)
+{
+    *(bool *)to = choice(state, row, text, strlen(text)) == 1;
+}
+
+static void take_scene(const struct argp_state *state, const struct row *row,
+                       const char *text, void *to)
+{
+    *(enum load_scene *)to = (enum load_scene)choice(state, row, text, strlen(text));
+}
+
+static void take_mode(const struct argp_state *state, const struct row *row,
+                      const char *text, void *to)
+{
+    static const enum pccd_mode values[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
+                                            PCCD_MODE_PAIRS};
+    *(int *)to = (int)values[choice(state, row, text, strlen(text))];
+}
+
+static void take_kinds(const struct argp_state *state, const struct row *row,
+                       const char *text, void *to)
+{
+    uint32_t kinds = 0;
+    for (;;) {
+        size_t length = strcspn(text, ",");
+        kinds |= 1u << choice(state, row, text, length);
+        if (text[length] == '\0') {
+            break;
+        }
+        text += length + 1;
+    }
+    *(uint32_t *)to = kinds;
+}
+
+static void take_sizes(const struct argp_state *state, const struct row *row,
+                       const char *text, void *to)
+{
+    if (!load_sizes_parse(to, text)) {
+        argp_error(state,
+                   "--%s: \"%s\" is no list of sizes, such as 200..5k or 1k:3,20k:1",
+                   row->name, text);
     }
 }
+
+static void take_stall(const struct argp_state *state, const struct row *row,
+                       const char *text, void *to)
+{
+    struct load_settings *settings = to;
+    char share[32] = "";
+    size_t length = strcspn(text, ",");
+    if (text[length] != ',' || length >= sizeof share) {
+        argp_error(state,
+                   "--%s: \"%s\" is not a share and milliseconds, such as 0.01,200",
+                   row->name, text);
+        return;
+    }
+    memcpy(share, text, length);
+    settings->stall_share = real(state, row, share, 0, 1);
+    settings->stall_ms = (uint32_t)number(state, row, text + length + 1, 1, 60000);
+}
+
+/* ---- the options ------------------------------------------------------------------- */
+
+static const struct row rows[] = {
+#define LOAD_SCENE_TEXT(name, text) #name ": " text "; "
+    {.text = "How many"},
+    {"clients", 'c', "N", "clients at once (default 100)", take_u32, AT(clients), 1,
+     65536, NULL},
+    {"processes", 'p', "N", "processes that share the clients (default 4)", take_u32,
+     AT(processes), 1, LOAD_PROCESS_MAX, NULL},
+    {"clients-per-process", 0, "N", "instead of --processes", take_u32, OWN(per_process),
+     1, 65536, NULL},
+    {"requests", 'n', "N", "of each client, at least (default 100, or 1 with a time)",
+     take_u64, AT(requests), 1, UINT32_MAX, NULL},
+    {"seconds", 0, "N", "go on at least so long, minutes added, after ramp and warm-up",
+     take_u32, AT(seconds), 0, 1u << 20, NULL},
+    {"minutes", 0, "N", "go on at least so long, seconds added", take_u32, AT(minutes), 0,
+     1u << 20, NULL},
+    {"depth", 'd', "N", "requests of a client in flight (default 2)", take_u32, AT(depth),
+     1, LOAD_DEPTH_MAX, NULL},
+
+    {.text = "When: in the closed loop (default) a client asks again when an answer has "
+             "come"},
+    {"think-ms", 't', "N",
+     "closed loop: between two requests of a client, about (default 0)", take_u32,
+     AT(think_ms), 0, 60000, NULL},
+    {"hz", 0, "F",
+     "open loop: each client asks F times a second, whatever the answers do; latency "
+     "counts from when a request is due",
+     take_real, AT(hz), 1e-3, 1e5, NULL},
+    {"rate", 0, "F", "open loop: all of them together F times a second", take_real,
+     OWN(rate), 1e-3, 1e7, NULL},
+    {"arrivals", 0, "KIND",
+     "fixed: at even distances, clients spread over them (default); poisson: at random",
+     take_arrivals, AT(poisson), 0, 0, arrival_names},
+    {"deadline-ms", 0, "F",
+     "an answer that comes later is missed (default with --hz: the period)", take_real,
+     AT(deadline_ms), 1e-3, 1e6, NULL},
+    {"ramp", 0, "S", "clients join over S seconds", take_real, AT(ramp_s), 0, 1e5, NULL},
+    {"warm-up", 0, "S", "latencies count S seconds after the ramp (default 0)", take_real,
+     AT(warm_up_s), 0, 1e5, NULL},
+
+    {.text = "What"},
+    {"triangles", 0, "SIZES",
+     "of each client's scene: 1k; 200..5k, any octave as likely; 1k:3,20k:1 with weights "
+     "(default 40)",
+     take_sizes, AT(sizes), 0, 0, NULL},
+    {"scene", 0, "KIND", LOAD_SCENES(LOAD_SCENE_TEXT) "(default crumple)", take_scene,
+     AT(scene), 0, 0, scene_names},
+    {"kinds", 0, "LIST",
+     "clients are by turns (default all): follow, from where the last step ended; jump, "
+     "with both ends, and mischief; rigid; pairs; churn, which makes things anew",
+     take_kinds, AT(kinds), 0, 0, kind_names},
+    {"mode", 0, "MODE", "of every step: all, first, any, pairs (default by kind)",
+     take_mode, AT(mode), 0, 0, mode_names},
+    {"seed", 's', "N", "of the scenes (default 1)", take_u64, AT(seed), 0, 0x1p64, NULL},
+
+    {.text = "Trouble"},
+    {"stall", 0, "P,MS",
+     "after this share of its requests a client stops reading for MS milliseconds",
+     take_stall, OWN(settings), 0, 0, NULL},
+    {"kill-clients", 0, "N", "SIGKILL so many other clients", take_u64, AT(kills), 0,
+     UINT32_MAX, NULL},
+    {"victims", 0, "N", "of the clients to kill, at a time (default 8)", take_u32,
+     AT(victims), 1, LOAD_VICTIM_MAX, NULL},
+    {"kill-worker", 0, "N", "SIGKILL the daemon's worker so often", take_u64, AT(crashes),
+     0, UINT32_MAX, NULL},
+    {"pause-ms", 0, "N", "between two kills of the worker, about (default 100)", take_u32,
+     AT(pause_ms), 1, 3600000, NULL},
+
+    {.text = "Whom"},
+    {"daemon", 0, "PROGRAM",
+     "start it, supervised (default: $PCCD_DAEMON, or pccdd in $PATH)", take_text,
+     AT(daemon), 0, 0, NULL},
+    {"url", 'u', "URL",
+     "unix:PATH: use that daemon instead; direct: no daemon, the engine in each process",
+     take_text, AT(url), 0, 0, NULL},
+
+    {.text = "What is said"},
+    {"json", 0, NULL, "the report as one JSON object", take_flag, AT(json), 0, 0, NULL},
+    {"csv", 0, "FILE", "a line for each second", take_text, AT(csv), 0, 0, NULL},
+    {"plot", 0, "FILE.png", "latency by percentile and by second (gnuplot)", take_text,
+     AT(plot), 0, 0, NULL},
+    {"p99-ms", 0, "F", "fail if that of the latency is longer", take_real, AT(p99_ms), 0,
+     1e6, NULL},
+    {"flat", 0, NULL, "fail if the daemon's memory grows", take_flag, AT(flat), 0, 0,
+     NULL},
+#undef LOAD_SCENE_TEXT
+};
+#define ROW_COUNT (sizeof rows / sizeof rows[0])
+#define KEY_BASE  0x100 /* of options without a letter */
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct input *input = state->input;
-    struct load_settings *settings = &input->settings;
-    switch (key) {
-    case OPT_CLIENTS:
-        settings->clients = small(state, text, 1, 65536);
+    if (key == ARGP_KEY_ARGS) { /* after --: for the daemon */
+        input->settings.daemon_options = state->argv + state->next;
         return 0;
-    case OPT_REQUESTS:
-        settings->requests = number(state, text, 1, UINT32_MAX);
-        return 0;
-    case OPT_PROCESSES:
-        settings->processes = small(state, text, 1, LOAD_PROCESS_MAX);
-        return 0;
-    case OPT_PER_PROCESS:
-        input->per_process = small(state, text, 1, 65536);
-        return 0;
-    case OPT_DEPTH:
-        settings->depth = small(state, text, 1, LOAD_DEPTH_MAX);
-        return 0;
-    case OPT_SEED:
-        settings->seed = number(state, text, 0, UINT64_MAX);
-        return 0;
-    default:
-        return parse_time(key, text, state);
     }
+    for (int i = 0; i < (int)ROW_COUNT; i++) {
+        const struct row *row = &rows[i];
+        if (row->take != NULL && key == (row->letter != 0 ? row->letter : KEY_BASE + i)) {
+            row->take(state, row, text, (char *)input + row->at);
+            return 0;
+        }
+    }
+    return ARGP_ERR_UNKNOWN;
+}
+
+/* As argp wants them. */
+static void list_options(struct argp_option options[ROW_COUNT + 1])
+{
+    int group = 0;
+    for (int i = 0; i < (int)ROW_COUNT; i++) {
+        const struct row *row = &rows[i];
+        int key = row->letter != 0 ? row->letter : KEY_BASE + i;
+        bool is_heading = row->take == NULL;
+        group += is_heading;
+        options[i] = (struct argp_option){.name = row->name,
+                                          .key = is_heading ? 0 : key,
+                                          .arg = row->arg,
+                                          .doc = row->text,
+                                          .group = is_heading ? group : 0};
+    }
+    options[ROW_COUNT] = (struct argp_option){.name = NULL};
 }
 
 static void complete(struct input *input)
@@ -377,8 +346,9 @@ static void complete(struct input *input)
 
 void load_options_parse(int argc, char **argv, struct load_settings *settings)
 {
-    static const struct argp argp = {
-        .options = option_table,
+    struct argp_option options[ROW_COUNT + 1];
+    const struct argp argp = {
+        .options = options,
         .parser = parse,
         .args_doc = "[-- DAEMON-OPTION...]",
         .doc =
@@ -401,6 +371,7 @@ void load_options_parse(int argc, char **argv, struct load_settings *settings)
                                        .mode = -1,
                                        .sizes = {1, {{40, 40, 1}}},
                                        .daemon = daemon ? daemon : "pccdd"}};
+    list_options(options);
     argp_err_exit_status = LOAD_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &input);
     complete(&input);
