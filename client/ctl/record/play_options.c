@@ -90,7 +90,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (options->play.path == NULL) {
-            argp_error(state, "which recording?");
+            argp_error(state, "which recording? pccdctl record makes one");
         }
         return 0;
     default:
