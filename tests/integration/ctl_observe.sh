@@ -308,7 +308,7 @@ zpty -w probe 'compadd() {
 while IFS= read -r line; do
     : >hits
     zpty -w -n probe "$line"$'\t'
-    for i in {1..100}; do sleep 0.1; zpty -r -t probe trash; [[ -s hits ]] && break; done
+    for i in {1..400}; do sleep 0.1; zpty -r -t probe trash; [[ -s hits ]] && break; done
     sleep 0.2
     words=(${(fo)"$(<hits)"})
     print -r -- "$line: ${(uj: :)words}"
@@ -320,7 +320,7 @@ name=completion__zsh_offers_what_there_is
 if command -v zsh >/dev/null; then
     mkdir functions && "$PCCDCTL" completion zsh >functions/_pccdctl &&
         zsh -n functions/_pccdctl 2>err &&
-        printf '%s\n' "${completion_lines[@]}" | timeout 120 zsh -f capture.zsh >out 2>>err
+        printf '%s\n' "${completion_lines[@]}" | timeout 300 zsh -f capture.zsh >out 2>>err
     is_completed '' >"$log"
     cat err >>"$log"
     [ ! -s "$log" ]
