@@ -25,6 +25,7 @@
 #include "conn.h"
 #include "crash.h"
 #include "dispatch.h"
+#include "held.h"
 #include "invariant.h"
 #include "kernel.h"
 #include "lifeline.h"
@@ -143,6 +144,7 @@ void srv_reactor_shutdown(struct srv_reactor *reactor, const char *why)
     srv_listener_close(&reactor->listener);
     uv_timer_stop(&reactor->idle);
     srv_linger_end_all(&reactor->loop); /* nobody can come back any more */
+    srv_held_end_all(&reactor->loop);   /* nobody may submit what they wait for */
     srv_dispatch_goaway(&reactor->loop, PCCD_E_SHUTDOWN, "the daemon is shutting down");
     uv_timer_start(&reactor->grace, on_grace,
                    (uint64_t)reactor->loop.options->grace_s * 1000, 0);

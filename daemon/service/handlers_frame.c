@@ -218,6 +218,7 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
         scene->answer.number = ++scene->number;
     }
     scene->stepper = request->session->id;
+    request->has_stepped = true;
     request->last_step = srv_laststep_new(&request->session->loop->spare_step, &step);
     scene->records = step.records;
     scene->has_answer = true;
@@ -250,12 +251,13 @@ static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
         status = srv_held_stage(request);
     }
     if (status == 0 && submit->segments > 0) {
-        status = request->is_answered
-                     ? srv_ring_stage_copy(request->copy, request->copy_bytes, submit,
-                                           request->session, scene, table,
-                                           &request->upload_bytes, &request->error)
-                     : srv_ring_stage(request->plan.ring, submit, scene, table,
-                                      &request->upload_bytes, &request->error);
+        status =
+            request->is_answered
+                ? srv_ring_stage_copy(request->copy, request->copy_bytes, submit,
+                                      request->plan.seat, scene, table,
+                                      &request->upload_bytes, &request->error)
+                : srv_ring_stage(request->plan.ring, submit, request->plan.seat, scene,
+                                 table, &request->upload_bytes, &request->error);
     }
     srv_request_return_slot(request);
     if (status == 0) {
@@ -269,8 +271,15 @@ static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
     return status;
 }
 
+/* What a step is answered that the session submits to the scene next. [compute] */
+static struct proto_error *owed(const struct srv_request *request)
+{
+    return request->plan.seat != NULL ? &request->plan.seat->owed
+                                      : &request->plan.scene->owed;
+}
+
 /* A step that was answered before its turn: it only moves what it moves. What goes wrong
- * is what the next step of its scene is answered. [compute] */
+ * is what the session's next step of the scene is answered. [compute] */
 static int move_early(struct srv_request *request)
 {
     struct srv_scene *scene = request->plan.scene;
@@ -282,7 +291,7 @@ static int move_early(struct srv_request *request)
         status = stage_and_step(request, engine);
     }
     if (status != 0) {
-        scene->owed = request->error;
+        *owed(request) = request->error;
         return status;
     }
     request->result.FRAME_SUBMIT = scene->answer;
@@ -292,13 +301,13 @@ static int move_early(struct srv_request *request)
 /* What an earlier step could not be told any more. [compute] */
 static int take_owed(struct srv_request *request)
 {
-    struct srv_scene *scene = request->plan.scene;
-    int code = scene->owed.code;
+    struct proto_error *error = owed(request);
+    int code = error->code;
     if (code == 0) {
         return 0;
     }
-    request->error = scene->owed;
-    scene->owed.code = 0;
+    request->error = *error;
+    error->code = 0;
     return code;
 }
 
@@ -419,8 +428,8 @@ static void finish_submit(struct srv_request *request)
         srv_metrics_add_step(&loop->metrics, &request->result.FRAME_SUBMIT);
         tell_step(request, number);
     }
-    if (request->status == 0 && request->plan.scene->shared != NULL &&
-        !request->params.FRAME_SUBMIT.place) {
+    if ((request->status == 0 || request->has_stepped) &&
+        request->plan.scene->shared != NULL && !request->params.FRAME_SUBMIT.place) {
         srv_shared_stepped(request->plan.scene, request->session,
                            &request->result.FRAME_SUBMIT);
     }
@@ -488,13 +497,13 @@ static int hold(struct srv_call *call, struct srv_plan *plan)
     plan->work = srv_held_work;
     plan->finish = srv_held_finish;
     plan->answer_early = NULL; /* it is copied in its turn */
-    int status = srv_held_admit(call, plan->scene, plan->ring, &plan->held_bytes);
+    int status = srv_held_admit(call, plan);
     if (status != 0) {
         return status;
     }
     status = srv_request_start(call, plan);
     if (status < 0) {
-        srv_held_refund(plan->scene, call->session, plan->held_bytes);
+        srv_held_refund(plan->seat, plan->held_bytes);
     }
     return status;
 }
@@ -534,6 +543,7 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
                             .finish = finish_submit,
                             .ring = ring,
                             .scene = scene,
+                            .seat = srv_shared_seat(scene, session),
                             .takes_slot = submit->segments > 0,
                             .answer_early = answer_submit_early,
                             .deadline_ns =

@@ -106,7 +106,7 @@ int srv_on_SCENE_DESTROY(struct srv_call *call)
     if (scene->shared != NULL) {
         srv_shared_leave(call->session, scene);
     } else {
-        srv_scene_unlink_of(scene, call->session);
+        srv_scene_unlink_of(scene, NULL);
         srv_resource_drop(&scene->resource);
     }
     call->result.SCENE_DESTROY.done = true;
@@ -147,7 +147,7 @@ static int work_add(struct srv_request *request)
                             .vertex_count = request->plan.shape->vertex_count,
                             .generation = request->plan.generation,
                             .mesh_number = request->plan.mesh_number,
-                            .owner = request->session->id};
+                            .seat = request->plan.seat};
     request->result.SCENE_ADD.object = handle;
     request->result.SCENE_ADD.build_ns = srv_now_ns() - start_ns;
     return 0;
@@ -189,8 +189,9 @@ int srv_on_SCENE_ADD(struct srv_call *call)
                             .mesh_number = mesh->number,
                             .generation = mesh->generation,
                             .scene = scene,
+                            .seat = srv_shared_seat(scene, session),
                             .object = call->params.SCENE_ADD.want};
-    status = srv_scene_admit(scene, session, mesh, &plan.object, &call->error);
+    status = srv_scene_admit(scene, session, plan.seat, mesh, &plan.object, &call->error);
     if (status != 0) {
         return status;
     }

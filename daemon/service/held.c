@@ -19,12 +19,12 @@
 
 /* ---- on the way in ----------------------------------------------------------------- */
 
-int srv_held_admit(struct srv_call *call, struct srv_scene *scene,
-                   const struct srv_ring *ring, uint64_t *bytes)
+int srv_held_admit(struct srv_call *call, struct srv_plan *plan)
 {
     srv_assert_loop();
     struct srv_session *session = call->session;
-    if (scene->shared == NULL) {
+    uint64_t bytes = plan->ring->slot_stride;
+    if (plan->seat == NULL) {
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "only a frame of a shared scene can be held");
     }
@@ -32,24 +32,29 @@ int srv_held_admit(struct srv_call *call, struct srv_scene *scene,
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "a frame that moves nothing cannot be held");
     }
-    if (srv_shared_holds(scene, session)) {
+    if (call->params.FRAME_SUBMIT.place) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "a frame is held, or placed, not both");
+    }
+    if (plan->seat->holds) {
         return proto_error_set(&call->error, PCCD_E_BUSY,
                                "the frame held before waits for a step of the scene");
     }
     int status = srv_quota_charge(&session->loop->quota, session->user,
-                                  SRV_QUOTA_SHM_BYTES, ring->slot_stride, &call->error);
+                                  SRV_QUOTA_SHM_BYTES, bytes, &call->error);
     if (status == 0) {
-        srv_shared_set_holds(scene, session, true);
-        *bytes = ring->slot_stride;
+        plan->seat->holds = true;
+        plan->held_bytes = bytes;
     }
     return status;
 }
 
-void srv_held_refund(struct srv_scene *scene, struct srv_session *session, uint64_t bytes)
+void srv_held_refund(struct srv_seat *seat, uint64_t bytes)
 {
     srv_assert_loop();
+    struct srv_session *session = seat->session;
     srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES, bytes);
-    srv_shared_set_holds(scene, session, false);
+    seat->holds = false;
 }
 
 /* Whether the scene takes it as it is now; nothing moves. [compute] */
@@ -62,8 +67,9 @@ static int try(struct srv_held *held, struct srv_scene *scene, struct proto_erro
         return proto_error_set(error, status, "no memory for the scene");
     }
     eng_stage_begin(engine);
-    status = srv_ring_stage_copy(held->copy, held->bytes, &held->submit, held->session,
-                                 scene, held->session->loop->segments, &bytes, error);
+    status =
+        srv_ring_stage_copy(held->copy, held->bytes, &held->submit, held->seat, scene,
+                            held->seat->session->loop->segments, &bytes, error);
     if (status == 0 && eng_stage_overlaps(engine)) {
         status = proto_error_set(error, PCCD_E_SEGMENT,
                                  "a vertex is written twice in this step");
@@ -83,7 +89,7 @@ int srv_held_work(struct srv_request *request)
         return proto_error_set(&request->error, PCCD_E_NOMEM, "no memory to hold it");
     }
     *held = (struct srv_held){.request = request,
-                              .session = request->session,
+                              .seat = request->plan.seat,
                               .submit = *submit,
                               .charge = request->plan.held_bytes};
     int status =
@@ -112,7 +118,7 @@ int srv_held_work(struct srv_request *request)
 void srv_held_finish(struct srv_request *request)
 {
     if (request->plan.held_bytes > 0) {
-        srv_held_refund(request->plan.scene, request->session, request->plan.held_bytes);
+        srv_held_refund(request->plan.seat, request->plan.held_bytes);
     }
 }
 
@@ -147,9 +153,9 @@ int srv_held_stage(struct srv_request *request)
     for (struct srv_held *held = scene->held; held != NULL && status == 0;
          held = held->next) {
         uint64_t bytes = 0;
-        status = srv_ring_stage_copy(held->copy, held->bytes, &held->submit,
-                                     held->session, scene, held->session->loop->segments,
-                                     &bytes, &request->error);
+        status = srv_ring_stage_copy(held->copy, held->bytes, &held->submit, held->seat,
+                                     scene, held->seat->session->loop->segments, &bytes,
+                                     &request->error);
     }
     return status;
 }
@@ -161,14 +167,13 @@ void srv_held_take(struct srv_request *request)
     }
 }
 
-struct srv_held *srv_held_remove(struct srv_scene *scene,
-                                 const struct srv_session *session)
+struct srv_held *srv_held_remove(struct srv_scene *scene, const struct srv_seat *seat)
 {
     srv_assert_compute();
     struct srv_held *removed = NULL;
     for (struct srv_held **at = &scene->held; *at != NULL;) {
         struct srv_held *held = *at;
-        if (held->session == session) {
+        if (held->seat == seat) {
             *at = held->next;
             held->next = removed;
             removed = held;
@@ -181,15 +186,15 @@ struct srv_held *srv_held_remove(struct srv_scene *scene,
 
 /* ---- on the way out ---------------------------------------------------------------- */
 
-void srv_held_free(struct srv_scene *scene, struct srv_held *list)
+void srv_held_free(struct srv_held *list)
 {
     srv_assert_loop();
     while (list != NULL) {
         struct srv_held *next = list->next;
-        if (list->request != NULL) { /* its session has left the scene meanwhile */
+        if (list->request != NULL) { /* its session leaves the scene */
             srv_held_end(list->request, PCCD_INCOMPLETE_CANCELLED);
         }
-        srv_held_refund(scene, list->session, list->charge);
+        srv_held_refund(list->seat, list->charge);
         free(list->copy);
         free(list);
         list = next;
@@ -238,7 +243,7 @@ void srv_held_answer(struct srv_request *request)
         part(waiting);
         srv_request_conclude(waiting);
     }
-    srv_held_free(request->plan.scene, request->taken);
+    srv_held_free(request->taken);
     request->taken = NULL;
 }
 
@@ -258,6 +263,7 @@ bool srv_held_waits(struct srv_request *request)
         return false;
     }
     if (request->session->state == SRV_SESSION_CLOSED ||
+        request->session->loop->phase != SRV_PHASE_RUNNING ||
         atomic_load_explicit(&request->job.cancel, memory_order_relaxed)) {
         say_nothing_yet(request, PCCD_INCOMPLETE_CANCELLED);
     } else if (request->deadline_ns != 0 && srv_now_ns() >= request->deadline_ns) {
@@ -274,4 +280,19 @@ void srv_held_end(struct srv_request *request, enum pccd_incomplete why)
     PCCD_ASSERT(request->is_waiting);
     say_nothing_yet(request, why);
     srv_request_conclude(request);
+}
+
+void srv_held_end_all(struct srv_loop *loop)
+{
+    srv_assert_loop();
+    for (struct srv_session *session = loop->sessions; session != NULL;
+         session = session->next) {
+        for (struct srv_request *request = session->requests; request != NULL;) {
+            struct srv_request *next = request->next;
+            if (request->is_waiting) {
+                srv_held_end(request, PCCD_INCOMPLETE_CANCELLED);
+            }
+            request = next;
+        }
+    }
 }

@@ -19,10 +19,12 @@
 #include "request.h"
 #include "resource.h"
 
+struct srv_loop;
+
 struct srv_held {
     struct srv_held *next;       /* [compute] of the scene, the oldest first */
     struct srv_request *request; /* [loop] NULL: it has been answered */
-    struct srv_session *session;
+    struct srv_seat *seat;       /* that has brought it */
     struct proto_FRAME_SUBMIT_request submit;
     uint8_t *copy; /* of the slot, of malloc */
     uint64_t bytes;
@@ -31,14 +33,12 @@ struct srv_held {
     struct proto_error error; /* code 0; else why it could not be taken along */
 };
 
-/* Admission: charges *bytes, which go with the plan as held_bytes. Returns 0, or
- * PCCD_E_INVAL (the scene is not shared, or nothing moves), PCCD_E_BUSY (another one
- * waits) or PCCD_E_QUOTA with call->error set. [loop] */
-int srv_held_admit(struct srv_call *call, struct srv_scene *scene,
-                   const struct srv_ring *ring, uint64_t *bytes);
+/* Admission: charges plan->held_bytes. Returns 0, or PCCD_E_INVAL (the scene is not
+ * shared, or nothing moves, or it is to be placed), PCCD_E_BUSY (another one waits) or
+ * PCCD_E_QUOTA with call->error set. [loop] */
+int srv_held_admit(struct srv_call *call, struct srv_plan *plan);
 /* It is not held after all. [loop] */
-void srv_held_refund(struct srv_scene *scene, struct srv_session *session,
-                     uint64_t bytes);
+void srv_held_refund(struct srv_seat *seat, uint64_t bytes);
 /* The plan's work: copy it, and check it against the scene. [compute] */
 int srv_held_work(struct srv_request *request);
 /* The plan's finish. [loop] */
@@ -54,14 +54,16 @@ void srv_held_take(struct srv_request *request);
 /* Answer what a step has taken along, and free it. [loop] */
 void srv_held_answer(struct srv_request *request);
 
-/* Take what the session holds out of the scene. [compute] */
-struct srv_held *srv_held_remove(struct srv_scene *scene,
-                                 const struct srv_session *session);
+/* Take what was held with the seat out of the scene. [compute] */
+struct srv_held *srv_held_remove(struct srv_scene *scene, const struct srv_seat *seat);
 /* What still waits for its answer is answered as cancelled. [loop] */
-void srv_held_free(struct srv_scene *scene, struct srv_held *list);
+void srv_held_free(struct srv_held *list);
+/* The daemon ends: what waits is answered as cancelled, and nothing begins to. [loop] */
+void srv_held_end_all(struct srv_loop *loop);
 
 /* Whether a request that has run goes on to wait. If its deadline has come, or it was
- * cancelled, or its client is gone: no, and its result says so. [loop] */
+ * cancelled, or its client is gone, or the daemon ends: no, and its result says so.
+ * [loop] */
 bool srv_held_waits(struct srv_request *request);
 /* End the waiting of a request, which is answered so. [loop] */
 void srv_held_end(struct srv_request *request, enum pccd_incomplete why);

@@ -95,20 +95,28 @@ void srv_overdue_deinit(struct srv_overdue *overdue)
     *overdue = (struct srv_overdue){0};
 }
 
+int srv_overdue_reserve(struct srv_overdue *overdue)
+{
+    srv_assert_loop();
+    if (overdue->count < overdue->capacity) {
+        return 0;
+    }
+    uint32_t capacity = overdue->capacity == 0 ? CAPACITY_MIN : 2 * overdue->capacity;
+    struct srv_request **heap =
+        realloc(overdue->heap, capacity * sizeof(struct srv_request *));
+    if (heap == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    overdue->heap = heap;
+    overdue->capacity = capacity;
+    return 0;
+}
+
 void srv_overdue_add(struct srv_overdue *overdue, struct srv_request *request)
 {
     srv_assert_loop();
     PCCD_ASSERT(request->overdue_at == SRV_OVERDUE_NOWHERE);
-    if (overdue->count == overdue->capacity) {
-        uint32_t capacity = overdue->capacity == 0 ? CAPACITY_MIN : 2 * overdue->capacity;
-        struct srv_request **heap =
-            realloc(overdue->heap, capacity * sizeof(struct srv_request *));
-        if (heap == NULL) {
-            return;
-        }
-        overdue->heap = heap;
-        overdue->capacity = capacity;
-    }
+    PCCD_ASSERT(overdue->count < overdue->capacity);
     rise(overdue, overdue->count++, request);
     if (request->overdue_at == 0) {
         set_timer(overdue, 0);

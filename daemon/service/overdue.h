@@ -27,8 +27,9 @@ int srv_overdue_init(struct srv_overdue *overdue, struct srv_loop *loop);
 /* Nothing may be in it. */
 void srv_overdue_deinit(struct srv_overdue *overdue);
 
-/* Wait for request->deadline_ns. Without the memory for it the request is answered in its
- * turn. */
+/* Room for one more. Returns 0 or PCCD_E_NOMEM. */
+int srv_overdue_reserve(struct srv_overdue *overdue);
+/* Wait for request->deadline_ns; there is room for it. */
 void srv_overdue_add(struct srv_overdue *overdue, struct srv_request *request);
 /* No longer, if it does. */
 void srv_overdue_remove(struct srv_overdue *overdue, struct srv_request *request);

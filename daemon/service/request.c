@@ -229,6 +229,9 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
 {
     srv_assert_loop();
     struct srv_session *session = call->session;
+    if (plan->deadline_ns != 0 && srv_overdue_reserve(&session->loop->overdue) != 0) {
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a deadline");
+    }
     struct srv_request *request = take_memory(session);
     if (request == NULL) {
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");

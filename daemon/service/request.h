@@ -19,6 +19,7 @@ struct srv_held;
 struct srv_laststep;
 struct srv_replacement;
 struct srv_request;
+struct srv_seat;
 struct srv_tracing;
 
 /* What a handler asks for. References are taken for as long as the request lives. */
@@ -39,8 +40,10 @@ struct srv_plan {
     uint64_t mesh_number;                /* of the mesh that `shape` serves */
     uint32_t generation;                 /* likewise */
     uint32_t object;                     /* handle in `scene` */
-    uint64_t held_bytes; /* charged for a frame that is held (held.h); 0: none */
-    bool takes_slot;     /* a slot of the ring, to be returned exactly once */
+    struct srv_seat *seat; /* with which the session takes part in it: leaves it behind
+                            * its requests (shared.h); NULL: the scene is its own */
+    uint64_t held_bytes;   /* charged for a frame that is held (held.h); 0: none */
+    bool takes_slot;       /* a slot of the ring, to be returned exactly once */
     /* [loop] It still waits for its turn, and its deadline has come or it was cancelled:
      * answer it (srv_request_answer_early), or leave it to its turn. NULL: it is left. */
     void (*answer_early)(struct srv_request *request, enum pccd_incomplete why);
@@ -64,6 +67,7 @@ struct srv_request {
     uint64_t upload_bytes;          /* copied out of slots */
     uint32_t items_done;            /* [compute] of a request that runs in parts */
     const uint8_t *payload;         /* [compute] likewise, in its slot */
+    bool has_stepped;               /* [compute] then [loop]: its scene has moved on */
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];                     /* to send with the answer and close; -1: none */
     uint64_t deadline_ns;           /* [loop] as the plan's */

@@ -287,7 +287,8 @@ void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
 }
 
 int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
-                    struct srv_mesh *mesh, uint32_t *object, struct proto_error *error)
+                    const struct srv_seat *seat, struct srv_mesh *mesh, uint32_t *object,
+                    struct proto_error *error)
 {
     srv_assert_loop();
     struct srv_loop *loop = session->loop;
@@ -320,6 +321,7 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
     item->handle = *object;
     item->charge = charge;
     item->owner = session;
+    item->seat = seat;
     if (scene->resource.session->user != session->user) {
         item->lent = mesh->current;
         srv_resource_acquire(&item->lent->resource);
@@ -338,23 +340,23 @@ void srv_scene_forget(struct srv_scene *scene, uint32_t object)
     object_free(item);
 }
 
-void srv_scene_forget_of(struct srv_scene *scene, const struct srv_session *session)
+void srv_scene_forget_of(struct srv_scene *scene, const struct srv_seat *seat)
 {
     uint32_t cursor = 0;
     for (struct srv_object *object;
          (object = srv_handles_next(&scene->objects, &cursor)) != NULL;) {
-        if (object->owner == session) {
+        if (object->seat == seat) {
             srv_scene_forget(scene, object->handle);
         }
     }
 }
 
-void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_session *session)
+void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_seat *seat)
 {
     uint32_t cursor = 0;
     for (struct srv_object *object;
          (object = srv_handles_next(&scene->objects, &cursor)) != NULL;) {
-        if (object->owner == session) {
+        if (object->seat == seat) {
             srv_object_unlink(object);
         }
     }

@@ -20,6 +20,7 @@
 
 struct srv_held;
 struct srv_mesh;
+struct srv_seat;
 struct srv_session;
 struct srv_shared;
 
@@ -58,9 +59,10 @@ int srv_shape_engine(struct srv_shape *shape, struct eng_mesh **engine);
 /* An object of a scene as the loop sees it. */
 struct srv_object {
     uint32_t handle;
-    uint64_t charge;           /* triangles, of the owner's user */
-    struct srv_session *owner; /* that added it */
-    struct srv_shape *lent;    /* in a scene of another user: kept for as long as the
+    uint64_t charge;             /* triangles, of the owner's user */
+    struct srv_session *owner;   /* that added it */
+    const struct srv_seat *seat; /* with which it did (shared.h); NULL: its own scene */
+    struct srv_shape *lent;      /* in a scene of another user: kept for as long as the
                                 * object, so that each frees what is charged to it */
     struct srv_mesh *mesh;   /* it is made of; NULL: mesh or scene was destroyed since */
     struct srv_object *prev; /* of the same mesh */
@@ -74,7 +76,7 @@ struct srv_placed {
     uint32_t vertex_count;
     uint32_t generation; /* of the mesh when the object got this shape */
     uint64_t mesh_number;
-    uint64_t owner; /* number of the session that added it */
+    const struct srv_seat *seat; /* as the loop's */
 };
 
 struct srv_scene {
@@ -87,7 +89,8 @@ struct srv_scene {
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
     uint32_t placed_count;
-    struct proto_error owed; /* of a step that was answered before; code 0: none */
+    struct proto_error owed; /* of a step that was answered before; code 0: none. A seat
+                              * has its own */
     struct srv_held *held;   /* frames for its next step (held.h), oldest first */
     uint64_t changes;        /* objects that went, or got another shape */
     uint64_t number;         /* of its last step */
@@ -113,17 +116,19 @@ struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
 /* Take a placed object out of the engine's scene. [compute] */
 void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed);
 
-/* A handle for a new object made of a mesh of `session`, its quota charged; *object says
- * which is wanted, 0: any. Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT, PCCD_E_HANDLE or
+/* A handle for a new object made of a mesh of `session`, which takes part with `seat`
+ * (NULL: the scene is its own), its quota charged; *object says which is wanted, 0: any.
+ * Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT, PCCD_E_HANDLE or
  * PCCD_E_NOMEM with *error set. [loop] */
 int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
-                    struct srv_mesh *mesh, uint32_t *object, struct proto_error *error);
+                    const struct srv_seat *seat, struct srv_mesh *mesh, uint32_t *object,
+                    struct proto_error *error);
 /* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */
 void srv_scene_forget(struct srv_scene *scene, uint32_t object);
-/* The same of all that the session has added. [loop] */
-void srv_scene_forget_of(struct srv_scene *scene, const struct srv_session *session);
-/* The session's handle of the scene was given back: the objects that it has added are no
- * meshes' any more. [loop] */
-void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_session *session);
+/* The same of all that were added with that seat. [loop] */
+void srv_scene_forget_of(struct srv_scene *scene, const struct srv_seat *seat);
+/* The session's handle of the scene was given back: the objects that it has added with
+ * that seat, NULL: its own scene's, are no meshes' any more. [loop] */
+void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_seat *seat);
 
 #endif

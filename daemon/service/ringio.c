@@ -185,7 +185,7 @@ void srv_ring_done(struct srv_ring *ring)
 /* A slot while it is being staged. */
 struct staging {
     struct srv_scene *scene;
-    uint64_t owner; /* whose objects may be moved: number of a session; 0: all */
+    const struct srv_seat *seat; /* whose objects may be moved; NULL: all */
     const uint8_t *payload;
     uint64_t payload_bytes;
     uint64_t table_bytes; /* at the start of the payload; positions lie behind it */
@@ -277,7 +277,7 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
                                "segment %u: object 0x%x is not in the scene", at,
                                segment->object);
     }
-    if (staging->owner != 0 && object->owner != staging->owner) {
+    if (staging->seat != NULL && object->seat != staging->seat) {
         return proto_error_set(staging->error, PCCD_E_ACCESS,
                                "segment %u: object 0x%x is another session's", at,
                                segment->object);
@@ -322,21 +322,16 @@ static int refuse_table(const struct staging *staging, uint32_t segments)
                            segments, (unsigned long long)staging->payload_bytes);
 }
 
-/* Whose objects a step of the session may move. */
-static uint64_t owner_in(const struct srv_scene *scene, const struct srv_session *session)
-{
-    return scene->shared != NULL ? session->id : 0;
-}
-
 int srv_ring_stage(struct srv_ring *ring,
                    const struct proto_FRAME_SUBMIT_request *request,
-                   struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
+                   const struct srv_seat *seat, struct srv_scene *scene,
+                   struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error)
 {
     PCCD_ASSERT(request->segments >= 1 && request->segments <= PROTO_SEGMENTS_MAX);
     struct staging staging = {
         .scene = scene,
-        .owner = owner_in(scene, ring->resource.session),
+        .seat = seat,
         .payload_bytes = ring->slot_stride,
         .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
         .error = error,
@@ -357,14 +352,14 @@ int srv_ring_stage(struct srv_ring *ring,
 
 int srv_ring_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
                         const struct proto_FRAME_SUBMIT_request *request,
-                        const struct srv_session *session, struct srv_scene *scene,
+                        const struct srv_seat *seat, struct srv_scene *scene,
                         struct proto_segment *table, uint64_t *bytes,
                         struct proto_error *error)
 {
     srv_assert_compute();
     struct staging staging = {
         .scene = scene,
-        .owner = owner_in(scene, session),
+        .seat = seat,
         .payload = copy,
         .payload_bytes = copy_bytes,
         .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),

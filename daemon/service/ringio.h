@@ -51,16 +51,17 @@ int srv_ring_check_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
 
 /* Stage the step in a slot: copy and check the segment table, then copy the positions of
  * each segment into `scene`, which has its staging open. On failure the caller aborts it.
- * In a shared scene only objects of the ring's session may be moved (PCCD_E_ACCESS).
+ * Only objects that were added with `seat` may be moved (PCCD_E_ACCESS), NULL: all.
  * `table` has room for PROTO_SEGMENTS_MAX. *bytes is what was copied. [compute] */
 int srv_ring_stage(struct srv_ring *ring,
                    const struct proto_FRAME_SUBMIT_request *request,
-                   struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
+                   const struct srv_seat *seat, struct srv_scene *scene,
+                   struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error);
-/* The same out of a copy of a slot of `session`. [compute] */
+/* The same out of a copy of a slot. [compute] */
 int srv_ring_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
                         const struct proto_FRAME_SUBMIT_request *request,
-                        const struct srv_session *session, struct srv_scene *scene,
+                        const struct srv_seat *seat, struct srv_scene *scene,
                         struct proto_segment *table, uint64_t *bytes,
                         struct proto_error *error);
 /* A copy, of malloc, of what the step uses of its slot, *bytes of at most `bytes_max`.

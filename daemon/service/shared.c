@@ -17,6 +17,7 @@
 #include "log.h"
 #include "loop.h"
 #include "meshes.h"
+#include "now.h"
 #include "session.h"
 
 /* ---- who may ----------------------------------------------------------------------- */
@@ -48,18 +49,11 @@ static struct srv_seat *seat_of(const struct srv_shared *shared,
     return seat;
 }
 
-bool srv_shared_holds(const struct srv_scene *scene, const struct srv_session *session)
+struct srv_seat *srv_shared_seat(const struct srv_scene *scene,
+                                 const struct srv_session *session)
 {
-    return seat_of(scene->shared, session)->holds;
-}
-
-void srv_shared_set_holds(struct srv_scene *scene, const struct srv_session *session,
-                          bool holds)
-{
-    struct srv_seat *seat = seat_of(scene->shared, session);
-    if (seat != NULL) { /* else it has left */
-        seat->holds = holds;
-    }
+    srv_assert_loop();
+    return scene->shared != NULL ? seat_of(scene->shared, session) : NULL;
 }
 
 int srv_shared_refuse_reader(const struct srv_session *session,
@@ -95,7 +89,11 @@ static void unlist(struct srv_shared *shared)
     *at = shared->next;
 }
 
-/* Take the session's objects and what it held out of the engine's scene. [compute] */
+/* Of taking objects out, before it is the turn of others: one that ignores many takes up
+ * to a millisecond. */
+#define LEAVE_NS 500000u
+
+/* Take what it held and the session's objects out of the engine's scene. [compute] */
 static void run_leave(struct srv_job *job)
 {
     struct srv_seat *seat = (struct srv_seat *)job;
@@ -103,13 +101,19 @@ static void run_leave(struct srv_job *job)
     struct srv_session *host = seat->shared->host;
     struct srv_enginemem memory;
     srv_enginemem_begin(&memory, host->user, host->loop->options->engine_bytes_max);
-    for (uint32_t i = 0; i < scene->placed_count; i++) {
-        struct srv_placed *placed = &scene->placed[i];
-        if (placed->handle != 0 && placed->owner == seat->session->id) {
+    if (seat->cursor == 0) { /* what it moves goes now */
+        seat->left = srv_held_remove(scene, seat);
+    }
+    uint64_t begin_ns = srv_now_ns();
+    bool has_time = true;
+    while (has_time && seat->cursor < scene->placed_count) {
+        struct srv_placed *placed = &scene->placed[seat->cursor++];
+        if (placed->handle != 0 && placed->seat == seat) {
             srv_scene_displace(scene, placed);
+            has_time = srv_now_ns() - begin_ns < LEAVE_NS;
         }
     }
-    seat->left = srv_held_remove(scene, seat->session);
+    job->goes_on = seat->cursor < scene->placed_count;
     srv_enginemem_end(&memory);
 }
 
@@ -118,8 +122,8 @@ static void done_leaving(struct srv_job *job)
     struct srv_seat *seat = (struct srv_seat *)job;
     struct srv_shared *shared = seat->shared;
     struct srv_session *session = seat->session;
-    srv_scene_forget_of(shared->scene, session);
-    srv_held_free(shared->scene, seat->left);
+    srv_scene_forget_of(shared->scene, seat);
+    srv_held_free(seat->left);
     srv_resource_drop(&shared->scene->resource); /* the table's */
     free(seat);
     session->scene_count--;
@@ -142,7 +146,7 @@ void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
     if (shared->seats == NULL) {
         unlist(shared); /* its name is free */
     }
-    srv_scene_unlink_of(scene, session);
+    srv_scene_unlink_of(scene, seat);
     session->reap_count++;
     srv_job_init(&seat->leave, run_leave, done_leaving);
     srv_compute_push_reap(&session->loop->compute, &session->lane, &seat->leave);
@@ -325,8 +329,7 @@ void srv_shared_catch_up(struct srv_session *session)
     uint32_t cursor = 0;
     for (struct srv_scene *scene;
          (scene = srv_handles_next(&session->scenes, &cursor)) != NULL;) {
-        struct srv_seat *seat =
-            scene->shared != NULL ? seat_of(scene->shared, session) : NULL;
+        struct srv_seat *seat = srv_shared_seat(scene, session);
         if (seat != NULL && seat->is_behind) {
             tell(seat);
         }

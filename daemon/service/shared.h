@@ -33,8 +33,11 @@ struct srv_seat {
     struct srv_seat *next;
     struct srv_shared *shared;
     struct srv_session *session;
-    struct srv_held *left; /* [compute] then [loop]: frames that it had held */
-    uint32_t handle;       /* of the scene, in the session's table */
+    struct proto_error owed; /* [compute] of a step of its own that was answered before
+                              * its turn; code 0: none */
+    struct srv_held *left;   /* [compute] then [loop]: frames that it had held */
+    uint32_t cursor;         /* [compute] objects before it have been taken out */
+    uint32_t handle;         /* of the scene, in the session's table */
     bool is_writer;
     bool holds;     /* a frame for the scene's next step (held.h) */
     bool is_behind; /* the last step could not be told yet */
@@ -61,14 +64,14 @@ int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *sett
 /* The session has given back its handle of a shared scene. */
 void srv_shared_leave(struct srv_session *session, struct srv_scene *scene);
 
+/* The seat of a session that has a handle for the scene; NULL: it is the session's own.
+ * One that leaves and comes back has another. */
+struct srv_seat *srv_shared_seat(const struct srv_scene *scene,
+                                 const struct srv_session *session);
+
 /* 0, or PCCD_E_ACCESS with *error set: the session only reads. Of any scene. */
 int srv_shared_refuse_reader(const struct srv_session *session,
                              const struct srv_scene *scene, struct proto_error *error);
-
-/* Whether a frame of the session waits for the scene's next step. */
-bool srv_shared_holds(const struct srv_scene *scene, const struct srv_session *session);
-void srv_shared_set_holds(struct srv_scene *scene, const struct srv_session *session,
-                          bool holds);
 
 /* A session has stepped it: tell the others. */
 void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,

@@ -21,6 +21,7 @@ integration_names = \
     tests/integration/test_int_reconnect \
     tests/integration/test_int_restore \
     tests/integration/test_int_resume \
+    tests/integration/test_int_rivals \
     tests/integration/test_int_room \
     tests/integration/test_int_sandbox \
     tests/integration/test_int_session \
@@ -122,6 +123,12 @@ tests_integration_test_int_restore_LDADD = $(integration_libs)
 tests_integration_test_int_resume_SOURCES = tests/integration/test_int_resume.c
 tests_integration_test_int_resume_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_resume_LDADD = $(integration_libs)
+
+tests_integration_test_int_rivals_SOURCES = \
+    tests/integration/test_int_rivals.c
+tests_integration_test_int_rivals_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_rivals_CFLAGS = $(AM_CFLAGS) -pthread
+tests_integration_test_int_rivals_LDADD = $(integration_libs)
 
 tests_integration_test_int_room_SOURCES = tests/integration/test_int_room.c
 tests_integration_test_int_room_CPPFLAGS = $(integration_cppflags)

@@ -1,0 +1,406 @@
+/* test_int_rivals.c - clients that share a scene and do each other no good.
+ *
+ * Room:     tests/integration. May include: proto, pccd.h, tests/support.
+ * Does:     what one may say to a shared scene at a moment when nobody would: leave and
+ *           come back in one breath, fail where others step, hold while the daemon ends.
+ *           Whoever else takes part gets what is due to him.
+ * Threads:  one, and one that writes into shared memory.
+ */
+#include <poll.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "grid.h"
+#include "raw.h"
+
+#define SLOT_BYTES   65536u
+#define SPOILT       5000
+#define ROUNDS       20
+#define SIDE         250u /* a step of 20 ms and more */
+#define DEADLINE_NS  1000000u
+#define RESULT_BYTES (32u << 20)
+
+/* One who takes part, by hand: with the floor or the triangle. */
+struct rival {
+    struct test_raw raw;
+    uint32_t scene;
+    uint32_t mesh;
+    uint32_t object;
+};
+
+static struct rival first;
+static struct rival second;
+static struct test_grid grid;
+static struct pccd_client *client;
+
+static int call(struct rival *rival, int method, const void *request, void *result)
+{
+    return test_raw_call(&rival->raw, method, request, result);
+}
+
+static uint32_t request(struct rival *rival, int method, const void *request)
+{
+    uint32_t id = test_raw_request(&rival->raw, method, request);
+
+    assert_int_not_equal(id, 0);
+    return id;
+}
+
+static void enter(struct rival *rival, const char *name, const float x[3][3])
+{
+    struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_OPEN};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_request add = {0};
+    struct proto_SCENE_ADD_result added;
+
+    strcpy(create.name, name);
+    assert_true(test_raw_open(&rival->raw, test_shared.socket));
+    assert_int_equal(test_raw_hello(&rival->raw), 0);
+    assert_int_equal(test_raw_attach(&rival->raw, 2, SLOT_BYTES), 0);
+    assert_int_equal(call(rival, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
+    assert_int_equal(test_raw_mesh(&rival->raw, x, 3, test_triangle, 1, &rival->mesh), 0);
+    add.scene = rival->scene = created.scene;
+    add.mesh = rival->mesh;
+    assert_int_equal(call(rival, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    rival->object = added.object;
+}
+
+static void enter_both(const char *name)
+{
+    enter(&first, name, test_triangle_x);
+    enter(&second, name, test_floor_x);
+}
+
+static void leave_both(void)
+{
+    test_raw_close(&first.raw);
+    test_raw_close(&second.raw);
+}
+
+/* The request for a step of the object to where `x` is, out of a slot. */
+static struct proto_FRAME_SUBMIT_request write_step(struct rival *rival, uint32_t slot,
+                                                    const float x[3][3])
+{
+    const struct proto_segment segment = {
+        .object = rival->object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
+
+    memcpy(test_raw_payload(&rival->raw, slot), &segment, sizeof(segment));
+    memcpy(test_raw_payload(&rival->raw, slot) + 32, x, sizeof(float[3][3]));
+    return (struct proto_FRAME_SUBMIT_request){.scene = rival->scene,
+                                               .slot = slot,
+                                               .seq = test_raw_publish(&rival->raw, slot),
+                                               .segments = 1};
+}
+
+static int step_still(struct rival *rival, struct proto_FRAME_SUBMIT_result *answer)
+{
+    const struct proto_FRAME_SUBMIT_request submit = {.scene = rival->scene};
+
+    return call(rival, PROTO_METHOD_FRAME_SUBMIT, &submit, answer);
+}
+
+/* Hold the object's way to where it is already. Returns the request's number, once it
+ * waits. */
+static uint32_t hold(struct rival *rival, uint32_t slot, const float x[3][3])
+{
+    struct proto_FRAME_SUBMIT_request submit = write_step(rival, slot, x);
+    const struct proto_MESH_EDGES_request edges = {.mesh = rival->mesh, .count = 3};
+    uint32_t id;
+
+    submit.hold = true;
+    id = request(rival, PROTO_METHOD_FRAME_SUBMIT, &submit);
+    /* Computed behind it. */
+    assert_int_equal(call(rival, PROTO_METHOD_MESH_EDGES, &edges, NULL), 0);
+    return id;
+}
+
+/* ---- leaving ----------------------------------------------------------------------- */
+
+/* Leave and come back without waiting for an answer, and say to the scene what is asked
+ * of it in the same breath. Returns the number of the last request. */
+static uint32_t return_at_once(struct rival *rival, const char *name, uint32_t next_scene,
+                               int method, const void *asked)
+{
+    struct proto_SCENE_DESTROY_request destroy = {.scene = rival->scene};
+    struct proto_SCENE_CREATE_request create = {.want = next_scene,
+                                                .share = PCCD_SHARE_ATTACH};
+
+    strcpy(create.name, name);
+    (void)request(rival, PROTO_METHOD_SCENE_DESTROY, &destroy);
+    (void)request(rival, PROTO_METHOD_SCENE_CREATE, &create);
+    rival->scene = next_scene;
+    return request(rival, method, asked);
+}
+
+/* If it failed, a client that leaves a scene and comes back would lose what it has added
+ * since; or, where that cannot be added, end the daemon for all. */
+static void rivals__one_who_comes_back_has_what_it_adds(void **state)
+{
+    struct proto_SCENE_ADD_result added;
+    struct proto_MESH_CREATE_result empty;
+    const struct proto_MESH_CREATE_request create = {.vertex_count = 3,
+                                                     .triangle_count = 1};
+    struct proto_FRAME_SUBMIT_request submit;
+    struct proto_FRAME_SUBMIT_result answer;
+
+    (void)state;
+    enter_both("returns");
+    assert_int_equal(call(&second, PROTO_METHOD_MESH_CREATE, &create, &empty), 0);
+    for (uint32_t round = 1; round <= ROUNDS; round++) {
+        uint32_t scene = ((second.scene >> 20) + 1) << 20;
+        struct proto_SCENE_ADD_request add = {.scene = scene, .mesh = second.mesh};
+        uint32_t id;
+
+        if (round % 2 == 0) {
+            add.mesh = empty.mesh;
+        }
+        id = return_at_once(&second, "returns", scene, PROTO_METHOD_SCENE_ADD, &add);
+        if (round % 2 == 0) {
+            assert_int_equal(
+                test_raw_answer(&second.raw, id, PROTO_METHOD_SCENE_ADD, &added),
+                PCCD_E_STATE);
+            add.mesh = second.mesh;
+            id = request(&second, PROTO_METHOD_SCENE_ADD, &add);
+        }
+        assert_int_equal(test_raw_answer(&second.raw, id, PROTO_METHOD_SCENE_ADD, &added),
+                         0);
+        second.object = added.object;
+        submit = write_step(&second, 0, test_floor_x);
+        assert_int_equal(call(&second, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer), 0);
+    }
+    assert_int_equal(test_stat(client, "objects_now"), 2);
+    leave_both();
+    assert_int_equal(test_stat_await(client, "objects_now", 0), 0);
+    assert_int_equal(test_stat_await(client, "scenes_now", 0), 0);
+}
+
+/* If it failed, a client could hold two frames for one step, and with them make every
+ * step of the others fail. */
+static void rivals__one_who_comes_back_holds_one_frame(void **state)
+{
+    struct proto_FRAME_SUBMIT_request submit;
+    struct proto_FRAME_SUBMIT_result answer;
+
+    (void)state;
+    enter_both("two frames");
+    for (uint32_t round = 1; round <= ROUNDS; round++) {
+        uint32_t scene = ((second.scene >> 20) + 1) << 20;
+        struct proto_SCENE_ADD_request add = {
+            .scene = scene, .mesh = second.mesh, .want = 1u << 20 | (16 + round)};
+
+        (void)hold(&second, 0, test_floor_x);
+        (void)return_at_once(&second, "two frames", scene, PROTO_METHOD_SCENE_ADD, &add);
+        second.object = add.want;
+        submit = write_step(&second, 1, test_floor_x);
+        submit.hold = true;
+        (void)request(&second, PROTO_METHOD_FRAME_SUBMIT, &submit); /* a turn's fourth */
+        submit = write_step(&second, 0, test_floor_x);
+        submit.hold = true;
+        test_sleep_ms(2);
+        assert_int_equal(call(&second, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL),
+                         PCCD_E_BUSY);
+        assert_int_equal(step_still(&first, &answer), 0);
+        assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+    }
+    leave_both();
+    assert_int_equal(test_stat_await(client, "objects_now", 0), 0);
+}
+
+/* ---- what goes wrong --------------------------------------------------------------- */
+
+/* If it failed, a client could make the steps of the others fail with errors of its own,
+ * and would not hear of them itself. */
+static void rivals__an_error_is_told_to_whose_it_is(void **state)
+{
+    struct proto_FRAME_SUBMIT_result answer;
+    int rc = PCCD_E_HANDLE;
+
+    (void)state;
+    enter_both("owed");
+    /* Once in a while the long step ends at once, and the error is told in its turn. */
+    for (int i = 0; i < ROUNDS && rc == PCCD_E_HANDLE; i++) {
+        struct proto_FRAME_SUBMIT_request submit = write_step(&second, 0, test_floor_x);
+        const struct proto_SCENE_REMOVE_request remove = {.scene = second.scene,
+                                                          .object = second.object};
+        const struct proto_SCENE_ADD_request add = {.scene = second.scene,
+                                                    .mesh = second.mesh};
+        struct proto_SCENE_ADD_result added;
+        struct pccd_answer whole;
+        uint64_t step = 0;
+        uint32_t id;
+
+        submit.deadline_ns = DEADLINE_NS;
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        (void)request(&second, PROTO_METHOD_SCENE_REMOVE, &remove);
+        id = request(&second, PROTO_METHOD_FRAME_SUBMIT, &submit);
+        rc = test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
+        assert_int_equal(pccd_wait(grid.client, step, 60000, &whole), 0);
+        pccd_answer_release(grid.client, &whole);
+        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+        second.object = added.object;
+    }
+    assert_int_equal(rc, 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_int_equal(step_still(&first, &answer), 0);
+    assert_int_equal(step_still(&second, &answer), PCCD_E_HANDLE);
+    assert_int_equal(step_still(&second, &answer), 0);
+    leave_both();
+}
+
+static atomic_bool is_over;
+
+/* Write nonsense where the daemon reads how far the results are released, and take it
+ * back, without end. */
+static void *spoil(void *context)
+{
+    struct proto_upload *upload = context;
+
+    while (!atomic_load(&is_over)) {
+        atomic_store(&upload->result_head.value, UINT64_MAX);
+        atomic_store(&upload->result_head.value, 0);
+    }
+    return NULL;
+}
+
+/* Take the news that have come: of every step one. */
+static void take_news(struct rival *rival, uint64_t *told)
+{
+    struct pollfd watched = {.fd = rival->raw.socket, .events = POLLIN};
+    struct proto_SCENE_STEP_request note;
+
+    while (poll(&watched, 1, 0) > 0) {
+        assert_int_equal(test_raw_receive(&rival->raw), 0);
+        assert_int_equal(rival->raw.envelope.kind, PROTO_NOTIFICATION);
+        assert_int_equal(proto_decode_body(&rival->raw.envelope,
+                                           &proto_messages[PROTO_NOTE_SCENE_STEP].request,
+                                           &note, &rival->raw.error),
+                         0);
+        assert_int_equal(note.number, ++*told);
+    }
+}
+
+/* If it failed, a client whose own results have no place could move what it moves without
+ * that the others hear of it. */
+static void rivals__every_step_that_has_run_is_told(void **state)
+{
+    struct proto_FRAME_SUBMIT_result answer;
+    pthread_t spoiler;
+    uint64_t told = 0;
+
+    (void)state;
+    enter_both("told");
+    atomic_store(&is_over, false);
+    assert_int_equal(pthread_create(&spoiler, NULL, spoil, test_raw_upload(&first.raw)),
+                     0);
+    for (int i = 0; i < SPOILT; i++) {
+        int rc = step_still(&first, &answer);
+
+        assert_true(rc == 0 || rc == PCCD_E_INVAL);
+        take_news(&second, &told); /* came before the answer */
+    }
+    atomic_store(&is_over, true);
+    assert_int_equal(pthread_join(spoiler, NULL), 0);
+    atomic_store(&test_raw_upload(&first.raw)->result_head.value, 0);
+    assert_int_equal(step_still(&first, &answer), 0);
+    take_news(&second, &told);
+    assert_true(told > 1 && told == answer.number);
+    leave_both();
+}
+
+/* If it failed, what contradicts itself would be done in one of the two ways. */
+static void rivals__a_frame_that_is_held_is_not_placed(void **state)
+{
+    struct proto_FRAME_SUBMIT_request submit;
+    struct proto_FRAME_SUBMIT_result answer;
+
+    (void)state;
+    enter_both("both");
+    submit = write_step(&second, 0, test_floor_x);
+    submit.hold = submit.place = true;
+    assert_int_equal(call(&second, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer),
+                     PCCD_E_INVAL);
+    leave_both();
+}
+
+/* ---- the end ----------------------------------------------------------------------- */
+
+/* If it failed, one frame that waits for a step that nobody will submit would keep the
+ * daemon from ending for as long as it is patient. */
+static void rivals__a_held_frame_does_not_delay_the_end(void **state)
+{
+    struct proto_FRAME_SUBMIT_result answer;
+    uint64_t begin_ms;
+    uint32_t id;
+    int status;
+
+    (void)state;
+    enter_both("end");
+    id = hold(&second, 0, test_floor_x);
+    begin_ms = test_now_ms();
+    status = test_daemon_end(&test_shared, SIGTERM, 25000);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    assert_true(test_now_ms() - begin_ms < 8000); /* its grace time: 20 s */
+    assert_int_equal(test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer),
+                     0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+    leave_both();
+}
+
+static int start(void **state)
+{
+    static const char *const options[] = {"--grace", "20", NULL};
+
+    return test_shared_start_with(options) == 0 &&
+                   (client = test_connect(test_shared.url)) != NULL
+               ? 0
+               : ((void)state, -1);
+}
+
+static int start_with_grid(void **state)
+{
+    return test_shared_connect(state, RESULT_BYTES, &client) == 0
+               ? test_grid_make(client, SIDE, &grid)
+               : -1;
+}
+
+static int stop(void **state)
+{
+    pccd_close(client);
+    return test_shared_stop(state);
+}
+
+static int stop_with_grid(void **state)
+{
+    test_grid_free(&grid);
+    return stop(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_has_what_it_adds,
+                                        start, stop),
+        cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_holds_one_frame, start,
+                                        stop),
+        cmocka_unit_test_setup_teardown(rivals__an_error_is_told_to_whose_it_is,
+                                        start_with_grid, stop_with_grid),
+        cmocka_unit_test_setup_teardown(rivals__every_step_that_has_run_is_told, start,
+                                        stop),
+        cmocka_unit_test_setup_teardown(rivals__a_frame_that_is_held_is_not_placed, start,
+                                        stop),
+        cmocka_unit_test_setup_teardown(rivals__a_held_frame_does_not_delay_the_end,
+                                        start, stop),
+    };
+
+    return cmocka_run_group_tests_name("rivals", tests, NULL, NULL);
+}
