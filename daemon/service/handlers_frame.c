@@ -491,23 +491,6 @@ static int check_settings(struct srv_call *call)
     return 0;
 }
 
-/* It waits for a step of another session. */
-static int hold(struct srv_call *call, struct srv_plan *plan)
-{
-    plan->work = srv_held_work;
-    plan->finish = srv_held_finish;
-    plan->answer_early = NULL; /* it is copied in its turn */
-    int status = srv_held_admit(call, plan);
-    if (status != 0) {
-        return status;
-    }
-    status = srv_request_start(call, plan);
-    if (status < 0) {
-        srv_held_refund(plan->seat, plan->held_bytes);
-    }
-    return status;
-}
-
 int srv_on_FRAME_SUBMIT(struct srv_call *call)
 {
     struct srv_session *session = call->session;
@@ -548,7 +531,7 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
                             .answer_early = answer_submit_early,
                             .deadline_ns =
                                 deadline_of(submit->deadline_ns, call->arrival_ns)};
-    return submit->hold ? hold(call, &plan) : srv_request_start(call, &plan);
+    return submit->hold ? srv_held_start(call, &plan) : srv_request_start(call, &plan);
 }
 
 /* ---- fetch ------------------------------------------------------------------------- */

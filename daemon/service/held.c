@@ -19,9 +19,9 @@
 
 /* ---- on the way in ----------------------------------------------------------------- */
 
-int srv_held_admit(struct srv_call *call, struct srv_plan *plan)
+/* Charges plan->held_bytes. */
+static int admit(struct srv_call *call, struct srv_plan *plan)
 {
-    srv_assert_loop();
     struct srv_session *session = call->session;
     uint64_t bytes = plan->ring->slot_stride;
     if (plan->seat == NULL) {
@@ -49,9 +49,8 @@ int srv_held_admit(struct srv_call *call, struct srv_plan *plan)
     return status;
 }
 
-void srv_held_refund(struct srv_seat *seat, uint64_t bytes)
+static void refund(struct srv_seat *seat, uint64_t bytes)
 {
-    srv_assert_loop();
     struct srv_session *session = seat->session;
     srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES, bytes);
     seat->holds = false;
@@ -79,9 +78,9 @@ static int try(struct srv_held *held, struct srv_scene *scene, struct proto_erro
     return status;
 }
 
-int srv_held_work(struct srv_request *request)
+/* [compute] */
+static int work_hold(struct srv_request *request)
 {
-    srv_assert_compute();
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_scene *scene = request->plan.scene;
     struct srv_held *held = calloc(1, sizeof *held);
@@ -115,11 +114,28 @@ int srv_held_work(struct srv_request *request)
     return 0;
 }
 
-void srv_held_finish(struct srv_request *request)
+static void finish_hold(struct srv_request *request)
 {
     if (request->plan.held_bytes > 0) {
-        srv_held_refund(request->plan.seat, request->plan.held_bytes);
+        refund(request->plan.seat, request->plan.held_bytes);
     }
+}
+
+int srv_held_start(struct srv_call *call, struct srv_plan *plan)
+{
+    srv_assert_loop();
+    plan->work = work_hold;
+    plan->finish = finish_hold;
+    plan->answer_early = NULL; /* it is copied in its turn */
+    int status = admit(call, plan);
+    if (status != 0) {
+        return status;
+    }
+    status = srv_request_start(call, plan);
+    if (status < 0) {
+        refund(plan->seat, plan->held_bytes);
+    }
+    return status;
 }
 
 /* ---- with a step ------------------------------------------------------------------- */
@@ -194,7 +210,7 @@ void srv_held_free(struct srv_held *list)
         if (list->request != NULL) { /* its session leaves the scene */
             srv_held_end(list->request, PCCD_INCOMPLETE_CANCELLED);
         }
-        srv_held_refund(list->seat, list->charge);
+        refund(list->seat, list->charge);
         free(list->copy);
         free(list);
         list = next;

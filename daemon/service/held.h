@@ -33,16 +33,11 @@ struct srv_held {
     struct proto_error error; /* code 0; else why it could not be taken along */
 };
 
-/* Admission: charges plan->held_bytes. Returns 0, or PCCD_E_INVAL (the scene is not
- * shared, or nothing moves, or it is to be placed), PCCD_E_BUSY (another one waits) or
- * PCCD_E_QUOTA with call->error set. [loop] */
-int srv_held_admit(struct srv_call *call, struct srv_plan *plan);
-/* It is not held after all. [loop] */
-void srv_held_refund(struct srv_seat *seat, uint64_t bytes);
-/* The plan's work: copy it, and check it against the scene. [compute] */
-int srv_held_work(struct srv_request *request);
-/* The plan's finish. [loop] */
-void srv_held_finish(struct srv_request *request);
+/* srv_request_start for a frame that is held, which is charged for before: it is copied,
+ * checked against the scene, and waits. Besides what that returns: PCCD_E_INVAL (the
+ * scene is not shared, or nothing moves, or it is to be placed), PCCD_E_BUSY (another one
+ * waits) or PCCD_E_QUOTA with call->error set. [loop] */
+int srv_held_start(struct srv_call *call, struct srv_plan *plan);
 
 /* Check anew what waits, where the scene has changed since: what cannot be moved any more
  * goes to request->taken. [compute] */
