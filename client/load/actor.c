@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "couple.h"
 #include "judge.h"
 
 /* A slot takes both ends of the sheet in double; the region the answers to LOAD_DEPTH_MAX
@@ -33,7 +34,9 @@ _Static_assert(CHURN_EVERY % LOAD_FRAMES == 0, "a change begins a round");
 
 static void complain(const struct load_actor *actor, const char *what)
 {
-    load_say("client %u: %s: %s", actor->number, what, pccd_error_text(actor->client));
+    load_say("client %u: %s: %s%s%s", actor->number, what, pccd_error_text(actor->client),
+             actor->second ? "; its second client: " : "",
+             actor->second ? pccd_error_text(actor->second) : "");
 }
 
 /* ---- what it registers ------------------------------------------------------------- */
@@ -70,20 +73,27 @@ static int add_floor(struct load_actor *actor)
     float x[LOAD_FLOOR_VERTICES][3];
     uint32_t triangles[LOAD_FLOOR_TRIANGLES][3];
     load_floor(&actor->shape, x, triangles);
-    int rc = pccd_mesh_create(actor->client, x, PCCD_FORMAT_F32, LOAD_FLOOR_VERTICES,
+    struct pccd_client *client = actor->second ? actor->second : actor->client;
+    uint32_t scene = actor->second ? actor->second_scene : actor->scene;
+    int rc = pccd_mesh_create(client, x, PCCD_FORMAT_F32, LOAD_FLOOR_VERTICES,
                               (const uint32_t(*)[3])(const void *)triangles,
                               LOAD_FLOOR_TRIANGLES, &actor->floor_mesh, NULL);
-    return rc != 0 ? rc
-                   : pccd_scene_add(actor->client, actor->scene, actor->floor_mesh,
-                                    &actor->floor);
+    return rc != 0 ? rc : pccd_scene_add(client, scene, actor->floor_mesh, &actor->floor);
 }
 
-static int add_all(struct load_actor *actor)
+static bool shares(const struct load_actor *actor)
 {
-    int rc = pccd_scene_create(actor->client, NULL, &actor->scene);
+    return actor->kind == LOAD_SHARE && !actor->is_alone;
+}
+
+static int add_all(struct load_actor *actor, const struct pccd_options *options)
+{
+    int rc = shares(actor) ? load_couple_open(actor, options)
+                           : pccd_scene_create(actor->client, NULL, &actor->scene);
     rc = rc == 0 && actor->sheet_first ? add_sheet(actor, false) : rc;
     rc = rc == 0 ? add_floor(actor) : rc;
-    return rc == 0 && !actor->sheet_first ? add_sheet(actor, false) : rc;
+    rc = rc == 0 && !actor->sheet_first ? add_sheet(actor, false) : rc;
+    return rc == 0 && actor->second ? load_couple_settle(actor) : rc;
 }
 
 static int drop_all(struct load_actor *actor)
@@ -114,7 +124,7 @@ static int connect_and_add(struct load_actor *actor, bool loud)
     int rc = pccd_connect(&options, &actor->client);
     if (rc == 0) {
         actor->tally->opened++;
-        rc = add_all(actor);
+        rc = add_all(actor, &options);
     }
     if (rc != 0 && loud) {
         complain(actor, "cannot begin");
@@ -136,12 +146,13 @@ static enum load_kind kind_of(uint32_t kinds, uint32_t number)
 }
 
 int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
-                    struct load_tally *tally, bool sheet_first, bool loud)
+                    struct load_tally *tally, bool is_alone, bool sheet_first, bool loud)
 {
     memset(actor, 0, sizeof *actor);
     actor->load = load;
     actor->tally = tally;
     actor->number = number;
+    actor->is_alone = is_alone;
     actor->sheet_first = sheet_first;
     actor->shape = load_shape_of(load, number);
     actor->kind = kind_of(load->settings.kinds, number);
@@ -153,6 +164,7 @@ void load_actor_close(struct load_actor *actor)
 {
     actor->tally->lost += actor->pending_count;
     actor->pending_count = 0;
+    load_couple_close(actor);
     pccd_close(actor->client);
     actor->client = NULL;
 }
@@ -185,7 +197,7 @@ static int churn(struct load_actor *actor)
                                         &actor->sheet);
     case 2:
         rc = drop_all(actor);
-        return rc != 0 ? rc : add_all(actor);
+        return rc != 0 ? rc : add_all(actor, NULL);
     default:
         load_actor_close(actor);
         actor->last_step = 0;
@@ -201,6 +213,9 @@ static enum load_mischief mischief_of(const struct load_actor *actor)
                                               LOAD_NOT_FINITE};
     uint64_t luck = load_mix(~actor->load->settings.seed,
                              (uint64_t)actor->number << 32 ^ actor->next);
+    if (shares(actor)) {
+        return luck % 8 == 0 ? LOAD_MASKED : LOAD_PLAIN;
+    }
     return actor->kind == LOAD_JUMP && !actor->is_alone && luck % 64 < 4 ? some[luck % 64]
                                                                          : LOAD_PLAIN;
 }
@@ -262,6 +277,7 @@ static struct pccd_step_settings settings_of(const struct load_actor *actor,
         settings.mode = (enum pccd_mode)actor->load->settings.mode;
     }
     settings.deadline_ns = mischief == LOAD_DUE ? 1 : 0;
+    settings.hold = shares(actor);
     return settings;
 }
 
@@ -275,7 +291,11 @@ static int submit(struct load_actor *actor)
                                      .due_ns = actor->pace.due_ns,
                                      .sent_ns = load_now_ns()};
     struct pccd_step_settings settings = settings_of(actor, pending->mischief);
-    int rc = pccd_frame_begin(
+    int rc = shares(actor) ? load_couple_set(actor, pending->mischief != LOAD_MASKED) : 0;
+    if (rc != 0) {
+        return rc;
+    }
+    rc = pccd_frame_begin(
         actor->client, actor->scene, 1,
         (uint64_t)SLOT_VERTEX_BYTES * load_sheet_vertices(&actor->shape), &frame);
     if (rc != 0) {
@@ -294,6 +314,9 @@ static int submit(struct load_actor *actor)
     actor->next++;
     actor->last_step = pending->step;
     actor->tally->submitted++;
+    if (shares(actor)) {
+        return load_couple_step(actor);
+    }
     return pending->mischief == LOAD_CANCELLED ? pccd_cancel(actor->client, pending->step)
                                                : 0;
 }
@@ -303,6 +326,9 @@ static int take(struct load_actor *actor, bool *moved)
 {
     struct pccd_answer answer;
     int rc;
+    if (shares(actor)) {
+        return load_couple_take(actor, moved);
+    }
     while ((rc = pccd_poll(actor->client, &answer)) == 0) {
         load_judge(actor, &answer);
         pccd_answer_release(actor->client, &answer);
@@ -333,10 +359,16 @@ static void go_on(struct load_actor *actor)
     }
 }
 
+/* One frame is held at a time. */
+static uint32_t depth_of(const struct load_actor *actor)
+{
+    return shares(actor) ? 1 : actor->load->settings.depth;
+}
+
 static int send(struct load_actor *actor, bool *moved)
 {
     actor->is_blocked = false;
-    while (actor->pending_count < actor->load->settings.depth) {
+    while (actor->pending_count < depth_of(actor)) {
         uint64_t now_ns = load_now_ns();
         if (must_churn(actor)) {
             actor->is_blocked = actor->pending_count > 0;
@@ -389,7 +421,7 @@ uint64_t load_actor_wake_ns(const struct load_actor *actor, bool more)
         return actor->stall_until_ns;
     }
     bool can_submit =
-        more && !actor->is_blocked && actor->pending_count < actor->load->settings.depth;
+        more && !actor->is_blocked && actor->pending_count < depth_of(actor);
     return can_submit ? actor->pace.due_ns : UINT64_MAX;
 }
 
@@ -399,4 +431,11 @@ void load_actor_check(struct load_actor *actor, uint64_t now_ns)
         now_ns - actor->moved_ns > STALL_NS) {
         break_off(actor, "no answer came");
     }
+}
+
+void load_actor_fds(const struct load_actor *actor, struct pollfd fds[2])
+{
+    fds[0] = (struct pollfd){.fd = pccd_fd(actor->client), .events = POLLIN};
+    fds[1] = (struct pollfd){.fd = actor->second ? pccd_fd(actor->second) : -1,
+                             .events = POLLIN};
 }

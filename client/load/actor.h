@@ -14,20 +14,32 @@
  *   pairs   x1 double, mode pairs
  *   churn   like follow; now and then its mesh is replaced, its objects, its scene or
  *           its connection are made anew
+ *   share   like follow, one at a time; held for the step of a second client, whose the
+ *           floor is (couple.h); now and then the sheet may meet nothing
  */
 #ifndef LOAD_ACTOR_H
 #define LOAD_ACTOR_H
+
+#include <poll.h>
 
 #include "load.h"
 #include "pace.h"
 #include "pccd.h"
 
-enum load_kind { LOAD_FOLLOW, LOAD_JUMP, LOAD_RIGID, LOAD_PAIRS, LOAD_CHURN, LOAD_KINDS };
+enum load_kind {
+    LOAD_FOLLOW,
+    LOAD_JUMP,
+    LOAD_RIGID,
+    LOAD_PAIRS,
+    LOAD_CHURN,
+    LOAD_SHARE,
+    LOAD_KINDS
+};
 
 #define LOAD_KINDS_ALL ((1u << LOAD_KINDS) - 1)
 
 /* What is special about a request. */
-enum load_mischief { LOAD_PLAIN, LOAD_CANCELLED, LOAD_DUE, LOAD_NOT_FINITE };
+enum load_mischief { LOAD_PLAIN, LOAD_CANCELLED, LOAD_DUE, LOAD_NOT_FINITE, LOAD_MASKED };
 
 struct load_pending {
     uint64_t step;
@@ -47,8 +59,14 @@ struct load_actor {
     bool sheet_first; /* it adds the sheet before the floor */
     struct pccd_client *client;
     uint32_t scene, floor_mesh, sheet_mesh, floor, sheet;
-    uint64_t next;    /* number of the next request */
-    uint64_t changed; /* churn: when it last did */
+    struct pccd_client *second; /* share: whose the floor is; else NULL */
+    uint32_t second_scene;
+    uint64_t second_step;           /* in flight; 0: none */
+    struct pccd_answer held_answer; /* of the first, without records */
+    bool is_held_answered;          /* it has come, the second's has not */
+    bool is_masked;                 /* the sheet may meet nothing now */
+    uint64_t next;                  /* number of the next request */
+    uint64_t changed;               /* churn: when it last did */
     uint64_t last_step;
     struct load_pace pace;
     uint64_t stall_until_ns; /* it does nothing before that */
@@ -58,10 +76,13 @@ struct load_actor {
     uint64_t moved_ns; /* when something last came of a turn */
 };
 
-/* Connect and register. Returns 0 or a status, after saying why if `loud`; close it in
- * either case. */
+/* Connect and register; `is_alone`: for the truth, as is who adds the sheet first.
+ * Returns 0 or a status, after saying why if `loud`; close it in either case. */
 int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
-                    struct load_tally *tally, bool sheet_first, bool loud);
+                    struct load_tally *tally, bool is_alone, bool sheet_first, bool loud);
+
+/* What it waits for. */
+void load_actor_fds(const struct load_actor *actor, struct pollfd fds[2]);
 
 /* Submit what is due, if `more`, and take what has arrived, if its descriptor is readable
  * or something was submitted. Returns whether anything was. */

@@ -36,14 +36,15 @@ static void live(const struct load *load, uint32_t index, pid_t parent)
         _exit(1);
     }
     while (load_actor_open(&actor, load, number, &load->shared->victims[index], false,
-                           false) != 0) {
+                           false, false) != 0) {
         load_actor_close(&actor); /* the worker may have been killed in the middle */
         load_sleep_ms(1);
     }
     for (;;) {
         if (!load_actor_turn(&actor, true, true)) {
-            struct pollfd fd = {.fd = pccd_fd(actor.client), .events = POLLIN};
-            (void)poll(&fd, 1, 20);
+            struct pollfd fds[2];
+            load_actor_fds(&actor, fds);
+            (void)poll(fds, 2, 20);
         }
     }
 }

@@ -22,7 +22,7 @@ struct crowd {
     const struct load *load;
     struct load_tally *tally;
     struct load_actor *actors; /* those that have joined have a client */
-    struct pollfd *fds;
+    struct pollfd *fds;        /* two of each */
     uint32_t index;
     uint32_t count;
 };
@@ -35,7 +35,7 @@ static uint32_t number_of(const struct crowd *crowd, uint32_t i)
 static bool join(struct crowd *crowd, uint32_t i)
 {
     return load_actor_open(&crowd->actors[i], crowd->load, number_of(crowd, i),
-                           crowd->tally, false, true) == 0;
+                           crowd->tally, false, false, true) == 0;
 }
 
 /* Those that do not join one after the other. */
@@ -85,7 +85,8 @@ static bool take_turns(struct crowd *crowd, uint64_t *wake_ns)
     for (uint32_t i = 0; i < crowd->count && !has_failed(crowd); i++) {
         struct load_actor *actor = &crowd->actors[i];
         bool more = !enough || actor->next < crowd->load->settings.requests;
-        bool readable = crowd->fds[i].revents != 0;
+        bool readable =
+            crowd->fds[2 * i].revents != 0 || crowd->fds[2 * i + 1].revents != 0;
         if (!actor->client) {
             join_if_due(crowd, i);
         } else if (readable || load_actor_wake_ns(actor, more) <= now_ns) {
@@ -109,10 +110,13 @@ static void nap(struct crowd *crowd, uint64_t wake_ns)
     for (uint32_t i = 0; i < crowd->count; i++) {
         const struct load_actor *actor = &crowd->actors[i];
         bool reads = actor->client && now_ns >= actor->stall_until_ns;
-        crowd->fds[i] =
-            (struct pollfd){.fd = reads ? pccd_fd(actor->client) : -1, .events = POLLIN};
+        struct pollfd *fds = &crowd->fds[2 * (size_t)i];
+        fds[0] = fds[1] = (struct pollfd){.fd = -1};
+        if (reads) {
+            load_actor_fds(actor, fds);
+        }
     }
-    (void)ppoll(crowd->fds, crowd->count, &left, NULL);
+    (void)ppoll(crowd->fds, 2 * (nfds_t)crowd->count, &left, NULL);
 }
 
 static int run(struct load *load, uint32_t index)
@@ -122,7 +126,7 @@ static int run(struct load *load, uint32_t index)
     uint64_t wake_ns;
     (void)prctl(PR_SET_TIMERSLACK, 1000, 0, 0, 0); /* requests go out when they are due */
     crowd.actors = calloc(load->settings.clients, sizeof *crowd.actors);
-    crowd.fds = calloc(load->settings.clients, sizeof *crowd.fds);
+    crowd.fds = calloc(2 * (size_t)load->settings.clients, sizeof *crowd.fds);
     if (!crowd.actors || !crowd.fds || !open_all(&crowd)) {
         atomic_store(&shared->failed, true);
         return 1;
@@ -162,8 +166,7 @@ static int go_round(const struct load *load, uint32_t number, bool sheet_first,
                     struct load_tally *tally)
 {
     struct load_actor actor;
-    int rc = load_actor_open(&actor, load, number, tally, sheet_first, true);
-    actor.is_alone = true;
+    int rc = load_actor_open(&actor, load, number, tally, true, sheet_first, true);
     while (rc == 0 && (actor.next < LOAD_FRAMES || actor.pending_count > 0)) {
         bool more = actor.next < LOAD_FRAMES;
         if (!load_actor_turn(&actor, more, true) && actor.pending_count > 0) {

@@ -76,12 +76,37 @@ static void measure(struct load_actor *actor, const struct load_pending *pending
     load_hist_add(&actor->tally->inside, answer->times.queue + answer->times.step);
 }
 
+/* The answer to a frame that was held, alone: its step's records are another client's. */
+static bool is_without_records(const struct load_actor *actor,
+                               const struct pccd_answer *answer)
+{
+    return actor->kind == LOAD_SHARE && answer->count == 0 &&
+           answer->incomplete == PCCD_INCOMPLETE_RESULT_FULL;
+}
+
+/* What may meet nothing meets nothing. */
+static void expect_nothing(struct load_actor *actor, const struct load_pending *pending,
+                           const struct pccd_answer *answer)
+{
+    actor->tally->answered++;
+    measure(actor, pending, answer);
+    if (answer->total > 0) {
+        actor->tally->wrong++;
+        load_say("client %u: step %llu has %llu records of what may meet nothing",
+                 actor->number, (unsigned long long)answer->step,
+                 (unsigned long long)answer->total);
+    }
+}
+
 static void compare(struct load_actor *actor, const struct load_pending *pending,
                     const struct pccd_answer *answer)
 {
     struct load_truth *truth = load_truth_of(actor->load, actor->number,
                                              actor->sheet < actor->floor, pending->from);
     struct load_truth found = {{answer->hash[0], answer->hash[1]}, sum_of(actor, answer)};
+    if (is_without_records(actor, answer)) {
+        found.sum = truth->sum;
+    }
     actor->tally->answered++;
     actor->tally->records += answer->count;
     if (actor->is_alone) {
@@ -119,12 +144,15 @@ static void judge_of(struct load_actor *actor, const struct load_pending *pendin
         actor->tally->refused++;
     } else if (may_end_early) {
         actor->tally->cancelled++;
-    } else if (answer->status != 0 || answer->incomplete != PCCD_COMPLETE ||
-               answer->count != answer->total) {
+    } else if (answer->status != 0 || (!is_without_records(actor, answer) &&
+                                       (answer->incomplete != PCCD_COMPLETE ||
+                                        answer->count != answer->total))) {
         actor->tally->failed++;
         load_say("client %u: step %llu: status %d, incomplete %d: %s", actor->number,
                  (unsigned long long)answer->step, answer->status, answer->incomplete,
                  pccd_error_text(actor->client));
+    } else if (pending->mischief == LOAD_MASKED) {
+        expect_nothing(actor, pending, answer);
     } else {
         compare(actor, pending, answer);
     }

@@ -44,8 +44,8 @@ struct row {
 /* ---- what may stand there ---------------------------------------------------------- */
 
 static const char *const arrival_names[] = {"fixed", "poisson", NULL};
-static const char *const kind_names[] = {"follow", "jump",  "rigid",
-                                         "pairs",  "churn", NULL};
+static const char *const kind_names[] = {"follow", "jump",  "rigid", "pairs",
+                                         "churn",  "share", NULL};
 static const char *const mode_names[] = {"all", "first", "any", "pairs", NULL};
 static const char *const scene_names[] = {
 #define LOAD_SCENE_NAME(name, text) [LOAD_SCENE_##name] = #name,
@@ -244,7 +244,8 @@ static const struct row rows[] = {
      AT(scene), 0, 0, scene_names},
     {"kinds", 0, "LIST",
      "clients are by turns (default all): follow, from where the last step ended; jump, "
-     "with both ends, and mischief; rigid; pairs; churn, which makes things anew",
+     "with both ends, and mischief; rigid; pairs; churn, which makes things anew; share, "
+     "which holds its frames for a second client of its scene",
      take_kinds, AT(kinds), 0, 0, kind_names},
     {"mode", 0, "MODE", "of every step: all, first, any, pairs (default by kind)",
      take_mode, AT(mode), 0, 0, mode_names},

@@ -1,0 +1,116 @@
+/* couple.c - a client that shares its scene with a second one of the same process.
+ *
+ * Room:     client/load.
+ * Does:     see couple.h.
+ * Threads:  as actor.h.
+ */
+#include "couple.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+#include "judge.h"
+
+int load_couple_open(struct load_actor *actor, const struct pccd_options *options)
+{
+    static uint32_t names; /* one that was left may still be there */
+    char name[64];
+    snprintf(name, sizeof name, "pccd-load %ld.%u.%u", (long)getpid(), actor->number,
+             ++names);
+    struct pccd_scene_settings settings = {.name = name, .share = PCCD_SHARE_CREATE};
+    int rc = pccd_scene_create(actor->client, &settings, &actor->scene);
+    rc = rc == 0 ? pccd_connect(options, &actor->second) : rc;
+    if (rc != 0) {
+        return rc;
+    }
+    actor->tally->opened++;
+    /* Whoever comes back first after a crash makes it: else the second would wait there
+     * for the first, which has to wait for the second's call to return. */
+    settings.share = PCCD_SHARE_OPEN;
+    return pccd_scene_create(actor->second, &settings, &actor->second_scene);
+}
+
+/* The daemon may have been killed before the sheet was added: the next one has given the
+ * sheet the floor's number, which the second client wants when it comes back. */
+int load_couple_settle(struct load_actor *actor)
+{
+    return pccd_ping(actor->second, NULL);
+}
+
+void load_couple_close(struct load_actor *actor)
+{
+    pccd_close(actor->second);
+    actor->second = NULL;
+    actor->second_step = 0;
+    actor->is_held_answered = false;
+    actor->is_masked = false;
+}
+
+/* Told again to another daemon, too: a pair with another client's object would not be. */
+int load_couple_set(struct load_actor *actor, bool may_meet)
+{
+    struct pccd_object_settings settings = {.what = PCCD_OBJECT_MASK | PCCD_OBJECT_SELF,
+                                            .self_collision = may_meet,
+                                            .mask = may_meet ? UINT64_MAX : 0};
+    if (actor->is_masked == !may_meet) {
+        return 0;
+    }
+    actor->is_masked = !may_meet;
+    return pccd_object_set(actor->client, actor->scene, actor->sheet, &settings);
+}
+
+int load_couple_step(struct load_actor *actor)
+{
+    int rc =
+        pccd_submit_still(actor->second, actor->second_scene, NULL, &actor->second_step);
+    return rc == PCCD_E_BUSY ? PCCD_E_STATE : rc; /* nothing of it is in flight */
+}
+
+/* Both have come, or the second's is of another daemon than the first's was. */
+static void judge(struct load_actor *actor, const struct pccd_answer *records)
+{
+    struct pccd_answer answer = actor->held_answer;
+    bool is_one = records->number == answer.number &&
+                  records->hash[0] == answer.hash[0] &&
+                  records->hash[1] == answer.hash[1];
+    if (is_one) {
+        answer = *records;
+        answer.step = actor->held_answer.step;
+    }
+    actor->is_held_answered = false;
+    load_judge(actor, &answer);
+}
+
+int load_couple_take(struct load_actor *actor, bool *moved)
+{
+    struct pccd_answer held;
+    struct pccd_answer records;
+    /* In this order: what a step took along is answered before the step. */
+    int rc = actor->second_step != 0 ? pccd_poll(actor->second, &records) : PCCD_E_AGAIN;
+    bool has_records = rc == 0;
+    if (rc != 0 && rc != PCCD_E_AGAIN) {
+        return rc;
+    }
+    rc = pccd_poll(actor->client, &held);
+    if (rc == 0) {
+        actor->held_answer = held;
+        actor->is_held_answered = true;
+        pccd_answer_release(actor->client, &held);
+    } else if (rc != PCCD_E_AGAIN) {
+        return rc;
+    }
+    *moved = *moved || has_records || rc == 0;
+    if (!has_records) {
+        return 0;
+    }
+    actor->second_step = 0;
+    actor->is_blocked = false;
+    rc = records.status;
+    if (rc == 0 && actor->is_held_answered) {
+        judge(actor, &records);
+    } else if (rc == 0 && actor->pending_count > 0) { /* it came before what was held */
+        rc = load_couple_step(actor);
+    }
+    pccd_answer_release(actor->second, &records);
+    return rc;
+}
