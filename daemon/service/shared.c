@@ -93,6 +93,22 @@ static void unlist(struct srv_shared *shared)
  * to a millisecond. */
 #define LEAVE_NS 500000u
 
+/* From now on the session's objects meet nothing, whoever steps before all of them are
+ * out. [compute] */
+static void hide(const struct srv_seat *seat)
+{
+    const struct srv_scene *scene = seat->shared->scene;
+    const struct eng_object_filter nothing = {.group = 0, .mask = 0, .self = false};
+    for (uint32_t i = 0; i < scene->placed_count; i++) {
+        const struct srv_placed *placed = &scene->placed[i];
+        if (placed->handle != 0 && placed->seat == seat) {
+            int status =
+                eng_scene_set_filter(scene->engine, placed->engine_idx, &nothing);
+            PCCD_ASSERT(status == ENG_OK);
+        }
+    }
+}
+
 /* Take what it held and the session's objects out of the engine's scene. [compute] */
 static void run_leave(struct srv_job *job)
 {
@@ -103,6 +119,7 @@ static void run_leave(struct srv_job *job)
     srv_enginemem_begin(&memory, host->user, host->loop->options->engine_bytes_max);
     if (seat->cursor == 0) { /* what it moves goes now */
         seat->left = srv_held_remove(scene, seat);
+        hide(seat);
     }
     uint64_t begin_ns = srv_now_ns();
     bool has_time = true;

@@ -23,12 +23,15 @@
 #include "grid.h"
 #include "raw.h"
 
-#define SLOT_BYTES   65536u
-#define SPOILT       5000
-#define ROUNDS       20
-#define SIDE         250u /* a step of 20 ms and more */
-#define DEADLINE_NS  1000000u
-#define RESULT_BYTES (32u << 20)
+#define SLOT_BYTES    65536u
+#define SPOILT        5000
+#define OBJECTS       1024u
+#define PAIRS_OF_EACH 64u
+#define IN_FLIGHT     24u
+#define ROUNDS        20
+#define SIDE          250u /* a step of 20 ms and more */
+#define DEADLINE_NS   1000000u
+#define RESULT_BYTES  (32u << 20)
 
 /* One who takes part, by hand: with the floor or the triangle. */
 struct rival {
@@ -216,6 +219,63 @@ static void rivals__one_who_comes_back_holds_one_frame(void **state)
     assert_int_equal(test_stat_await(client, "objects_now", 0), 0);
 }
 
+/* Let each object of a scene ignore the `each` after it. */
+static void ignore_many(struct rival *rival, const uint32_t *objects, uint32_t count,
+                        uint32_t each)
+{
+    uint32_t all = count * each;
+
+    for (uint32_t sent = 0, taken = 0; taken < all; taken++) {
+        for (; sent < all && sent - taken < IN_FLIGHT; sent++) {
+            const struct proto_SCENE_IGNORE_request ignore = {
+                .scene = rival->scene,
+                .a = objects[sent / each],
+                .b = objects[(sent / each + 1 + sent % each) % count],
+                .ignored = true};
+
+            (void)request(rival, PROTO_METHOD_SCENE_IGNORE, &ignore);
+        }
+        assert_int_equal(test_raw_receive(&rival->raw), 0);
+        assert_false(rival->raw.envelope.failed);
+    }
+}
+
+/* If it failed, a client that leaves with many objects would keep all others waiting
+ * until the last of them is out, or let them meet those that are not yet. */
+static void rivals__one_who_leaves_with_much_delays_nobody(void **state)
+{
+    static uint32_t objects[OBJECTS];
+    struct proto_SCENE_DESTROY_request destroy;
+    struct proto_FRAME_SUBMIT_result answer;
+    uint64_t begin_us;
+    uint64_t step_us;
+    uint64_t leave_us;
+
+    (void)state;
+    enter_both("much");
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        const struct proto_SCENE_ADD_request add = {.scene = second.scene,
+                                                    .mesh = second.mesh};
+        struct proto_SCENE_ADD_result added;
+
+        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+        objects[i] = added.object;
+    }
+    ignore_many(&second, objects, OBJECTS, PAIRS_OF_EACH);
+    destroy.scene = second.scene;
+    begin_us = test_now_us();
+    assert_int_equal(call(&second, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL), 0);
+    assert_int_equal(step_still(&first, &answer), 0);
+    step_us = test_now_us() - begin_us;
+    assert_int_equal(answer.total, 0); /* the floors that are left lie on each other */
+    assert_int_equal(test_stat_await(client, "objects_now", 1), 1);
+    leave_us = test_now_us() - begin_us;
+    printf("# a step beside: %llu us, until all have left: %llu us\n",
+           (unsigned long long)step_us, (unsigned long long)leave_us);
+    assert_true(2 * step_us < leave_us);
+    leave_both();
+}
+
 /* ---- what goes wrong --------------------------------------------------------------- */
 
 /* If it failed, a client could make the steps of the others fail with errors of its own,
@@ -392,6 +452,8 @@ int main(void)
                                         start, stop),
         cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_holds_one_frame, start,
                                         stop),
+        cmocka_unit_test_setup_teardown(rivals__one_who_leaves_with_much_delays_nobody,
+                                        start, stop),
         cmocka_unit_test_setup_teardown(rivals__an_error_is_told_to_whose_it_is,
                                         start_with_grid, stop_with_grid),
         cmocka_unit_test_setup_teardown(rivals__every_step_that_has_run_is_told, start,

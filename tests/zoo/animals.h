@@ -32,4 +32,11 @@ bool zoo_makes_tiny_scenes(struct zoo_cage *cage);
 bool zoo_dies_in_the_middle(struct zoo_cage *cage);
 bool zoo_stops_itself(struct zoo_cage *cage);
 
+/* animals_share.c: scenes that are shared, and what is told of them */
+bool zoo_fights_over_a_scene(struct zoo_cage *cage);
+bool zoo_names_scenes(struct zoo_cage *cage);
+bool zoo_ignores_every_pair(struct zoo_cage *cage);
+bool zoo_reads_no_news(struct zoo_cage *cage);
+bool zoo_pries(struct zoo_cage *cage);
+
 #endif

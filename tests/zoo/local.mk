@@ -10,6 +10,7 @@ zoo_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
 tests_zoo_test_zoo_animals_SOURCES = \
     tests/zoo/animals.h \
     tests/zoo/animals_data.c \
+    tests/zoo/animals_share.c \
     tests/zoo/animals_talk.c \
     tests/zoo/animals_work.c \
     tests/zoo/cage.c \

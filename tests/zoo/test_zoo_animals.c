@@ -49,6 +49,11 @@ static const struct zoo_animal animals[] = {
     {"makes tiny scenes", zoo_makes_tiny_scenes, false, 0, 0},
     {"dies in the middle", zoo_dies_in_the_middle, false, 0, 0},
     {"stops itself", zoo_stops_itself, false, 0, 0},
+    {"fights over a scene", zoo_fights_over_a_scene, false, 0, 0},
+    {"names scenes", zoo_names_scenes, false, 0, 0},
+    {"ignores every pair", zoo_ignores_every_pair, false, 0, 0},
+    {"reads no news", zoo_reads_no_news, false, 0, 0},
+    {"pries", zoo_pries, false, 0, 0},
 };
 #define ANIMALS (sizeof(animals) / sizeof(animals[0]))
 
