@@ -147,7 +147,7 @@ fuzz-here: $(fuzz_programs)
 	    $(abs_top_srcdir)/tests/fuzz/corpus
 
 # The first inputs; `make fuzz-seeds` writes them anew after the manifest has changed.
-EXTRA_PROGRAMS += tests/fuzz/seeds
+check_PROGRAMS += tests/fuzz/seeds
 tests_fuzz_seeds_SOURCES = tests/fuzz/seeds.c
 tests_fuzz_seeds_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/record

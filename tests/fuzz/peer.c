@@ -118,6 +118,19 @@ static uint64_t take_number(struct fuzz_peer *peer, struct fuzz_input *input)
     }
 }
 
+/* So many times the same letter, for names that two clients give; or a word. Settings are
+ * those that change nothing for the visitor. */
+static void take_text(uint64_t number, struct fuzz_input *input, char *member)
+{
+    static const char *const words[] = {"",   "grace", "threads",  "0",
+                                        "-1", "8",     "\xc3\xa9", "\n\x7f%s"};
+    if (number == UINT64_MAX) {
+        strcpy(member, words[fuzz_take_u8(input) % (sizeof(words) / sizeof(words[0]))]);
+        return;
+    }
+    memset(member, 'x', number % PROTO_STR_MAX);
+}
+
 static void take_field(struct fuzz_peer *peer, const struct proto_field *field,
                        struct fuzz_input *input, char *member)
 {
@@ -139,7 +152,7 @@ static void take_field(struct fuzz_peer *peer, const struct proto_field *field,
         memcpy(member, &(bool){number % 2 == 1}, sizeof(bool));
         break;
     case PROTO_TYPE_str:
-        memset(member, 'x', number % PROTO_STR_MAX);
+        take_text(number, input, member);
         break;
     }
 }
@@ -214,6 +227,10 @@ static void check_message(struct fuzz_peer *peer, const void *data, size_t bytes
     FUZZ_CHECK(status == 0 || status == PCCD_E_NOMEM);
     *is_ping = false;
     if (status != 0) {
+        return;
+    }
+    if (envelope.kind == PROTO_NOTIFICATION) { /* of a step */
+        FUZZ_CHECK(envelope.method >= PROTO_METHOD_COUNT);
         return;
     }
     FUZZ_CHECK(envelope.kind == PROTO_RESPONSE);

@@ -14,6 +14,8 @@
 #include "codec.h"
 #include "format.h"
 #include "messages.h"
+#include "payload.h"
+#include "shm.h"
 
 static const char *root;
 static uint8_t seed[65536];
@@ -123,7 +125,16 @@ static void make_decoder_seeds(void)
 /* ---- dispatch ---------------------------------------------------------------------- */
 
 /* Choices of peer.c for a field: a small number, or one of these. */
-enum { HANDLE = 5, HANDLE_2 = 6, PUBLISH_0 = 8, PUBLISH_1 = 9, BYTE = 10, WORD = 14 };
+enum {
+    HANDLE = 5,
+    HANDLE_2 = 6,
+    HANDLE_AGAIN = 7, /* the same place, used for the second time */
+    PUBLISH_0 = 8,
+    PUBLISH_1 = 9,
+    BYTE = 10,
+    WORD = 14,
+    TEXT = 15
+};
 
 static void ask(int method, const uint8_t *choices, size_t count)
 {
@@ -153,15 +164,16 @@ static void write_ring(unsigned at, const void *bytes, size_t count)
     put(bytes, count);
 }
 
-/* hello, a ring of two slots, a scene, a mesh of a triangle with a fourth vertex. */
-static void enter(void)
+/* hello, a ring of two slots, a scene, a mesh of a triangle with a fourth vertex. Of a
+ * scene that is shared: a name of so many letters; else 0. */
+static void enter_scene(uint8_t letters)
 {
     static const float x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     static const uint32_t triangles[2][3] = {{0, 1, 2}, {1, 2, 3}};
     ASK(HELLO, 1, 1, 3);
     ASK(SHM_ATTACH, 2, WORD, WORD);
     settle();
-    ASK(SCENE_CREATE, 0);
+    ASK(SCENE_CREATE, 0, 0, 0, 0, letters, letters > 0);
     ASK(MESH_CREATE, 4, 2);
     write_ring(0x1000, x, sizeof(x));
     ASK(MESH_DATA, HANDLE, 0, PUBLISH_0, 0, 0, 0, 4);
@@ -172,6 +184,78 @@ static void enter(void)
     ASK(MESH_COMMIT, HANDLE);
     ASK(SCENE_ADD, HANDLE, HANDLE);
     settle();
+}
+
+static void enter(void)
+{
+    enter_scene(0);
+}
+
+static void switch_peers(void)
+{
+    put_u8(134);
+}
+
+/* Slot 0 moves that object to where it is. */
+static void write_step(uint32_t object)
+{
+    const struct proto_segment segment = {
+        .object = object, .kind = PROTO_SEGMENT_X1, .count = 4, .offset1 = 32};
+    static const float x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    write_ring(0x1000, &segment, sizeof(segment));
+    write_ring(0x1020, x, sizeof(x));
+}
+
+/* Two clients in a scene; the second holds a frame with that deadline, in nanoseconds. */
+static void share_and_hold(uint8_t deadline)
+{
+    begin();
+    enter_scene(1);
+    switch_peers();
+    enter_scene(1);
+    write_step((1u << 20) + 1);
+    ASK(FRAME_SUBMIT, HANDLE, 0, PUBLISH_0, 1, 0, 0, 0, 0, deadline, 0, 0, 0, 0, 1);
+    settle();
+}
+
+static void make_share_seeds(void)
+{
+    share_and_hold(0);
+    switch_peers();
+    ASK(FRAME_SUBMIT, HANDLE, 0, 0, 0);
+    settle();
+    switch_peers();
+    ASK(FRAME_FETCH, HANDLE, 0, 0, 1);
+    settle();
+    save("dispatch", "share.step");
+    share_and_hold(0);
+    ASK(SCENE_DESTROY, HANDLE); /* and back in one breath */
+    ASK(SCENE_CREATE, 0, 0, 0, HANDLE_AGAIN, 1, 2);
+    ASK(SCENE_ADD, HANDLE_AGAIN, HANDLE);
+    settle();
+    save("dispatch", "share.return");
+    share_and_hold(1);
+    switch_peers();
+    ASK(OBJECT_SET, HANDLE, HANDLE_2, 4, 0, 0, 0);
+    ASK(SCENE_IGNORE, HANDLE, HANDLE, HANDLE_2, 1);
+    ASK(FRAME_SUBMIT, HANDLE, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
+    switch_peers();
+    ASK(MESH_REPLACE, HANDLE, 4, 2);
+    ASK(SCENE_REMOVE, HANDLE, HANDLE_2);
+    settle();
+    save("dispatch", "share.place");
+    share_and_hold(0);
+    ASK(CANCEL, BYTE, 10); /* a number near that of the frame */
+    put_u8(6);             /* come back */
+    switch_peers();
+    ASK(WATCH_START, 0, 0);
+    ASK(FRAME_SUBMIT, HANDLE, 0, 0, 0);
+    ASK(LIST_OBJECT, 0, HANDLE, 0);
+    ASK(CONFIG_SET, TEXT, 1, TEXT, 5);
+    ASK(WATCH_STOP, 0);
+    settle();
+    ASK(BYE, 0);
+    save("dispatch", "share.watch");
 }
 
 static void make_dispatch_seeds(void)
@@ -434,6 +518,7 @@ int main(int argc, char **argv)
     mkdir(root, 0777);
     make_decoder_seeds();
     make_dispatch_seeds();
+    make_share_seeds();
     make_slot_seeds();
     make_mesh_seeds();
     make_query_seeds();

@@ -1,9 +1,10 @@
 /* target_dispatch.c - any messages to a real server.
  *
  * Room:     tests/fuzz. May include: fuzz_target.h, host.h, peer.h.
- * Does:     play a script on a fresh connection: raw messages, well-formed requests with
- *           any values, descriptors, words and bytes of the ring. Each message is
- *           answered or ends the connection, and other clients never notice.
+ * Does:     play a script on two fresh connections: raw messages, well-formed requests
+ *           with any values, descriptors, words and bytes of the rings; scenes that the
+ *           two share. Each message is answered or ends the connection, and other clients
+ *           never notice.
  * Threads:  one, and the server's.
  */
 #include <string.h>
@@ -23,8 +24,15 @@ static void send_raw(struct fuzz_peer *peer, struct fuzz_input *input, int fd_co
     fuzz_peer_send(peer, message, bytes, fd_count);
 }
 
-static void act(struct fuzz_peer *peer, struct fuzz_input *input)
+/* The two clients of a script, and which of them acts. */
+struct cast {
+    struct fuzz_peer peers[2];
+    unsigned turn;
+};
+
+static void act(struct cast *cast, struct fuzz_input *input)
 {
+    struct fuzz_peer *peer = &cast->peers[cast->turn];
     uint8_t choice = fuzz_take_u8(input);
     switch (choice % 8) {
     case 0:
@@ -44,6 +52,8 @@ static void act(struct fuzz_peer *peer, struct fuzz_input *input)
     case 6:
         if (choice >= 240) {
             send_raw(peer, input, 1 + choice % 2);
+        } else if (choice >= 128) {
+            cast->turn = 1 - cast->turn;
         } else {
             fuzz_peer_return(peer);
         }
@@ -58,15 +68,22 @@ void fuzz_dispatch(const uint8_t *data, size_t bytes)
 {
     struct fuzz_input input = {data, bytes};
     static unsigned inputs;
-    struct fuzz_peer peer;
+    struct cast cast = {.turn = 0};
     fuzz_host_start();
-    fuzz_peer_open(&peer);
-    for (int i = 0; i < ACTS_MAX && input.left > 0 && !peer.is_over; i++) {
-        act(&peer, &input);
+    for (int i = 0; i < 2; i++) {
+        fuzz_peer_open(&cast.peers[i]);
     }
-    fuzz_peer_settle(&peer);
+    for (int i = 0; i < ACTS_MAX && input.left > 0 && !cast.peers[cast.turn].is_over;
+         i++) {
+        act(&cast, &input);
+    }
+    for (int i = 0; i < 2; i++) {
+        fuzz_peer_settle(&cast.peers[i]);
+    }
     fuzz_scarcity_pause();
-    fuzz_peer_close(&peer);
+    for (int i = 0; i < 2; i++) {
+        fuzz_peer_close(&cast.peers[i]);
+    }
     if (++inputs % CHECKS_EVERY == 0) {
         fuzz_host_check();
     }
