@@ -13,6 +13,9 @@
 #define VERTICES   (SIDE * SIDE)
 #define TRIANGLES  (2u * (SIDE - 1) * (SIDE - 1))
 #define SLOT_BYTES 65536u
+#define HOLD_NS    2000000u
+
+#define SHARED_NAME "life"
 
 static const float floor_x[3][3] = {{-99, -99, 0}, {99, -99, 0}, {0, 99, 0}};
 static const uint32_t floor_triangle[1][3] = {{0, 1, 2}};
@@ -348,6 +351,135 @@ static bool record(struct life *life, const struct belongings *has)
            ask(life, PROTO_METHOD_TRACE_DUMP, &dump, NULL);
 }
 
+/* ---- among others ------------------------------------------------------------------ */
+
+/* A second client, that only takes part. Its failure is no reason for another of the
+ * life's; what it is told is wrong only if it is. */
+static bool invite(struct life *life)
+{
+    struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_ATTACH,
+                                                .name = SHARED_NAME};
+    int status = PCCD_E_DISCONNECTED;
+    if (test_raw_open(&life->guest, life->socket_path)) {
+        status = test_raw_hello(&life->guest);
+        status = status != 0 ? status
+                             : test_raw_call(&life->guest, PROTO_METHOD_SCENE_CREATE,
+                                             &create, NULL);
+        if (status == 0) {
+            return true;
+        }
+        test_raw_close(&life->guest);
+    }
+    life->refusals++;
+    if (status != PCCD_E_DISCONNECTED && !may_refuse(status)) {
+        blame(life, "a guest must not fail so", PROTO_METHOD_SCENE_CREATE, status);
+    }
+    return false;
+}
+
+/* The guest has heard of a step of that number, unless it was lost on the way. */
+static void part_with(struct life *life, uint64_t number)
+{
+    struct proto_SCENE_STEP_request news = {.number = 0};
+    int status = test_raw_receive(&life->guest);
+    if (status == 0) {
+        status = proto_decode_body(&life->guest.envelope,
+                                   &proto_messages[PROTO_NOTE_SCENE_STEP].request, &news,
+                                   &life->guest.error);
+    }
+    if (status == PCCD_E_DISCONNECTED) {
+        life->refusals++;
+    } else if (status != 0 || news.number != number) {
+        blame(life, "is told to a guest otherwise", PROTO_NOTE_SCENE_STEP, status);
+    }
+    test_raw_close(&life->guest);
+}
+
+/* Hold the sheet where it is, answered when its deadline comes. */
+static bool hold(struct life *life, const struct belongings *has, uint64_t deadline_ns)
+{
+    const float z[2] = {1, 1};
+    const struct proto_FRAME_SUBMIT_request request = {
+        .scene = has->scene,
+        .segments = 1,
+        .slot = 1,
+        .deadline_ns = deadline_ns,
+        .hold = true,
+        .seq = write_step(life, has, z, true)};
+    struct proto_FRAME_SUBMIT_result answer;
+    if (deadline_ns == 0) { /* answered when it leaves, or never */
+        return test_raw_request(&life->raw, PROTO_METHOD_FRAME_SUBMIT, &request) != 0;
+    }
+    if (!ask(life, PROTO_METHOD_FRAME_SUBMIT, &request, &answer)) {
+        return false;
+    }
+    if (answer.incomplete != PCCD_INCOMPLETE_DEADLINE) {
+        blame(life, "has held otherwise", PROTO_METHOD_FRAME_SUBMIT, 0);
+    }
+    return true;
+}
+
+/* A scene with a name, a frame that another step takes along, a guest that hears of it,
+ * and a frame that waits when all is over. */
+static bool share(struct life *life, const struct belongings *home)
+{
+    const struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_OPEN,
+                                                      .name = SHARED_NAME};
+    struct proto_SCENE_CREATE_result scene;
+    struct proto_SCENE_ADD_result object;
+    struct belongings has = *home;
+    if (!ask(life, PROTO_METHOD_SCENE_CREATE, &create, &scene)) {
+        return false;
+    }
+    has.scene = scene.scene;
+    const struct proto_SCENE_ADD_request add = {.scene = has.scene,
+                                                .mesh = has.sheet_mesh};
+    const struct proto_FRAME_SUBMIT_request still = {.scene = has.scene};
+    const struct proto_SCENE_DESTROY_request destroy = {has.scene};
+    struct proto_FRAME_SUBMIT_result answer;
+    if (!ask(life, PROTO_METHOD_SCENE_ADD, &add, &object)) {
+        return false;
+    }
+    has.sheet = object.object;
+    if (!hold(life, &has, HOLD_NS)) {
+        return false;
+    }
+    bool is_accompanied = invite(life);
+    bool all = ask(life, PROTO_METHOD_FRAME_SUBMIT, &still, &answer);
+    if (is_accompanied && all) {
+        part_with(life, answer.number);
+    } else if (is_accompanied) {
+        test_raw_close(&life->guest);
+    }
+    return all && hold(life, &has, 0) &&
+           ask(life, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL);
+}
+
+/* What there is, and what is told of steps. */
+static bool watch(struct life *life, const struct belongings *has)
+{
+    const struct proto_WATCH_START_request start = {.session = life->welcome.session};
+    const struct proto_WATCH_STOP_request stop = {0};
+    const struct proto_FRAME_SUBMIT_request still = {.scene = has->scene};
+    const struct proto_LIST_SESSION_request sessions = {0};
+    const struct proto_LIST_SCENE_request scenes = {0};
+    const struct proto_LIST_OBJECT_request objects = {.scene = has->scene};
+    const struct proto_LIST_MESH_request meshes = {0};
+    const struct proto_STATS_HISTOGRAM_request histogram = {0};
+    const struct proto_CONFIG_SET_request set = {.name = "grace", .value = "10"};
+    const struct proto_CONFIG_GET_request get = {.name = "grace"};
+    return ask(life, PROTO_METHOD_WATCH_START, &start, NULL) &&
+           ask(life, PROTO_METHOD_FRAME_SUBMIT, &still, NULL) &&
+           ask(life, PROTO_METHOD_WATCH_STOP, &stop, NULL) &&
+           ask(life, PROTO_METHOD_LIST_SESSION, &sessions, NULL) &&
+           ask(life, PROTO_METHOD_LIST_SCENE, &scenes, NULL) &&
+           ask(life, PROTO_METHOD_LIST_OBJECT, &objects, NULL) &&
+           ask(life, PROTO_METHOD_LIST_MESH, &meshes, NULL) &&
+           ask(life, PROTO_METHOD_STATS_HISTOGRAM, &histogram, NULL) &&
+           ask(life, PROTO_METHOD_CONFIG_SET, &set, NULL) &&
+           ask(life, PROTO_METHOD_CONFIG_GET, &get, NULL);
+}
+
 static bool leave(struct life *life, const struct belongings *has)
 {
     const struct proto_SCENE_REMOVE_request remove = {has->scene, has->floor};
@@ -374,7 +506,7 @@ void life_run(struct life *life, const char *socket_path, enum life_kind kind)
                look_back(life, &has) && step(life, &has, -2, 1, PCCD_METHOD_PAPER) &&
                replace(life, &has) && set_filters(life, &has) &&
                step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) && record(life, &has) &&
-               leave(life, &has);
+               watch(life, &has) && share(life, &has) && leave(life, &has);
     if (!all && !life->is_lost && life->refusals == 0 && life->wrong[0] == '\0') {
         blame(life, "nothing explains this", PROTO_METHOD_PING, 0);
     }

@@ -29,6 +29,7 @@ struct life {
     uint32_t answers; /* that were as wanted */
     char wrong[160];  /* "": nothing was */
     struct test_raw raw;
+    struct test_raw guest; /* of its shared scene */
     struct proto_FRAME_SUBMIT_result steps[LIFE_STEPS];
     uint32_t step_count;
 };
