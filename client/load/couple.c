@@ -30,11 +30,27 @@ int load_couple_open(struct load_actor *actor, const struct pccd_options *option
     return pccd_scene_create(actor->second, &settings, &actor->second_scene);
 }
 
+static uint64_t reconnects(const struct load_actor *actor)
+{
+    struct pccd_link_info first;
+    struct pccd_link_info second;
+    return pccd_link(actor->client, &first) == 0 && pccd_link(actor->second, &second) == 0
+               ? (uint64_t)first.reconnects + second.reconnects
+               : 0;
+}
+
 /* The daemon may have been killed before the sheet was added: the next one has given the
- * sheet the floor's number, which the second client wants when it comes back. */
+ * sheet the floor's number then, and one of the two that come back cannot have its own. */
 int load_couple_settle(struct load_actor *actor)
 {
-    return pccd_ping(actor->second, NULL);
+    uint64_t before;
+    int rc;
+    do {
+        before = reconnects(actor);
+        rc = pccd_ping(actor->second, NULL);
+        rc = rc == 0 ? pccd_ping(actor->client, NULL) : rc;
+    } while (rc == 0 && reconnects(actor) != before);
+    return rc;
 }
 
 void load_couple_close(struct load_actor *actor)
