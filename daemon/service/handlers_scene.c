@@ -162,6 +162,28 @@ static void finish_add(struct srv_request *request)
     }
 }
 
+#define ASIDE_TRIES 8
+
+/* The object that is wanted; of any, where clients may come back, one aside if there is
+ * one. */
+static int admit(struct srv_plan *plan, struct srv_session *session,
+                 struct srv_mesh *mesh, struct srv_call *call)
+{
+    bool is_any = plan->object == 0;
+    int status = PCCD_E_HANDLE;
+    for (int i = 0; i < ASIDE_TRIES && is_any && status == PCCD_E_HANDLE; i++) {
+        plan->object = srv_shared_aside(plan->seat);
+        status = srv_scene_admit(plan->scene, session, plan->seat, mesh, &plan->object,
+                                 &call->error);
+    }
+    if (is_any && status != PCCD_E_HANDLE && status != PCCD_E_LIMIT) {
+        return status;
+    }
+    plan->object = is_any ? 0 : plan->object;
+    return srv_scene_admit(plan->scene, session, plan->seat, mesh, &plan->object,
+                           &call->error);
+}
+
 int srv_on_SCENE_ADD(struct srv_call *call)
 {
     struct srv_session *session = call->session;
@@ -191,7 +213,7 @@ int srv_on_SCENE_ADD(struct srv_call *call)
                             .scene = scene,
                             .seat = srv_shared_seat(scene, session),
                             .object = call->params.SCENE_ADD.want};
-    status = srv_scene_admit(scene, session, plan.seat, mesh, &plan.object, &call->error);
+    status = admit(&plan, session, mesh, call);
     if (status != 0) {
         return status;
     }

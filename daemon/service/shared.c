@@ -169,6 +169,30 @@ void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
     srv_compute_push_reap(&session->loop->compute, &session->lane, &seat->leave);
 }
 
+/* ---- coming back ------------------------------------------------------------------- */
+
+/* Clients that come back to another daemon want the handles that their objects had, most
+ * of them small. Who adds an object before all are back gets it a place behind these, and
+ * by chance, as the same may happen again. Places that are left empty count as those that
+ * are wanted do: of many such scenes of a session the later ones have none aside. */
+#define ASIDE_PLACES 128u
+
+static uint32_t first_aside(const struct srv_session *session)
+{
+    uint64_t luck = (session->loop->epoch ^ session->id) * 0x9e3779b97f4a7c15u;
+    return ASIDE_PLACES + (uint32_t)(luck >> 32) % ASIDE_PLACES;
+}
+
+uint32_t srv_shared_aside(struct srv_seat *seat)
+{
+    srv_assert_loop();
+    if (seat == NULL || !seat->shared->is_restored || seat->aside >= 2 * ASIDE_PLACES) {
+        return 0;
+    }
+    return seat->shared->scene->objects.generation_first << SRV_HANDLE_INDEX_BITS |
+           seat->aside++;
+}
+
 /* ---- taking part ------------------------------------------------------------------- */
 
 static struct srv_shared *find(const struct srv_loop *loop, const char *name)
@@ -204,6 +228,8 @@ static int take_seat(struct srv_call *call, struct srv_shared *shared, uint32_t 
     seat->shared = shared;
     seat->session = session;
     seat->is_writer = (rights & MAY_WRITE) != 0;
+    seat->aside = first_aside(session);
+    shared->is_restored = shared->is_restored || want != 0;
     seat->next = shared->seats;
     shared->seats = seat;
     shared->seat_count++;

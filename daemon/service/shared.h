@@ -37,6 +37,7 @@ struct srv_seat {
                               * its turn; code 0: none */
     struct srv_held *left;   /* [compute] then [loop]: frames that it had held */
     uint32_t cursor;         /* [compute] objects before it have been taken out */
+    uint32_t aside;          /* place of the next object of srv_shared_aside */
     uint32_t handle;         /* of the scene, in the session's table */
     bool is_writer;
     bool holds;     /* a frame for the scene's next step (held.h) */
@@ -52,6 +53,7 @@ struct srv_shared {
     uid_t uid;           /* who made it */
     gid_t gid;
     uint32_t rights;                      /* as a file's: 4 take part, 2 write */
+    bool is_restored;                     /* it was there before the daemon was */
     struct proto_SCENE_STEP_request last; /* number 0: no step yet */
     char name[];
 };
@@ -72,6 +74,10 @@ struct srv_seat *srv_shared_seat(const struct srv_scene *scene,
 /* 0, or PCCD_E_ACCESS with *error set: the session only reads. Of any scene. */
 int srv_shared_refuse_reader(const struct srv_session *session,
                              const struct srv_scene *scene, struct proto_error *error);
+
+/* A handle for an object of which any will do, that nobody who has not come back yet is
+ * likely to want; 0: nobody will come. Another try gives another one. */
+uint32_t srv_shared_aside(struct srv_seat *seat);
 
 /* A session has stepped it: tell the others. */
 void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,

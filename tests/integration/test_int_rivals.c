@@ -127,6 +127,13 @@ static uint32_t hold(struct rival *rival, uint32_t slot, const float x[3][3])
     return id;
 }
 
+static void leave_scene(struct rival *rival)
+{
+    const struct proto_SCENE_DESTROY_request destroy = {.scene = rival->scene};
+
+    assert_int_equal(call(rival, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL), 0);
+}
+
 /* ---- leaving ----------------------------------------------------------------------- */
 
 /* Leave and come back without waiting for an answer, and say to the scene what is asked
@@ -273,6 +280,38 @@ static void rivals__one_who_leaves_with_much_delays_nobody(void **state)
     printf("# a step beside: %llu us, until all have left: %llu us\n",
            (unsigned long long)step_us, (unsigned long long)leave_us);
     assert_true(2 * step_us < leave_us);
+    leave_both();
+}
+
+/* ---- coming back ------------------------------------------------------------------- */
+
+/* If it failed, a client that adds an object after the daemon was lost, before another
+ * one is back, would take the number of that one's, which could not come back any more. */
+static void rivals__one_who_is_not_back_keeps_its_numbers(void **state)
+{
+    struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_OPEN,
+                                                .name = "numbers"};
+    struct proto_SCENE_ADD_request add = {0};
+    struct proto_SCENE_ADD_result added;
+
+    (void)state;
+    enter_both("elsewhere");
+    for (uint32_t i = 0; i < 3; i++) { /* of a daemon that is lost */
+        leave_scene(&first);
+        leave_scene(&second);
+        first.scene = second.scene = create.want = add.scene = (i + 5) << 20;
+        assert_int_equal(call(&second, PROTO_METHOD_SCENE_CREATE, &create, NULL), 0);
+        add.mesh = second.mesh;
+        add.want = 0;
+        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+        assert_int_equal(call(&first, PROTO_METHOD_SCENE_CREATE, &create, NULL), 0);
+        add.mesh = first.mesh;
+        for (add.want = 1u << 20; add.want < (1u << 20) + 64; add.want++) {
+            assert_int_equal(call(&first, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+            assert_int_equal(added.object, add.want);
+        }
+    }
     leave_both();
 }
 
@@ -453,6 +492,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_holds_one_frame, start,
                                         stop),
         cmocka_unit_test_setup_teardown(rivals__one_who_leaves_with_much_delays_nobody,
+                                        start, stop),
+        cmocka_unit_test_setup_teardown(rivals__one_who_is_not_back_keeps_its_numbers,
                                         start, stop),
         cmocka_unit_test_setup_teardown(rivals__an_error_is_told_to_whose_it_is,
                                         start_with_grid, stop_with_grid),
