@@ -30,8 +30,9 @@ enum srv_quota_kind {
 struct srv_quota_user {
     struct srv_quota_user *next;
     uid_t uid;
-    uint32_t refs;    /* sessions */
-    uint32_t leaving; /* of these, over, and not freed yet */
+    uint32_t refs;          /* sessions */
+    uint32_t leaving;       /* of these, over, and not freed yet */
+    uint32_t hosts_leaving; /* of these, sessions that held a shared scene */
     uint64_t used[SRV_QUOTA_COUNT];
     struct srv_group jobs;      /* of the user's sessions; the compute queue's */
     struct srv_group page_jobs; /* likewise, the pages queue's */

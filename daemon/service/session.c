@@ -69,6 +69,7 @@ struct srv_session *srv_session_new_host(struct srv_loop *loop, uid_t uid)
     struct srv_session *session = new_of_user(loop, uid);
     if (session != NULL) {
         session->state = SRV_SESSION_HOST;
+        session->is_host = true;
         enlist(session);
     }
     return session;
@@ -164,6 +165,7 @@ void srv_session_detach(struct srv_session *session)
     session->conn = NULL;
     session->state = SRV_SESSION_CLOSED;
     session->user->leaving++;
+    session->user->hosts_leaving += session->is_host;
     if (session->counted) {
         srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1);
     }
@@ -277,8 +279,9 @@ void srv_session_settle(struct srv_session *session)
     srv_replies_free(session->replies);
     srv_request_free_spares(session);
     struct srv_quota_user *user = session->user;
+    PCCD_ASSERT(user->leaving > 0 && user->hosts_leaving >= session->is_host);
+    user->hosts_leaving -= session->is_host;
     free(session);
-    PCCD_ASSERT(user->leaving > 0);
     user->leaving--;
     srv_conn_room(loop, user); /* whoever has waited for this refers to the user, too */
     srv_quota_release(&loop->quota, user);

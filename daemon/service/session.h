@@ -63,6 +63,7 @@ struct srv_session {
     uint64_t lost_ns;               /* WAITING: since when */
     uint32_t skip_count;            /* places of tables that wanted handles left empty */
     bool counted;                   /* charged as a client of its user */
+    bool is_host;                   /* it was made to hold a shared scene */
     bool attaching;                 /* a ring is being created */
     bool is_behind;                 /* has not been told of a shared scene's last step */
     uint32_t version;               /* of the protocol, after hello */

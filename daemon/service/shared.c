@@ -204,6 +204,10 @@ static struct srv_shared *find(const struct srv_loop *loop, const char *name)
     return shared;
 }
 
+/* Of a user; no quota counts them, and clients that connect, make scenes and close may be
+ * faster than these are freed. */
+#define HOSTS_LEAVING_MAX PROTO_SCENES_PER_CLIENT
+
 /* A seat, and the session's handle for the scene. */
 static int take_seat(struct srv_call *call, struct srv_shared *shared, uint32_t rights)
 {
@@ -264,6 +268,11 @@ static int make(struct srv_call *call, const struct eng_scene_settings *settings
     struct srv_loop *loop = session->loop;
     const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
     size_t bytes = strlen(request->name) + 1;
+    if (session->user->hosts_leaving >= HOSTS_LEAVING_MAX) {
+        return proto_error_set(
+            &call->error, PCCD_E_BUSY, "%u shared scenes of user %u wait to be freed",
+            session->user->hosts_leaving, (unsigned)session->user->uid);
+    }
     struct srv_shared *shared = calloc(1, sizeof *shared + bytes);
     struct srv_session *host =
         shared == NULL ? NULL : srv_session_new_host(loop, session->user->uid);
