@@ -39,8 +39,8 @@ static uint64_t reconnects(const struct load_actor *actor)
                : 0;
 }
 
-/* The daemon may have been killed before the sheet was added: the next one has given the
- * sheet the floor's number then, and one of the two that come back cannot have its own. */
+/* The daemon may have been killed before the sheet was added: the next one may have given
+ * the sheet the floor's number, and one of the two that come back cannot have its own. */
 int load_couple_settle(struct load_actor *actor)
 {
     uint64_t before;

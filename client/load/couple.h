@@ -1,9 +1,9 @@
 /* couple.h - a client that shares its scene with a second one of the same process.
  *
  * Room:     client/load. May include: actor.h, pccd.h.
- * Does:     let the first client hold the sheet's way, and the second, whose the floor is,
- *           step the scene until the first is answered. One answer has the records, the
- *           other the numbers of the same step: both are judged as one.
+ * Does:     let the first client hold the sheet's way, and the second, whose the floor
+ *           is, step the scene until the first is answered. One answer has the records,
+ *           the other the numbers of the same step: both are judged as one.
  * Does not: connect (actor.c).
  * Threads:  as actor.h.
  */

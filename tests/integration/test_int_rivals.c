@@ -286,7 +286,7 @@ static void rivals__one_who_leaves_with_much_delays_nobody(void **state)
 /* ---- coming back ------------------------------------------------------------------- */
 
 /* If it failed, a client that adds an object after the daemon was lost, before another
- * one is back, would take the number of that one's, which could not come back any more. */
+ * one is back, would take the number of that one's, which could not come back then. */
 static void rivals__one_who_is_not_back_keeps_its_numbers(void **state)
 {
     struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_OPEN,

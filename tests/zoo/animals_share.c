@@ -189,8 +189,8 @@ static int create_named(const void *name, uint8_t bytes)
 }
 
 /* Names scenes as nobody would, as many as it may: 64 are its own, one more is E_LIMIT;
- * E_BUSY is a moment's; none of them is there when it has left. What is no name is E_BADMSG, and what is no
- * share or right E_INVAL. */
+ * E_BUSY is a moment's; none of them is there when it has left. What is no name is
+ * E_BADMSG, and what is no share or right E_INVAL. */
 bool zoo_names_scenes(struct zoo_cage *cage)
 {
     struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_COUNT, .name = "x"};
