@@ -410,7 +410,7 @@ static void flow__timeouts_leave_the_client_usable(void **state)
     assert_true(test_daemon_start(&daemon, NULL));
     pccd_options_init(&options);
     options.url = daemon.url;
-    options.timeout_ms = 250;
+    options.timeout_ms = 1500; /* a thousand steps on a busy machine are to meet it */
     options.result_bytes = 65536;
     assert_int_equal(pccd_connect(&options, &client), 0);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
@@ -425,8 +425,8 @@ static void flow__timeouts_leave_the_client_usable(void **state)
                      PCCD_E_TIMEOUT);
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
     assert_true(pccd_error_text(client)[0] != '\0');
-    assert_true(test_now_ms() - begin_ms >= 500);
-    assert_true(test_now_ms() - begin_ms < 3000);
+    assert_true(test_now_ms() - begin_ms >= 3000);
+    assert_true(test_now_ms() - begin_ms < 15000);
     assert_int_equal(kill(daemon.pid, SIGCONT), 0);
     assert_int_equal(pccd_wait(client, step, 10000, &answer), 0); /* not lost */
     assert_true(test_crossing_is_right(&crossing, &answer));
