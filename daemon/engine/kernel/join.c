@@ -38,7 +38,7 @@ struct sides {
 /* Are blocks compared as they lie in the trees? */
 ENG_INLINE bool is_plain(enum rule rule)
 {
-    return rule == RULE_STEP || rule == RULE_UNTIL || rule == RULE_SWEPT;
+    return rule == RULE_STEP || rule == RULE_UNTIL;
 }
 
 /* Numbers of four bytes from one block to the next; lanes are in the lowest bits. */
@@ -79,7 +79,8 @@ ENG_INLINE void make_a_ready(const struct eng_join *job, struct eng_join_round *
 {
     const bool is_near = rule == RULE_NARROW_NEAR;
     const struct narrow_weights weights = narrow_weights_at(job->t_end);
-    for (uint32_t used = blocks_of(round->a, count); used != 0; used &= used - 1) {
+    for (uint32_t used = blocks_of(round->a + round->count, count); used != 0;
+         used &= used - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(used);
         union eng_join_ready *ready = &round->ready_a[i];
         if (rule == RULE_NEAR) {
@@ -96,7 +97,8 @@ ENG_INLINE void make_b_ready(const struct eng_join *job, struct eng_join_round *
 {
     const bool is_near = rule == RULE_NARROW_NEAR;
     const struct narrow_weights weights = narrow_weights_at(job->t_end);
-    for (uint32_t used = blocks_of(round->b, count); used != 0; used &= used - 1) {
+    for (uint32_t used = blocks_of(round->b + round->count, count); used != 0;
+         used &= used - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(used);
         union eng_join_ready *ready = &round->ready_b[i];
         union eng_join_around *around = &round->ready_around[i];
@@ -142,9 +144,10 @@ ENG_INLINE struct sides make_ready(const struct eng_join *job,
 
 /* ---- boxes that meet --------------------------------------------------------------- */
 
-/* List the boxes of a that meet the box around b: where either is from sides->a and
- * sides->b on, and which they are in their runs. Returns how many. Of a run with itself,
- * `self`, those of two blocks alone, and bits of the other ones to *selves. */
+/* List the boxes of a that meet the box around b, for each pair of blocks of the round:
+ * where either is from sides->a and sides->b on, and which they are in their runs.
+ * Returns how many. Of a run with itself, `self`, those of two blocks alone, and bits of
+ * the other ones to *selves. */
 ENG_INLINE uint32_t list_boxes(struct eng_join_round *round, const struct sides *sides,
                                uint32_t pairs, bool self, enum rule rule, eng_f until,
                                uint32_t *selves)
@@ -152,9 +155,9 @@ ENG_INLINE uint32_t list_boxes(struct eng_join_round *round, const struct sides 
     const uint32_t stride = block_stride(is_plain(rule));
     uint32_t count = 0;
     *selves = 0;
-    for (uint32_t i = 0; i < pairs; i++) {
-        uint32_t n = round->a[i] % ENG_WIDE;
-        uint32_t m = round->b[i] % ENG_WIDE;
+    for (uint32_t i = pairs; i-- > 0;) {
+        uint32_t n = round->a[round->count + i] % ENG_WIDE;
+        uint32_t m = round->b[round->count + i] % ENG_WIDE;
         struct bounds around = {sides->around + m * around_stride(rule), 4, 1};
         uint32_t bits =
             overlap(around, rows_at(sides->a + n * stride, rule), rule, until);
@@ -329,6 +332,95 @@ static uint32_t write_pairs(struct eng_join *job, struct eng_join_round *round,
                : write_by(job, round, false, out_a, out_b, room);
 }
 
+/* ---- plain swept boxes ------------------------------------------------------------- */
+
+/* A block whose boxes stand still, and the vertices of its features. */
+struct held {
+    struct held_rows rows;
+    eng_fi vertex[3][PARTS];
+};
+
+ENG_INLINE void hold(const struct eng_join *job, uint32_t m, struct wants wants,
+                     struct held *held)
+{
+    hold_rows(rows_at((const void *)&job->b[m], RULE_SWEPT), &held->rows);
+#pragma GCC unroll 3
+    for (uint32_t k = 0; k < wants.b_vertices; k++) {
+        UNROLL_PARTS
+        for (uint32_t part = 0; part < PARTS; part++) {
+            held->vertex[k][part] =
+                eng_fi_load(job->b_corner[k] + m * ENG_WIDE + part * ENG_F_LANES);
+        }
+    }
+}
+
+/* Lanes of the block that box `slot` of a meets and has no vertex in common with. */
+ENG_INLINE uint32_t lanes_of_held(const struct eng_join *job, uint32_t slot,
+                                  const struct held *held, struct wants wants)
+{
+    const void *lows = &job->a[slot / ENG_WIDE].row[0][0][slot % ENG_WIDE];
+    uint32_t vertex[2] = {slot, 0};
+    uint32_t bits = 0;
+    if (wants.a_vertices == 2) {
+        vertex[0] = job->a_corner[0][slot];
+        vertex[1] = job->a_corner[1][slot];
+    }
+    UNROLL_PARTS
+    for (uint32_t part = 0; part < PARTS; part++) {
+        eng_left left = met_by_held(rows_at(lows, RULE_SWEPT), &held->rows, part);
+#pragma GCC unroll 3
+        for (uint32_t k = 0; k < wants.b_vertices; k++) {
+#pragma GCC unroll 2
+            for (uint32_t i = 0; i < wants.a_vertices; i++) {
+                left =
+                    eng_left_unequal(left, held->vertex[k][part], eng_fi_all(vertex[i]));
+            }
+        }
+        bits |= eng_left_bits(left) << (part * ENG_F_LANES);
+    }
+    return bits;
+}
+
+/* One pair of blocks after the other, without a list: where boxes have seven pairs or so
+ * each, a wrong guess of how many boxes have any is less than what it is to read rows for
+ * each of them. round->next: the boxes of the last pair of blocks that are still to be
+ * tested, one bit each. */
+ENG_INLINE uint32_t join_swept(struct eng_join *job, struct eng_join_round *round,
+                               bool may_be_self, struct wants wants, uint32_t *out_a,
+                               uint32_t *out_b, uint32_t room)
+{
+    const uint32_t after = wants.twins ? 0xffff : 0xfffe; /* those, of the first box */
+    uint32_t count = 0;
+    while (round->count > 0 && count + ENG_WIDE <= room) {
+        uint32_t n = round->a[round->count - 1];
+        uint32_t m = round->b[round->count - 1];
+        bool self = may_be_self && job->a == job->b && n == m;
+        uint32_t boxes = round->next;
+        struct held held;
+        if (boxes == 0) {
+            boxes = overlap((struct bounds){&job->b_boxes[m], 4, 1},
+                            rows_at((const void *)&job->a[n], RULE_SWEPT), RULE_SWEPT,
+                            (eng_f){0});
+            job->tests += 1 + (uint32_t)__builtin_popcount(boxes);
+        }
+        hold(job, m, wants, &held);
+        for (; boxes != 0 && count + ENG_WIDE <= room; boxes &= boxes - 1) {
+            uint32_t i = (uint32_t)__builtin_ctz(boxes);
+            uint32_t slot = n * ENG_WIDE + i;
+            uint32_t lanes = lanes_of_held(job, slot, &held, wants);
+            lanes = self ? lanes & after << i : lanes;
+            eng_fill16(out_a + count, slot);
+            count += eng_pack16(out_b + count, lanes, m * ENG_WIDE);
+        }
+        round->next = boxes;
+        round->end = boxes;
+        round->count -= boxes == 0;
+    }
+    return count;
+}
+
+/* ---- by any rule ------------------------------------------------------------------- */
+
 /* The rule, and whether it is a run with itself, as constants of the code. */
 #define FIND(rule)                                                                       \
     (self ? find_by(job, round, pairs, true, wants, rule)                                \
@@ -337,32 +429,32 @@ static uint32_t write_pairs(struct eng_join *job, struct eng_join_round *round,
 ENG_INLINE uint32_t find(struct eng_join *job, struct eng_join_round *round,
                          uint32_t pairs, bool self, struct wants wants)
 {
-    if (wants.a_vertices > 0 && job->a_narrow && job->boxes != ENG_JOIN_SWEPT) {
+    if (wants.a_vertices > 0 && job->a_narrow) {
         return job->boxes == ENG_JOIN_NEAR ? FIND(RULE_NARROW_NEAR)
                : job->t_end < 1            ? FIND(RULE_NARROW_UNTIL)
                                            : FIND(RULE_NARROW_STEP);
     }
-    return job->boxes == ENG_JOIN_NEAR    ? FIND(RULE_NEAR)
-           : job->boxes == ENG_JOIN_SWEPT ? FIND(RULE_SWEPT)
-           : job->t_end < 1               ? FIND(RULE_UNTIL)
-                                          : FIND(RULE_STEP);
+    return job->boxes == ENG_JOIN_NEAR ? FIND(RULE_NEAR)
+           : job->t_end < 1            ? FIND(RULE_UNTIL)
+                                       : FIND(RULE_STEP);
 }
 
 ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
                          bool may_be_self, struct wants wants, uint32_t *out_a,
                          uint32_t *out_b, uint32_t room)
 {
+    if (job->boxes == ENG_JOIN_SWEPT) {
+        return join_swept(job, round, may_be_self, wants, out_a, out_b, room);
+    }
     uint32_t count = write_pairs(job, round, out_a, out_b, room);
     while (round->count > 0 && round->next == round->end) {
         uint32_t pairs = round->count < ENG_JOIN_ROUND ? round->count : ENG_JOIN_ROUND;
+        round->count -= pairs;
         round->first_a = round->a[0] / ENG_WIDE * ENG_WIDE;
         round->first_b = round->b[0] / ENG_WIDE * ENG_WIDE;
         bool self = may_be_self && job->a == job->b && round->first_a == round->first_b;
         round->end = find(job, round, pairs, self, wants);
         round->next = 0;
-        round->a += pairs;
-        round->b += pairs;
-        round->count -= pairs;
         count += write_pairs(job, round, out_a + count, out_b + count, room - count);
     }
     return count;

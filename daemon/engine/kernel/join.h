@@ -72,8 +72,9 @@ union eng_join_around {
 struct eng_join_round {
     const uint32_t *a; /* all in one run of ENG_WIDE that begins at a multiple of it */
     const uint32_t *b; /* the same */
-    uint32_t count;
-    uint32_t next; /* of the boxes below, not yet written */
+    uint32_t count;    /* the last ones are taken first: plain swept pairs of dense scenes
+                        * take 3 ms of 25 less so than from the beginning on */
+    uint32_t next;     /* of the boxes below, not yet written */
     uint32_t end;
     uint32_t first_a; /* of the runs that they are in */
     uint32_t first_b;
