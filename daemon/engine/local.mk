@@ -125,6 +125,8 @@ libengine_la_SOURCES = \
     daemon/engine/tree/build.h \
     daemon/engine/tree/grow.c \
     daemon/engine/tree/grow.h \
+    daemon/engine/tree/levels.c \
+    daemon/engine/tree/levels.h \
     daemon/engine/tree/median.c \
     daemon/engine/tree/median.h \
     daemon/engine/tree/metric.h \
