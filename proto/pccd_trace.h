@@ -1,9 +1,11 @@
-/* pccd_trace.h - the events of a recording.
+/* pccd_trace.h - what a daemon shows of its work: events of a recording, boxes.
  *
  * Room:     proto; installed beside pccd.h. May include: the C library. Compiles as C++.
- * Does:     kinds and layout of what trace.dump writes to the result region.
+ * Does:     kinds and layout of what trace.dump and scene.boxes write to the result
+ *           region.
  * Does not: functions.
- * Source:   daemon/engine/schedule/trace.h has the same layout; the server asserts that.
+ * Source:   trace.h and levels.h of daemon/engine have the same layouts; the server
+ *           asserts that.
  */
 #ifndef PCCD_TRACE_H
 #define PCCD_TRACE_H
@@ -45,6 +47,24 @@ struct pccd_trace_event {
     uint32_t thread;
     uint32_t a;
     uint32_t b;
+};
+
+/* A tree of a scene's hierarchies. */
+enum pccd_tree {
+    PCCD_TREE_VERTICES = 0, /* of the method wide: up to 16 children a node */
+    PCCD_TREE_EDGES = 1,
+    PCCD_TREE_FACES = 2,
+    PCCD_TREE_TRIANGLES = 3, /* of the method paper: binary */
+    PCCD_TREE_COUNT = 4
+};
+
+/* A box of such a tree at the start and at the end of a step: it contains what is below
+ * it at both, and in between the box in between. One with low0 > high0 is empty. */
+struct pccd_box {
+    float low0[3];
+    float high0[3];
+    float low1[3];
+    float high1[3];
 };
 
 #ifdef __cplusplus

@@ -27,5 +27,6 @@ static_assert(sizeof(struct pccd_pair) == 20, "a pair has 20 bytes");
 static_assert(sizeof(struct pccd_trace_event) == 32, "an event has 32 bytes");
 static_assert(offsetof(struct pccd_trace_event, kind) == 16, "event.kind");
 static_assert(sizeof(struct pccd_edge) == 8, "an edge has 8 bytes");
+static_assert(sizeof(struct pccd_box) == 48, "a box has 48 bytes");
 
 #endif

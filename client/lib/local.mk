@@ -12,6 +12,7 @@ pkgconfig_DATA += client/lib/pccd.pc
 libclient_la_SOURCES = \
     client/lib/attach.c \
     client/lib/attach.h \
+    client/lib/boxes.c \
     client/lib/client.c \
     client/lib/client.h \
     client/lib/direct.c \

@@ -297,6 +297,16 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
                    uint32_t *object);
 int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t object);
 
+/* The boxes of a level of a scene's hierarchies, the root being level 0, as the last step
+ * that used the tree left them (answer.method says which one did), to see what a step
+ * looks at: up to `room` of them to `boxes`, which may be NULL with room 0. *count: how
+ * many the level has; 0: there is no such level, or no step has used the tree since
+ * objects came or went. Errors: E_HANDLE, E_INVAL, E_BUSY (release answers first);
+ * E_NOMETHOD from an older daemon. */
+int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree tree,
+                     uint32_t level, struct pccd_box *boxes, uint32_t room,
+                     uint32_t *count);
+
 /* Scenes that clients share. Whoever makes one says who else may take part, by the user
  * and the groups of their processes: to read, which is to know of its steps and to fetch
  * their answers, or also to write, which is to add objects and to step. An object is

@@ -40,6 +40,7 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
     struct proto_FRAME_SUBMIT_result *answer = &call->answer;
     struct proto_MESH_EDGES_result edges;
     struct proto_TRACE_DUMP_result dump;
+    struct proto_SCENE_BOXES_result boxes;
     int rc;
 
     switch (call->method) {
@@ -76,6 +77,16 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
         }
         if (rc == 0 && call->result != NULL) {
             memcpy(call->result, &dump, sizeof(dump));
+        }
+        break;
+    case PROTO_METHOD_SCENE_BOXES:
+        rc = proto_decode_body(envelope, fields, &boxes, error);
+        if (rc == 0) {
+            rc = cli_page_add(client, boxes.offset, boxes.count, sizeof(struct pccd_box),
+                              boxes.release, &call->page);
+        }
+        if (rc == 0 && call->result != NULL) {
+            memcpy(call->result, &boxes, sizeof(boxes));
         }
         break;
     default:

@@ -45,19 +45,21 @@ from _pccd.ring import Ring, Slot
 from _pccd.values import (SOCKET_BYTES, LinkInfo, MeshInfo, Options, PccdError,
                           StepCounters, StepSettings, StepTimes, default_socket_path,
                           failure, pack_vertices)
-from _pccd.wire import (CONTACT, EDGE, FEATURE_RESUME, PAIR, RESULT_BYTES_MIN, SEGMENT,
-                        SEGMENTS_MAX, SLOT_BYTES_MIN, SLOTS_MAX, TRACE_EVENT, ContactFlag,
-                        Format, HighLevel, HistogramKind, Incomplete, Kind, Method, Mode,
-                        Quality, Refit, Scheduler, Status, TraceKind, Verdict)
+from _pccd.wire import (BOX, CONTACT, EDGE, FEATURE_RESUME, PAIR, RESULT_BYTES_MIN,
+                        SEGMENT, SEGMENTS_MAX, SLOT_BYTES_MIN, SLOTS_MAX, TRACE_EVENT,
+                        ContactFlag, Format, HighLevel, HistogramKind, Incomplete, Kind,
+                        Method, Mode, Quality, Refit, Scheduler, Status, TraceKind, Tree,
+                        Verdict)
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Answer", "Client", "CONTACT", "ContactFlag", "EDGE", "Format", "Frame", "HighLevel",
+    "Answer", "BOX", "Client", "CONTACT", "ContactFlag", "EDGE", "Format", "Frame",
+    "HighLevel",
     "Histogram", "HistogramKind", "Incomplete", "Kind", "LinkInfo", "MeshInfo", "Method",
     "Mode", "PAIR", "PccdError", "Quality", "Refit", "Result", "Scheduler", "Setting",
     "Status", "StepCounters", "StepEvent", "StepSettings", "StepTimes", "TRACE_EVENT",
-    "TraceKind", "Verdict", "connect", "default_socket_path",
+    "TraceKind", "Tree", "Verdict", "connect", "default_socket_path",
 ]
 
 STEPS = 32  # submitted, answers not taken
@@ -174,6 +176,22 @@ class Client(Observe):
         self._wait(self._send("mesh.destroy", {"mesh": mesh}, then=lambda call: (
             kept.remove_mesh(mesh) if kept is not None else None)))
         self._infos.pop(mesh, None)
+
+    def scene_boxes(self, scene: int, tree: Tree, level: int) -> NDArray[np.void]:
+        """The boxes (BOX) of a level of a scene's hierarchies, the root being level 0,
+        as the last step that used the tree left them; none beyond the last level."""
+        self._reserve(SLOT_BYTES_MIN)
+        boxes = np.empty(0, BOX)
+        count = 1
+        while len(boxes) < count:
+            with self.call("scene.boxes", scene=scene, tree=int(tree), level=level,
+                           first=len(boxes), count=0xffffffff) as page:
+                count = page["boxes"]
+                if page["count"] == 0 and len(boxes) < count:
+                    raise failure(Status.E_BUSY, "scene.boxes: no room in the result "
+                                  "region: release answers first")
+                boxes = np.concatenate([boxes, page.records(BOX)])
+        return boxes
 
     def scene_create(self, quality: int = Quality.DEFAULT, rebuild_ratio: float = 0.0,
                      rebuild_triangles_max: int = 0) -> int:

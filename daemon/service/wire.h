@@ -10,6 +10,7 @@
 #include <assert.h>
 #include <stddef.h>
 
+#include "levels.h"
 #include "mesh.h"
 #include "pccd_types.h"
 #include "records.h"
@@ -51,6 +52,11 @@ SRV_SAME(eng_trace_event, pccd_trace_event, thread);
 SRV_SAME(eng_trace_event, pccd_trace_event, a);
 SRV_SAME(eng_trace_event, pccd_trace_event, b);
 static_assert(sizeof(struct pccd_edge) == sizeof(uint32_t[2]), "edge");
+static_assert(sizeof(struct eng_level_box) == sizeof(struct pccd_box), "box");
+SRV_SAME(eng_level_box, pccd_box, low0);
+SRV_SAME(eng_level_box, pccd_box, high0);
+SRV_SAME(eng_level_box, pccd_box, low1);
+SRV_SAME(eng_level_box, pccd_box, high1);
 #undef SRV_SAME
 
 #define SRV_EQUAL(eng, wire) static_assert((int)(eng) == (int)(wire), #eng)
@@ -70,6 +76,11 @@ SRV_EQUAL(ENG_REFIT_EVEN + 1, PCCD_REFIT_EVEN);
 SRV_EQUAL(ENG_REFIT_PAPER + 1, PCCD_REFIT_PAPER);
 SRV_EQUAL(ENG_QUALITY_MEDIAN + 1, PCCD_QUALITY_MEDIAN);
 SRV_EQUAL(ENG_QUALITY_SAH + 1, PCCD_QUALITY_SAH);
+SRV_EQUAL(ENG_TREE_VERTICES, PCCD_TREE_VERTICES);
+SRV_EQUAL(ENG_TREE_EDGES, PCCD_TREE_EDGES);
+SRV_EQUAL(ENG_TREE_FACES, PCCD_TREE_FACES);
+SRV_EQUAL(ENG_TREE_TRIANGLES, PCCD_TREE_TRIANGLES);
+SRV_EQUAL(ENG_TREES, PCCD_TREE_COUNT);
 SRV_EQUAL(ENG_TRACE_STEP, PCCD_TRACE_STEP);
 SRV_EQUAL(ENG_TRACE_REFIT, PCCD_TRACE_REFIT);
 SRV_EQUAL(ENG_TRACE_UNIT, PCCD_TRACE_UNIT);

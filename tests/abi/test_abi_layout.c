@@ -62,6 +62,11 @@ static void records__keep_their_layout(void **state)
     SIZE(pccd_edge, 8);
     AT(pccd_edge, a, 0);
     AT(pccd_edge, b, 4);
+    SIZE(pccd_box, 48);
+    AT(pccd_box, low0, 0);
+    AT(pccd_box, high0, 12);
+    AT(pccd_box, low1, 24);
+    AT(pccd_box, high1, 36);
 }
 
 /* If this failed, a program linked against an older library would corrupt its memory. */
@@ -378,12 +383,16 @@ static void recordings__keep_their_numbers(void **state)
         "trace.dump",    "bye",          "list.session",    "list.scene",
         "list.object",   "list.mesh",    "stats.histogram", "config.get",
         "config.set",    "watch.start",  "watch.stop",      "object.set",
-        "scene.ignore"};
+        "scene.ignore",  "scene.boxes"};
     (void)state;
     for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
         assert_true((size_t)i < sizeof methods / sizeof methods[0]);
         assert_string_equal(method_names[i], methods[i]);
     }
+    VALUE(PCCD_TREE_VERTICES, 0);
+    VALUE(PCCD_TREE_EDGES, 1);
+    VALUE(PCCD_TREE_FACES, 2);
+    VALUE(PCCD_TREE_TRIANGLES, 3);
     VALUE(PCCD_TRACE_STEP, 0);
     VALUE(PCCD_TRACE_REFIT, 1);
     VALUE(PCCD_TRACE_UNIT, 2);

@@ -286,6 +286,7 @@ static bool look_back(struct life *life, const struct belongings *has)
     const struct proto_FRAME_FETCH_request fetch = {.scene = has->scene,
                                                     .step = life->step_count};
     const struct proto_MESH_EDGES_request edges = {.mesh = has->sheet_mesh, .count = 99};
+    const struct proto_SCENE_BOXES_request boxes = {.scene = has->scene, .count = 99};
     const struct proto_PING_request ping = {.token = 7};
     const struct proto_STATS_request stats = {0};
     const struct proto_STATS_THREAD_request thread = {0};
@@ -294,6 +295,7 @@ static bool look_back(struct life *life, const struct belongings *has)
     struct proto_STATS_result counters;
     bool all = ask(life, PROTO_METHOD_FRAME_FETCH, &fetch, &page) &&
                ask(life, PROTO_METHOD_MESH_EDGES, &edges, NULL) &&
+               ask(life, PROTO_METHOD_SCENE_BOXES, &boxes, NULL) &&
                ask(life, PROTO_METHOD_PING, &ping, NULL) &&
                ask(life, PROTO_METHOD_STATS, &stats, &counters) &&
                ask(life, PROTO_METHOD_STATS_THREAD, &thread, NULL) &&

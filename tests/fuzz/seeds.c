@@ -258,6 +258,22 @@ static void make_share_seeds(void)
     save("dispatch", "share.watch");
 }
 
+static void make_watch_seed(void)
+{
+    begin();
+    ASK(HELLO, 1, 1, 0, 1);
+    ASK(SHM_ATTACH, 1, WORD, WORD);
+    settle();
+    ASK(TRACE_START, BYTE, 64, 0);
+    ASK(STATS, 0);
+    settle();
+    ASK(TRACE_STOP, 0);
+    ASK(TRACE_DUMP, 0, 4);
+    ASK(STATS_THREAD, 0, 1);
+    ASK(CANCEL, 1);
+    save("dispatch", "watch");
+}
+
 static void make_dispatch_seeds(void)
 {
     static const uint8_t nonsense[] = {0x94, 0x00, 0x01, 0xa4, 'n', 'o', 'n', 'e', 0x80};
@@ -266,6 +282,7 @@ static void make_dispatch_seeds(void)
     ASK(FRAME_SUBMIT, HANDLE, 0, 0, 0);
     settle();
     ASK(FRAME_FETCH, HANDLE, 0, 0);
+    ASK(SCENE_BOXES, HANDLE, 2, 1, 0, 9);
     ASK(MESH_EDGES, HANDLE, 0, BYTE, 9);
     settle();
     save("dispatch", "step");
@@ -300,18 +317,7 @@ static void make_dispatch_seeds(void)
     ASK(SCENE_REMOVE, HANDLE, HANDLE);
     settle();
     save("dispatch", "filter");
-    begin();
-    ASK(HELLO, 1, 1, 0, 1);
-    ASK(SHM_ATTACH, 1, WORD, WORD);
-    settle();
-    ASK(TRACE_START, BYTE, 64, 0);
-    ASK(STATS, 0);
-    settle();
-    ASK(TRACE_STOP, 0);
-    ASK(TRACE_DUMP, 0, 4);
-    ASK(STATS_THREAD, 0, 1);
-    ASK(CANCEL, 1);
-    save("dispatch", "watch");
+    make_watch_seed();
     begin();
     put_u8(0);
     put_u16(sizeof(nonsense));

@@ -2,6 +2,7 @@
 
 integration_names = \
     tests/integration/test_int_allow \
+    tests/integration/test_int_boxes \
     tests/integration/test_int_choice \
     tests/integration/test_int_deadline \
     tests/integration/test_int_death \
@@ -63,6 +64,10 @@ tests_integration_test_int_direct_LDADD = $(integration_libs)
 # The programs that need no daemon, once more without one.
 TESTS += tests/integration/direct_check.sh
 dist_check_SCRIPTS += tests/integration/direct_check.sh
+
+tests_integration_test_int_boxes_SOURCES = tests/integration/test_int_boxes.c
+tests_integration_test_int_boxes_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_boxes_LDADD = $(integration_libs)
 
 tests_integration_test_int_filter_SOURCES = tests/integration/test_int_filter.c
 tests_integration_test_int_filter_CPPFLAGS = $(integration_cppflags)

@@ -395,6 +395,17 @@ class Meshes(Case):
         self.assertEqual((info.vertex_count, info.triangle_count, info.generation),
                          (2500, 4802, 1))
 
+    # If this failed, a hierarchy would not be seen, or not be over its scene.
+    def test_boxes__cover_the_scene(self):
+        scene, _, tent = self.tent()
+        self.assertEqual(len(self.client.scene_boxes(scene, pccd.Tree.FACES, 0)), 0)
+        self.client.step_x1(scene, tent, dropped()).release()
+        root = self.client.scene_boxes(scene, pccd.Tree.FACES, 0)
+        self.assertEqual(len(root), 1)
+        self.assertTrue((root["low1"] <= dropped().min(axis=0)).all())
+        self.assertTrue((root["high1"] >= dropped().max(axis=0)).all())
+        self.assertEqual(len(self.client.scene_boxes(scene, pccd.Tree.FACES, 31)), 0)
+
     # If this failed, a body could not break, or would leave its objects behind.
     def test_meshes__are_replaced_under_their_handle(self):
         scene, mesh, tent = self.tent()

@@ -79,6 +79,7 @@ class Wire(unittest.TestCase):
                 (pccd.Kind, TYPES, "pccd_kind", "PCCD_"),
                 (pccd.ContactFlag, TYPES, "pccd_contact_flag", "PCCD_"),
                 (pccd.Verdict, TYPES, "pccd_verdict", "PCCD_VERDICT_"),
+                (pccd.Tree, TRACE, "pccd_tree", "PCCD_TREE_"),
                 (pccd.TraceKind, TRACE, "pccd_trace_kind", "PCCD_TRACE_"),
                 (pccd.HistogramKind, DAEMON, "pccd_histogram_kind", "PCCD_HISTOGRAM_")):
             with self.subTest(name):
@@ -94,6 +95,7 @@ class Wire(unittest.TestCase):
         for dtype, text, name in ((pccd.CONTACT, TYPES, "pccd_contact"),
                                   (pccd.PAIR, TYPES, "pccd_pair"),
                                   (pccd.EDGE, TYPES, "pccd_edge"),
+                                  (pccd.BOX, TRACE, "pccd_box"),
                                   (pccd.TRACE_EVENT, TRACE, "pccd_trace_event")):
             with self.subTest(name):
                 layout = c_struct(text, name)

@@ -132,6 +132,15 @@ class Verdict(enum.IntEnum):
     NONE = 3  # other modes, or incomplete before a decision
 
 
+class Tree(enum.IntEnum):
+    """Of a scene's hierarchies: three of the method wide, and that of paper."""
+
+    VERTICES = 0
+    EDGES = 1
+    FACES = 2
+    TRIANGLES = 3
+
+
 class TraceKind(enum.IntEnum):
     """What an event of a recording was."""
 
@@ -170,6 +179,9 @@ PAIR = np.dtype([("kind", "<u4"), ("object_a", "<u4"), ("feature_a", "<u4"),
                  ("object_b", "<u4"), ("feature_b", "<u4")])
 #: struct pccd_edge: vertex indices, a < b.
 EDGE = np.dtype([("a", "<u4"), ("b", "<u4")])
+#: struct pccd_box: at both ends of a step.
+BOX = np.dtype([("low0", "<f4", (3,)), ("high0", "<f4", (3,)), ("low1", "<f4", (3,)),
+                ("high1", "<f4", (3,))])
 #: struct pccd_trace_event. CLOCK_MONOTONIC, nanoseconds.
 TRACE_EVENT = np.dtype([("begin_ns", "<u8"), ("end_ns", "<u8"), ("kind", "<u4"),
                         ("thread", "<u4"), ("a", "<u4"), ("b", "<u4")])
