@@ -43,6 +43,7 @@ libctl_la_SOURCES = \
     client/ctl/export/vtp.c client/ctl/export/vtp.h \
     client/ctl/inspect/bytes.c client/ctl/inspect/bytes.h \
     client/ctl/inspect/inspect.c client/ctl/inspect/inspect.h \
+    client/ctl/inspect/inspect_boxes.c \
     client/ctl/inspect/inspect_pack.c client/ctl/inspect/inspect_pack.h \
     client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
     client/ctl/inspect/page_template.h \

@@ -105,6 +105,19 @@ class Options(unittest.TestCase):
         self.assertNotIn("unsafe", page.policy)
         self.assertEqual(page.meta["recording"]["name"], NAME)
 
+    # If it failed, the hierarchies would be left out, or too large a level be there.
+    def test_boxes__are_of_what_the_step_used_and_not_too_many(self):
+        wide = (["--method", "wide"], ["vertices", "edges", "faces"], 512)
+        paper = (["--method", "paper", "--boxes", "40"], ["triangles"], 40)
+        for options, names, most in (wide, paper):
+            for step in self.page(*options).meta["steps"]:
+                self.assertEqual(list(step["boxes"]), names)
+                for levels in step["boxes"].values():
+                    self.assertEqual(levels[0]["count"], 1)
+                    self.assertGreater(len(levels), 1)
+                    self.assertLessEqual(max(level["count"] for level in levels), most)
+        self.assertEqual(self.page("--boxes", "0").meta["steps"][0]["boxes"], {})
+
     # If it failed, steps would come without what threads did, or with it unasked.
     def test_lanes__are_recorded_unless_they_are_not_wanted(self):
         for step in self.page().meta["steps"]:

@@ -177,6 +177,32 @@ class Opened(InBrowser):
         self.assertIn("meets", self.text("caption"))
         self.assertNotEqual(self.browser.run("return pccd.view.picture()"), before)
 
+    # If it failed, a level of a hierarchy would not be seen, or not be around the scene.
+    def test_boxes__of_a_level_appear_around_the_scene(self):
+        without = self.browser.run("return pccd.view.picture()")
+        levels = self.browser.run("""
+            return pccd.data.meta.steps[pccd.state.values.index].boxes.faces
+              .map(({count}) => count);""")
+        self.assertGreater(len(levels), 1)
+        pictures = {without}
+        for level, count in enumerate(levels):
+            self.set("level", level + 1)
+            self.assertEqual(self.value("boxes"), count)
+            self.assertIn(f"level {level} ", self.text("level-text"))
+            pictures.add(self.browser.run("return pccd.view.picture()"))
+        self.assertEqual(len(pictures), len(levels) + 1)
+        outside = self.browser.run("""
+            const {index} = pccd.state.values;
+            const root = pccd.data.boxes(index, 'faces', 0);
+            const {x0, x1} = pccd.data.step(index).objects[0];
+            const is_in = (x, i, at) =>
+              x >= root[at + i % 3] && x <= root[at + 3 + i % 3];
+            return [...x0].filter((x, i) => !is_in(x, i, 0)).length
+              + [...x1].filter((x, i) => !is_in(x, i, 6)).length;""")
+        self.assertEqual(outside, 0)
+        self.set("level", 0)
+        self.assertEqual(self.browser.run("return pccd.view.picture()"), without)
+
     # If it failed, what the threads did would be in the page and not be seen.
     def test_lanes__are_drawn_for_each_thread(self):
         self.assertGreaterEqual(self.value("lanes"), 1)

@@ -24,11 +24,14 @@
 #define SIZE_DEFAULT_MIB 64u
 #define SIZE_MAX_MIB     2048u /* browsers do not open much more */
 #define EVERY_MAX        (1u << 30)
+#define BOXES_DEFAULT    512u
+#define BOXES_MAX        (1u << 20)
 
 enum {
     OPTION_EVERY = 256 + 64,
     OPTION_MAX_SIZE,
     OPTION_ROUND,
+    OPTION_BOXES,
     OPTION_NO_LANES,
     OPTION_OUTPUT = 'o'
 };
@@ -49,6 +52,10 @@ static const struct argp_option option_list[] = {
     {"round", OPTION_ROUND, NULL, 0,
      "Store coordinates in 16 bits each, a 65535th of their object's size apart, in half "
      "of the room",
+     0},
+    {"boxes", OPTION_BOXES, "N", 0,
+     "Show the levels of the hierarchies that have at most N boxes (default: 512; 0: "
+     "none)",
      0},
     {"no-lanes", OPTION_NO_LANES, NULL, 0,
      "Do not record what the daemon's threads do at each step", 0},
@@ -83,6 +90,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_ROUND:
         command->settings.is_rounded = true;
+        return 0;
+    case OPTION_BOXES:
+        command->settings.boxes_max =
+            (uint32_t)ctl_option_count(state, "boxes", text, 0, BOXES_MAX);
         return 0;
     case OPTION_NO_LANES:
         command->options.play.is_traced = false;
@@ -195,7 +206,9 @@ static int write_page(struct command *command, FILE *to, struct ctl_error *error
 int ctl_cmd_inspect(int argc, char **argv)
 {
     struct command command = {
-        .settings = {.every = 1, .bytes_max = (uint64_t)SIZE_DEFAULT_MIB * MIB}};
+        .settings = {.every = 1,
+                     .boxes_max = BOXES_DEFAULT,
+                     .bytes_max = (uint64_t)SIZE_DEFAULT_MIB * MIB}};
     struct ctl_error error = {.text = ""};
     FILE *to = NULL;
     size_t bytes;

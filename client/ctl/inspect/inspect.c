@@ -42,6 +42,7 @@ void inspect_deinit(struct inspect *inspect)
     json_decref(inspect->steps);
     json_decref(inspect->meshes);
     bytes_deinit(&inspect->data);
+    free(inspect->boxes);
     free(inspect->places);
     free(inspect->known);
     memset(inspect, 0, sizeof(*inspect));
@@ -167,6 +168,7 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set(object, "answer", answer_of(step->answer, &ok), &ok);
     set(object, "objects", inspect_pack_objects(inspect, step->scene, meshes), &ok);
     set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);
+    set(object, "boxes", inspect_pack_boxes(inspect, step), &ok);
     set(object, "events", inspect_pack_events(inspect, step->trace), &ok);
     if (!ok || inspect->data.is_short) {
         json_decref(object);

@@ -28,6 +28,7 @@
 struct inspect_settings {
     uint64_t every;     /* of the steps that are played, one in so many; >= 1 */
     uint64_t bytes_max; /* of the file */
+    uint32_t boxes_max; /* of a level of a hierarchy that is shown; 0: none is */
     bool is_rounded;    /* positions in 16 bits each */
 };
 
@@ -77,6 +78,7 @@ struct inspect {
     bool has_origin;
     double origin[3]; /* the middle of the first step */
     struct bytes data;
+    struct pccd_box *boxes; /* [boxes_max] of a level; NULL: not needed yet */
     struct inspect_place *places;
     uint32_t place_count, place_room;
     struct inspect_mesh *known;

@@ -21,6 +21,8 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct world_scene *
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
 /* {"at", "count", "threads", "lost"}, or null: it was not recorded. */
 json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);
+/* {TREE: [{"at", "count"}], ..} of what the step used, each level, the root first. */
+json_t *inspect_pack_boxes(struct inspect *inspect, const struct play_step *step);
 
 /* [blob, offset] of a section of the step that is being packed. */
 json_t *inspect_section(const struct inspect *inspect, size_t offset);
