@@ -11,7 +11,7 @@ import { extentOf, makeObjects } from "./objects.js";
 import { groundMaterial, upVector } from "./shaders.js";
 
 const FLY_MS = 450;
-const FIT_ROOM = 1.12; // around what is seen
+const FIT_ROOM = 0.94; // what is seen is rounder than its box
 const POINT_MAX = 11; // pixels across
 const POINT_MIN = 5;
 const PICK_PIXELS = 14;
