@@ -203,6 +203,15 @@ class Opened(InBrowser):
         self.set("level", 0)
         self.assertEqual(self.browser.run("return pccd.view.picture()"), without)
 
+    # If it failed, who has lost sight of the scene would not find it again.
+    def test_fit__shows_everything_again(self):
+        before = self.browser.run("return pccd.view.picture()")
+        self.browser.click("#contact-rows .row:nth-child(2)")
+        self.browser.wait("return pccd.view.picture() !== arguments[0]", before)
+        self.browser.run("pccd.state.set({chosen: -1, t: 1})")
+        self.browser.click("#fit")
+        self.browser.wait("return pccd.view.picture() === arguments[0]", before)
+
     # If it failed, what the threads did would be in the page and not be seen.
     def test_lanes__are_drawn_for_each_thread(self):
         self.assertGreaterEqual(self.value("lanes"), 1)

@@ -62,12 +62,18 @@ function drawAxes(camera) {
 
 function connectView(data, state, view) {
   const radius = () => view.extentRadius();
-  view.setExtent(data.step(state.values.index), state.values.up);
-  view.fit(state.values.up, true);
+  let scene = null;
   state.on(["theme"], () => view.dress());
   state.on(["t"], ({ t }) => view.setTime(t));
-  state.on(["index", "wires", "opacity", "hidden", "theme"], (values) =>
-    view.showObjects(data.step(values.index), values));
+  state.on(["index", "wires", "opacity", "hidden", "theme"], (values) => {
+    const step = data.step(values.index);
+    if (scene !== step.scene) { // another one may be anywhere
+      scene = step.scene;
+      view.setExtent(step, values.up);
+      view.fit(values.up, true);
+    }
+    view.showObjects(step, values);
+  });
   state.on(["picked"], ({ index, picked }) => view.showMarks(data.step(index), picked));
   state.on(["chosen", "theme"], ({ index, chosen }) => {
     const step = data.step(index);
@@ -129,7 +135,11 @@ function start() {
   });
   const view = makeView(drawAxes);
   const does = {
-    fit: () => view?.fit(state.values.up),
+    fit() {
+      const { index, up } = state.values;
+      view?.setExtent(data.step(index), up);
+      view?.fit(up);
+    },
     fly(i) {
       const { index } = state.values;
       if (view && i >= 0) {

@@ -148,6 +148,9 @@ export function makeScene(canvas, onMove) {
       view.setUp(up);
     },
     setUp(up) {
+      if (!extent) {
+        return;
+      }
       const axis = { x: 0, y: 1, z: 2 }[up];
       const side = 16 * extent.radius;
       camera.up.copy(upVector(up));

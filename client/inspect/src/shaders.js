@@ -107,12 +107,9 @@ export function boxMaterial(uniforms) {
     vertexShader: `
 uniform float t;
 attribute vec3 low0, high0, low1, high1;
-varying float depth;
 void main() {
   vec3 low = mix(low0, low1, t), high = mix(high0, high1, t);
-  vec4 at = modelViewMatrix * vec4(mix(low, high, position), 1.0);
-  depth = -at.z;
-  gl_Position = projectionMatrix * at;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(mix(low, high, position), 1.0);
 }`,
     fragmentShader: `
 uniform vec3 colour;
