@@ -14,6 +14,7 @@ libproto_la_SOURCES = \
     proto/proto_limits.h \
     proto/records.h \
     proto/seqpacket.h \
+    proto/journal.h \
     proto/shm.h \
     proto/utf8.h \
     proto/codec.c \

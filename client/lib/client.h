@@ -61,7 +61,8 @@ struct cli_call {
     void *result;  /* where the reply is decoded to; NULL: `answer`, or nowhere */
     int status;    /* DONE: 0 or why it failed, then `text` says more */
     uint64_t page; /* DONE: serial of the page of records, 0: none */
-    struct proto_FRAME_SUBMIT_result answer; /* of frame.submit and frame.fetch */
+    struct proto_FRAME_SUBMIT_result answer;   /* of frame.submit and frame.fetch */
+    struct proto_SCENE_JOURNAL_result journal; /* of scene.journal */
     char text[CLI_TEXT_BYTES];
 };
 
@@ -166,8 +167,7 @@ struct pccd_client {
     uint64_t slot_bytes;   /* wanted at least; 0: grown to what is needed */
     uint64_t result_bytes; /* wanted */
     uint32_t next_id;
-    uint64_t next_serial;
-    uint64_t next_step;
+    uint64_t next_serial, next_step;
     bool has_sent;          /* and not looked for answers since */
     int fds[PROTO_FDS_MAX]; /* that came with the answer to shm.attach; -1: none */
     struct cli_child child;

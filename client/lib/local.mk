@@ -40,6 +40,8 @@ libclient_la_SOURCES = \
     client/lib/record.c \
     client/lib/recorder.c \
     client/lib/recorder.h \
+    client/lib/recorder_shared.c \
+    client/lib/recorder_shared.h \
     client/lib/recorder_snapshot.c \
     client/lib/recover.c \
     client/lib/recover.h \

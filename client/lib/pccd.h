@@ -507,7 +507,12 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
  * thread that calls, so that a crash at any moment loses nothing before it; positions are
  * read out of the slot when the step has been sent. With $PCCD_RECORD=PATH in the
  * environment every client is recorded from the beginning, to PATH, PATH-2, ...;
- * $PCCD_RECORD_OPTIONS holds settings, as "max_bytes=N,segments=N,contacts=1,level=N". */
+ * $PCCD_RECORD_OPTIONS holds settings, as "max_bytes=N,segments=N,contacts=1,level=N".
+ * What is done to a shared scene, by whomever, the daemon keeps (up to 128 MiB a scene,
+ * charged as shared memory) until this client's next call fetches it. Such a recording
+ * ends with E_LIMIT if that is not soon enough, with E_DISCONNECTED when another daemon
+ * takes the place of a lost one, with E_VERSION where the daemon keeps nothing, and with
+ * E_STATE where it is in several segments. */
 struct pccd_record_settings {
     uint64_t max_bytes; /* of all files; 0: no bound */
     uint32_t segments;  /* 0, 1: one file, which ends when it is full. 2 .. 64: so many,
@@ -526,8 +531,8 @@ struct pccd_record_info {
     uint64_t ns;       /* that recording steps and answers has taken from the caller */
     uint32_t segments; /* begun */
     int32_t status;    /* 0, or why nothing is recorded any more: E_LIMIT (full),
-                          E_SYSTEM, E_NOMEM. No other call ever fails because of
-                          that */
+                          E_SYSTEM, E_NOMEM, or as above for a shared scene. No
+                          other call ever fails because of that */
 };
 /* Begin; `settings` NULL: the defaults. E_SYSTEM: the file cannot be made, or is there
  * already; E_STATE: a recording is under way, or something was registered that was not

@@ -69,6 +69,13 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
             memcpy(call->result, &edges, sizeof(edges));
         }
         break;
+    case PROTO_METHOD_SCENE_JOURNAL:
+        rc = proto_decode_body(envelope, fields, &call->journal, error);
+        if (rc == 0) {
+            rc = cli_page_add(client, call->journal.offset, call->journal.count, 1,
+                              call->journal.release, &call->page);
+        }
+        break;
     case PROTO_METHOD_TRACE_DUMP:
         rc = proto_decode_body(envelope, fields, &dump, error);
         if (rc == 0) {

@@ -1,6 +1,6 @@
 /* record.c - when a client is recorded.
  *
- * Room:     client/lib. May include: recorder.h.
+ * Room:     client/lib. May include: recorder.h, recorder_shared.h.
  * Does:     the public functions of pccd.h that start and end a recording, and what the
  *           environment says.
  * Does not: write events (recorder.c).
@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "recorder.h"
+#include "recorder_shared.h"
 
 #define SEGMENTS_MAX 64u
 #define LEVEL        1
@@ -59,6 +60,7 @@ static void fill_recorder(struct cli_recorder *made,
 static void free_recorder(struct pccd_client *client)
 {
     if (client->recorder != NULL) {
+        cli_journal_stop(client);
         record_writer_deinit(&client->recorder->writer);
         free(client->recorder->path);
         free(client->recorder);
@@ -138,6 +140,7 @@ int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info)
     if (client->recorder == NULL) {
         return cli_fail(client, PCCD_E_STATE, "record: nothing is recorded");
     }
+    cli_journal_stop(client);
     if (cli_record_is_on(client)) {
         cli_record_end(client, RECORD_STOPPED);
     }

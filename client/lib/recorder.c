@@ -1,6 +1,7 @@
 /* recorder.c - what a client asks and is answered, into a file.
  *
- * Room:     client/lib. May include: recorder.h, attach.h, keep.h, page.h.
+ * Room:     client/lib. May include: recorder.h, recorder_shared.h, attach.h, keep.h,
+ *           page.h.
  * Does:     append events; begin another segment when one is full.
  * Does not: know how a segment begins (recorder_snapshot.c) or is stored (chunk.h), or
  *           when to record (record.c).
@@ -17,6 +18,7 @@
 #include "attach.h"
 #include "keep.h"
 #include "page.h"
+#include "recorder_shared.h"
 
 /* ---- the end of a file, and of a recording ----------------------------------------- */
 
@@ -211,7 +213,7 @@ void cli_record_frame(struct pccd_client *client, const struct cli_call *call)
     if (recorder->segments_max > 1 &&
         recorder->writer.bytes >= recorder->segment_bytes_max) {
         turn(client); /* the new log begins with every step without an answer */
-    } else {
+    } else if (!cli_journal_has(client, call->params.FRAME_SUBMIT.scene)) {
         (void)cli_record_step(client, call);
     }
     count_time(client, begin_ns);
@@ -238,6 +240,14 @@ static void add_records(struct pccd_client *client, const struct cli_call *call)
 
     if (!client->recorder->has_records || call->status != 0 || call->page == 0) {
         return;
+    }
+    if (call->method == PROTO_METHOD_FRAME_FETCH &&
+        call->params.FRAME_FETCH.number != 0) {
+        head.step = cli_journal_step(client, call->params.FRAME_FETCH.scene,
+                                     call->params.FRAME_FETCH.number);
+        if (head.step == 0) {
+            return; /* of another client's step */
+        }
     }
     parts[1] = (struct record_part){cli_page_base(client, call->page) + result->offset,
                                     result->count * result->record_bytes};
@@ -273,6 +283,7 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
                          r->rebuilds, r->rebuilt_triangles, r->swaps,
                          r->swapped_triangles}};
     }
+    cli_journal_answered(client, &call->params.FRAME_SUBMIT, r);
     client->recorder->info.answers++;
     if (cli_record_add(client, RECORD_ANSWER,
                        &(struct record_part){&answer, sizeof(answer)}, 1) == 0) {
@@ -342,6 +353,7 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
         break;
     }
     case PROTO_METHOD_SCENE_DESTROY:
+        cli_journal_end(client, params->SCENE_DESTROY.scene);
         gone.scene = params->SCENE_DESTROY.scene;
         kind = RECORD_SCENE_GONE;
         break;
@@ -366,6 +378,23 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
     (void)cli_record_add(client, kind, &part, 1);
 }
 
+/* A change of a scene whose journal says so. */
+static bool is_in_journal(const struct pccd_client *client, const struct cli_call *call)
+{
+    switch (call->method) {
+    case PROTO_METHOD_SCENE_ADD:
+        return cli_journal_has(client, call->params.SCENE_ADD.scene);
+    case PROTO_METHOD_SCENE_REMOVE:
+        return cli_journal_has(client, call->params.SCENE_REMOVE.scene);
+    case PROTO_METHOD_OBJECT_SET:
+        return cli_journal_has(client, call->params.OBJECT_SET.scene);
+    case PROTO_METHOD_SCENE_IGNORE:
+        return cli_journal_has(client, call->params.SCENE_IGNORE.scene);
+    default:
+        return false;
+    }
+}
+
 void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
 {
     uint64_t begin_ns;
@@ -378,7 +407,9 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
         add_answer(client, call);
     } else if (call->method == PROTO_METHOD_FRAME_FETCH) {
         add_records(client, call);
-    } else if (call->status == 0) {
+    } else if (call->method == PROTO_METHOD_SCENE_JOURNAL) {
+        cli_journal_take(client, call);
+    } else if (call->status == 0 && !is_in_journal(client, call)) {
         add_change(client, call);
     }
     count_time(client, begin_ns);

@@ -24,7 +24,8 @@ struct cli_recorder {
     bool has_ended;               /* nothing is written any more */
     struct pccd_record_info info; /* of earlier segments where the writer counts */
     uint64_t segment_frames;
-    char text[CLI_TEXT_BYTES]; /* why it has ended */
+    struct cli_journal *journals; /* of shared scenes (recorder_shared.h) */
+    char text[CLI_TEXT_BYTES];    /* why it has ended */
 };
 
 /* Each does nothing without a recorder. The handle of a mesh that was made or

@@ -1,6 +1,7 @@
 /* recorder_snapshot.c - how a segment of a recording begins.
  *
- * Room:     client/lib. May include: recorder.h, attach.h, keep.h.
+ * Room:     client/lib. May include: recorder.h, recorder_shared.h, attach.h,
+ *           keep.h.
  * Does:     write what another daemon would have to be told, from what is kept for that.
  * Does not: follow events (recorder.c).
  * Threads:  [owner].
@@ -12,6 +13,7 @@
 #include "attach.h"
 #include "keep.h"
 #include "recorder.h"
+#include "recorder_shared.h"
 
 static int write_begin(struct pccd_client *client)
 {
@@ -148,6 +150,23 @@ static int write_pairs(struct pccd_client *client, struct cli_kept_scene *scene)
     return rc;
 }
 
+/* Its journal says what is in it. */
+static bool is_shared(const struct cli_kept_scene *scene)
+{
+    return scene->settings.name[0] != '\0';
+}
+
+static int begin_journals(struct pccd_client *client)
+{
+    int rc = 0;
+
+    for (const struct cli_kept_scene *scene = client->kept_scenes;
+         rc == 0 && scene != NULL; scene = scene->next) {
+        rc = is_shared(scene) ? cli_journal_begin(client, scene->handle) : 0;
+    }
+    return rc;
+}
+
 static int write_scenes(struct pccd_client *client)
 {
     int rc = 0;
@@ -155,10 +174,11 @@ static int write_scenes(struct pccd_client *client)
     for (struct cli_kept_scene *scene = client->kept_scenes; rc == 0 && scene != NULL;
          scene = scene->next) {
         rc = write_scene(client, scene);
-        for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
+        for (uint32_t i = 0; rc == 0 && !is_shared(scene) && i < scene->object_count;
+             i++) {
             rc = write_object(client, scene, &scene->objects[i]);
         }
-        rc = rc != 0 ? rc : write_pairs(client, scene);
+        rc = rc != 0 || is_shared(scene) ? rc : write_pairs(client, scene);
     }
     return rc;
 }
@@ -185,7 +205,9 @@ static int write_unanswered(struct pccd_client *client)
             return rc;
         }
         after = next->serial;
-        rc = cli_record_step(client, next);
+        rc = cli_journal_has(client, next->params.FRAME_SUBMIT.scene)
+                 ? 0
+                 : cli_record_step(client, next);
     }
 }
 
@@ -206,5 +228,6 @@ int cli_record_snapshot(struct pccd_client *client)
         return cli_record_stop_because(
             client, PCCD_E_LIMIT, "a segment does not hold twice what it begins with");
     }
+    rc = rc != 0 ? rc : begin_journals(client);
     return rc != 0 ? rc : write_unanswered(client);
 }

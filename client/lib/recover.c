@@ -1,6 +1,7 @@
 /* recover.c - another connection when one is lost.
  *
- * Room:     client/lib. May include: recover.h, link.h, restore.h, rpc.h.
+ * Room:     client/lib. May include: recover.h, link.h, recorder_shared.h, restore.h,
+ *           rpc.h.
  * Does:     the states of a link:
  *
  *     UP -- lost (rpc.c) --> DOWN --- try -----> RECOVERING
@@ -22,6 +23,7 @@
 #include <unistd.h>
 
 #include "link.h"
+#include "recorder_shared.h"
 #include "restore.h"
 #include "rpc.h"
 
@@ -129,6 +131,7 @@ static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *re
         return cli_fail(client, PCCD_E_STATE,
                         "the session is over, and nothing was kept to begin another");
     }
+    cli_journal_lost(client);
     rc = cli_restore(client);
     if (rc != 0) {
         cli_link_forget(client); /* or the next try would go on with half of all */

@@ -1,12 +1,13 @@
 /* scene.c - scenes and the objects in them.
  *
- * Room:     client/lib. May include: rpc.h.
+ * Room:     client/lib. May include: recorder_shared.h, rpc.h, shared.h.
  * Does:     one request each; nothing about scenes is kept on this side.
  * Threads:  [owner].
  */
 #include <string.h>
 
 #include "client.h"
+#include "recorder_shared.h"
 #include "rpc.h"
 #include "shared.h"
 
@@ -83,6 +84,9 @@ int pccd_scene_create(struct pccd_client *client,
                        cli_deadline(client, -1));
     if (rc == 0) {
         *scene = result.scene;
+        if (request.name[0] != '\0') {
+            (void)cli_journal_begin(client, result.scene);
+        }
     }
     return rc;
 }
@@ -94,6 +98,7 @@ int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
+    cli_journal_settle(client, scene); /* while there is one */
     cli_shared_forget(client, scene);
     return cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
                          cli_deadline(client, -1));

@@ -1,6 +1,7 @@
 /* shared.c - scenes that clients share.
  *
- * Room:     client/lib. See shared.h. May include: attach.h, rpc.h, step.h.
+ * Room:     client/lib. See shared.h. May include: attach.h, recorder_shared.h, rpc.h,
+ *           step.h.
  * Does:     take news in, and hand them out once; fetch the answers of others' steps.
  * Threads:  [owner].
  */
@@ -9,6 +10,7 @@
 #include <stdlib.h>
 
 #include "attach.h"
+#include "recorder_shared.h"
 #include "rpc.h"
 #include "step.h"
 
@@ -52,6 +54,7 @@ void cli_shared_note(struct pccd_client *client, const struct proto_envelope *en
     if (entry == NULL) {
         return;
     }
+    cli_journal_note(client, note.scene);
     entry->is_new = true;
     entry->news = (struct pccd_scene_news){
         .number = note.number,

@@ -1,6 +1,7 @@
 /* step.c - steps in flight and their answers.
  *
- * Room:     client/lib. May include: step.h, attach.h, page.h, recorder.h, rpc.h.
+ * Room:     client/lib. May include: step.h, attach.h, page.h, recorder_shared.h,
+ *           recover.h, rpc.h.
  * Does:     submit, poll, wait, fetch, cancel, release, and the calls that do it all in
  *           one. A step is a call of the table in client.h whose `step` is not 0; it
  *           stays there until its answer is taken.
@@ -14,6 +15,7 @@
 #include "attach.h"
 #include "page.h"
 #include "recorder.h"
+#include "recorder_shared.h"
 #include "recover.h"
 #include "rpc.h"
 
@@ -228,6 +230,7 @@ void cli_step_drain(struct pccd_client *client)
     if (client->link.is_down) {
         cli_recover_poll(client);
     }
+    cli_journal_pump(client);
 }
 
 int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
@@ -275,6 +278,7 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
                             (unsigned long long)step);
         }
     }
+    cli_journal_pump(client);
     rc = cli_call_wait(client, call, cli_deadline(client, timeout_ms));
     return rc != 0 ? rc : take_answer(client, call, answer);
 }

@@ -60,7 +60,16 @@ const char *record_kind_name(uint16_t kind)
 
 uint32_t record_kind_feature(uint16_t kind)
 {
-    return kind == RECORD_FILTER || kind == RECORD_PAIRS ? RECORD_FEATURE_FILTERS : 0;
+    switch (kind) {
+    case RECORD_FILTER:
+    case RECORD_PAIRS:
+        return RECORD_FEATURE_FILTERS;
+    case RECORD_GUEST:
+    case RECORD_MOVE:
+        return RECORD_FEATURE_SHARED;
+    default:
+        return 0;
+    }
 }
 
 /* ---- writing ----------------------------------------------------------------------- */

@@ -36,6 +36,8 @@
  * | RECORDS | records of an answer, if these were to be recorded |
  * | FILTER | nothing |
  * | PAIRS | uint32_t[2] each: handles of two objects |
+ * | GUEST | vertices (double), triangles: added, or given another shape if it is there |
+ * | MOVE | as FRAME; it has no number, and no answer |
  */
 #ifndef RECORD_FORMAT_H
 #define RECORD_FORMAT_H
@@ -67,7 +69,9 @@
     X(OBJECT_GONE, 13, "an object was removed")                                          \
     X(END, 14, "the segment is whole")                                                   \
     X(FILTER, 15, "what an object may meet")                                             \
-    X(PAIRS, 16, "pairs of objects that ignore each other, or not any more")
+    X(PAIRS, 16, "pairs of objects that ignore each other, or not any more")             \
+    X(GUEST, 17, "an object of a shared scene, with a shape of its own")                 \
+    X(MOVE, 18, "another client has moved a shared scene on")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -77,7 +81,8 @@ enum record_kind {
 /* What a file needs of its reader. Bits are never given anew. */
 enum record_feature {
     RECORD_FEATURE_FILTERS = 1, /* FILTER and PAIRS */
-    RECORD_FEATURES = 1         /* all of them */
+    RECORD_FEATURE_SHARED = 2,  /* GUEST and MOVE */
+    RECORD_FEATURES = 3         /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

@@ -25,6 +25,7 @@ static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
 static_assert(sizeof(struct record_filter) == 32, "filter");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
+static_assert(sizeof(struct record_guest) == 16, "guest");
 
 #define COUNT_MAX   2147483647u
 #define RIGID_BYTES (12 * sizeof(double))
@@ -45,11 +46,43 @@ static uint64_t padded(uint64_t bytes)
     return (bytes + 7) / 8 * 8;
 }
 
+static int judge_triangles(const uint8_t *triangles, uint32_t triangle_count,
+                           uint32_t vertex_count, char text[RECORD_TEXT_BYTES])
+{
+    for (uint64_t i = 0; i < 3 * (uint64_t)triangle_count; i++) {
+        uint32_t vertex;
+
+        memcpy(&vertex, triangles + i * sizeof(vertex), sizeof(vertex));
+        if (vertex >= vertex_count) {
+            (void)snprintf(text, RECORD_TEXT_BYTES,
+                           "triangle %" PRIu64 " names vertex %" PRIu32 " of %" PRIu32,
+                           i / 3, vertex, vertex_count);
+            return PCCD_E_FORMAT;
+        }
+    }
+    return PCCD_OK;
+}
+
+static int judge_guest(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    struct record_guest guest;
+    uint64_t x_bytes;
+
+    memcpy(&guest, payload, sizeof(guest));
+    x_bytes = guest.vertex_count * sizeof(double[3]);
+    if (guest.object == 0 || guest.vertex_count == 0 || guest.vertex_count > COUNT_MAX ||
+        guest.triangle_count == 0 || guest.triangle_count > COUNT_MAX ||
+        bytes != sizeof(guest) + x_bytes + guest.triangle_count * sizeof(uint32_t[3])) {
+        return bad(text, "an object of another length, or without handle or shape");
+    }
+    return judge_triangles((const uint8_t *)payload + sizeof(guest) + x_bytes,
+                           guest.triangle_count, guest.vertex_count, text);
+}
+
 static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     struct record_mesh mesh;
     uint64_t x_bytes;
-    const uint8_t *triangles;
 
     memcpy(&mesh, payload, sizeof(mesh));
     if (mesh.mesh == 0 || mesh.format >= PCCD_FORMAT_COUNT || mesh.vertex_count == 0 ||
@@ -61,19 +94,8 @@ static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT
     if (bytes != sizeof(mesh) + x_bytes + mesh.triangle_count * sizeof(uint32_t[3])) {
         return bad(text, "a mesh of another length");
     }
-    triangles = (const uint8_t *)payload + sizeof(mesh) + x_bytes;
-    for (uint64_t i = 0; i < 3 * (uint64_t)mesh.triangle_count; i++) {
-        uint32_t vertex;
-
-        memcpy(&vertex, triangles + i * sizeof(vertex), sizeof(vertex));
-        if (vertex >= mesh.vertex_count) {
-            (void)snprintf(text, RECORD_TEXT_BYTES,
-                           "triangle %" PRIu64 " names vertex %" PRIu32 " of %" PRIu32,
-                           i / 3, vertex, mesh.vertex_count);
-            return PCCD_E_FORMAT;
-        }
-    }
-    return PCCD_OK;
+    return judge_triangles((const uint8_t *)payload + sizeof(mesh) + x_bytes,
+                           mesh.triangle_count, mesh.vertex_count, text);
 }
 
 static int judge_place(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
@@ -102,14 +124,16 @@ static bool is_inside(uint64_t offset, uint64_t bytes, uint64_t all)
     return offset % 8 == 0 && offset <= all && bytes <= all - offset;
 }
 
-static int judge_frame(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+/* Of a FRAME, or of a MOVE, which has no number. */
+static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
+                       char text[RECORD_TEXT_BYTES])
 {
     const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_frame);
     struct record_frame frame;
     uint64_t all = bytes - sizeof(frame);
 
     memcpy(&frame, payload, sizeof(frame));
-    if (frame.step == 0 || frame.mode >= PCCD_MODE_COUNT ||
+    if ((frame.step != 0) != is_numbered || frame.mode >= PCCD_MODE_COUNT ||
         frame.segment_count > all / sizeof(struct record_segment)) {
         return bad(text, "a frame without a number, or with less than its segments");
     }
@@ -197,7 +221,10 @@ static uint64_t least_bytes(uint16_t kind)
     case RECORD_LOG:
         return sizeof(struct record_log);
     case RECORD_FRAME:
+    case RECORD_MOVE:
         return sizeof(struct record_frame);
+    case RECORD_GUEST:
+        return sizeof(struct record_guest);
     case RECORD_ANSWER:
         return sizeof(struct record_answer);
     case RECORD_RECORDS:
@@ -231,7 +258,10 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
     case RECORD_PLACE:
         return judge_place(payload, bytes, text);
     case RECORD_FRAME:
-        return judge_frame(payload, bytes, text);
+    case RECORD_MOVE:
+        return judge_frame(payload, bytes, kind == RECORD_FRAME, text);
+    case RECORD_GUEST:
+        return judge_guest(payload, bytes, text);
     case RECORD_RECORDS:
         return judge_records(payload, bytes, text);
     case RECORD_FILTER:

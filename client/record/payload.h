@@ -58,7 +58,7 @@ struct record_log {
     uint64_t next_step;
 };
 struct record_frame {
-    uint64_t step;
+    uint64_t step; /* MOVE: 0 */
     uint32_t scene;
     uint32_t segment_count;
     uint32_t mode;
@@ -134,6 +134,13 @@ struct record_pairs {
     uint32_t ignored; /* 0, 1: of all of them */
     uint32_t count;
     uint32_t reserved;
+};
+
+struct record_guest {
+    uint32_t scene;
+    uint32_t object;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
 };
 
 struct record_cancel {

@@ -6,6 +6,7 @@
  * Threads:  [loop], but for functions named work_.
  */
 #include "call.h"
+#include "diary.h"
 #include "invariant.h"
 #include "request.h"
 #include "session.h"
@@ -33,17 +34,16 @@ static int find_object(struct srv_call *call, uint32_t scene_handle, uint32_t ob
     return 0;
 }
 
-/* The object, as the engine numbers it; or PCCD_E_HANDLE: its removal came before, or its
- * addition failed. [compute] */
-static int find_placed(struct srv_request *request, uint32_t object, uint32_t *idx)
+/* The object; or PCCD_E_HANDLE: its removal came before, or its addition failed.
+ * [compute] */
+static int find_placed(struct srv_request *request, uint32_t object,
+                       const struct srv_placed **placed)
 {
-    const struct srv_placed *placed = srv_scene_find(request->plan.scene, object);
-    if (placed == NULL) {
-        return proto_error_set(&request->error, PCCD_E_HANDLE,
-                               "object 0x%x is not in the scene any more", object);
-    }
-    *idx = placed->engine_idx;
-    return 0;
+    *placed = srv_scene_find(request->plan.scene, object);
+    return *placed != NULL
+               ? 0
+               : proto_error_set(&request->error, PCCD_E_HANDLE,
+                                 "object 0x%x is not in the scene any more", object);
 }
 
 static int queue(struct srv_call *call, struct srv_scene *scene,
@@ -58,13 +58,15 @@ static int queue(struct srv_call *call, struct srv_scene *scene,
 static int work_set(struct srv_request *request)
 {
     const struct proto_OBJECT_SET_request *asked = &request->params.OBJECT_SET;
-    struct eng_scene *engine = request->plan.scene->engine;
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_scene *engine = scene->engine;
     struct eng_object_filter filter;
-    uint32_t idx = 0;
-    int status = find_placed(request, asked->object, &idx);
+    const struct srv_placed *placed = NULL;
+    int status = find_placed(request, asked->object, &placed);
     if (status != 0) {
         return status;
     }
+    uint32_t idx = placed->engine_idx;
     status = eng_scene_get_filter(engine, idx, &filter);
     PCCD_ASSERT(status == ENG_OK); /* the engine has every object that is placed */
     filter.group = asked->what & PCCD_OBJECT_GROUP ? asked->group : filter.group;
@@ -73,6 +75,7 @@ static int work_set(struct srv_request *request)
     if (asked->what != 0) {
         status = eng_scene_set_filter(engine, idx, &filter);
         PCCD_ASSERT(status == ENG_OK);
+        srv_diary_filter(scene, placed);
     }
     request->result.OBJECT_SET = (struct proto_OBJECT_SET_result){
         .group = filter.group, .mask = filter.mask, .self = filter.self};
@@ -106,8 +109,8 @@ static int work_ignore(struct srv_request *request)
 {
     const struct proto_SCENE_IGNORE_request *asked = &request->params.SCENE_IGNORE;
     struct eng_scene *engine = request->plan.scene->engine;
-    uint32_t a = 0;
-    uint32_t b = 0;
+    const struct srv_placed *a = NULL;
+    const struct srv_placed *b = NULL;
     int status = find_placed(request, asked->a, &a);
     if (status == 0) {
         status = find_placed(request, asked->b, &b);
@@ -115,7 +118,8 @@ static int work_ignore(struct srv_request *request)
     if (status != 0) {
         return status;
     }
-    status = srv_wire_status(eng_scene_ignore(engine, a, b, asked->ignored));
+    status = srv_wire_status(
+        eng_scene_ignore(engine, a->engine_idx, b->engine_idx, asked->ignored));
     if (status == PCCD_E_LIMIT) {
         return proto_error_set(&request->error, status,
                                "%u pairs of objects ignore each other in scene 0x%x, "
@@ -125,6 +129,7 @@ static int work_ignore(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status, "no memory for another pair");
     }
+    srv_diary_pair(request->plan.scene, asked->a, asked->b, asked->ignored);
     request->result.SCENE_IGNORE.pairs = eng_scene_ignored_count(engine);
     return 0;
 }

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "call.h"
+#include "diary.h"
 #include "frame.h"
 #include "held.h"
 #include "invariant.h"
@@ -265,10 +266,11 @@ static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
     }
     if (status != 0) {
         eng_stage_abort(engine);
-    } else if (!submit->place) {
-        srv_held_take(request);
+        return status;
     }
-    return status;
+    srv_held_take(request);
+    srv_diary_step(request);
+    return 0;
 }
 
 /* What a step is answered that the session submits to the scene next. [compute] */

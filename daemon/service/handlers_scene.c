@@ -6,6 +6,7 @@
  * Threads:  [loop], but for functions named work_.
  */
 #include "call.h"
+#include "diary.h"
 #include "invariant.h"
 #include "loop.h"
 #include "meshes.h"
@@ -148,6 +149,7 @@ static int work_add(struct srv_request *request)
                             .generation = request->plan.generation,
                             .mesh_number = request->plan.mesh_number,
                             .seat = request->plan.seat};
+    srv_diary_add(scene, &scene->placed[srv_handle_index(handle)]);
     request->result.SCENE_ADD.object = handle;
     request->result.SCENE_ADD.build_ns = srv_now_ns() - start_ns;
     return 0;

@@ -178,7 +178,7 @@ int srv_held_stage(struct srv_request *request)
 
 void srv_held_take(struct srv_request *request)
 {
-    while (request->plan.scene->held != NULL) {
+    while (!request->params.FRAME_SUBMIT.place && request->plan.scene->held != NULL) {
         take(request, &request->plan.scene->held);
     }
 }

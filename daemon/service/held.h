@@ -44,7 +44,8 @@ int srv_held_start(struct srv_call *call, struct srv_plan *plan);
 void srv_held_check(struct srv_request *request);
 /* Stage what waits, in the staging that is open. [compute] */
 int srv_held_stage(struct srv_request *request);
-/* The step has run: what was staged goes to request->taken. [compute] */
+/* The step has run: what was staged goes to request->taken; nothing was where objects
+ * were only placed. [compute] */
 void srv_held_take(struct srv_request *request);
 /* Answer what a step has taken along, and free it. [loop] */
 void srv_held_answer(struct srv_request *request);

@@ -6,6 +6,7 @@ libservice_la_SOURCES = \
     daemon/service/compute.c daemon/service/compute.h \
     daemon/service/config.c daemon/service/config.h \
     daemon/service/crashnote.c daemon/service/crashnote.h \
+    daemon/service/diary.c daemon/service/diary.h \
     daemon/service/dispatch.c daemon/service/dispatch.h \
     daemon/service/enginemem.c daemon/service/enginemem.h \
     daemon/service/fairqueue.c daemon/service/fairqueue.h \
@@ -15,6 +16,7 @@ libservice_la_SOURCES = \
     daemon/service/handlers_filter.c \
     daemon/service/handlers_frame.c \
     daemon/service/handlers_hello.c \
+    daemon/service/handlers_journal.c \
     daemon/service/handlers_list.c \
     daemon/service/handlers_mesh.c \
     daemon/service/handlers_scene.c \

@@ -11,6 +11,7 @@
 
 #include <stdlib.h>
 
+#include "diary.h"
 #include "invariant.h"
 #include "loop.h"
 #include "session.h"
@@ -172,6 +173,7 @@ static void settle_scene(const struct srv_replacement *replacement,
         if (placed->handle != 0 && placed->mesh_number == replacement->mesh_number) {
             placed->vertex_count = vertex_count;
             placed->generation = replacement->generation;
+            srv_diary_add(scene, placed);
         }
     }
 }

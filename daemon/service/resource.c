@@ -7,6 +7,7 @@
  * Threads:  [loop] and [compute], as marked.
  */
 #include "resource.h"
+#include "diary.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -281,6 +282,7 @@ void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
     srv_assert_compute();
     scene->has_answer = false;
     scene->changes++;
+    srv_diary_gone(scene, placed->handle);
     int status = srv_wire_status(eng_scene_remove(scene->engine, placed->engine_idx));
     PCCD_ASSERT(status == 0); /* the engine has every object that is placed */
     *placed = (struct srv_placed){0};

@@ -18,6 +18,7 @@
 #include "messages.h"
 #include "step.h"
 
+struct srv_diary;
 struct srv_held;
 struct srv_mesh;
 struct srv_seat;
@@ -89,13 +90,14 @@ struct srv_scene {
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
     uint32_t placed_count;
-    struct proto_error owed; /* of a step that was answered before; code 0: none. A seat
+    struct proto_error owed;   /* of a step that was answered before; code 0: none. A seat
                               * has its own */
-    struct srv_held *held;   /* frames for its next step (held.h), oldest first */
-    uint64_t changes;        /* objects that went, or got another shape */
-    uint64_t number;         /* of its last step */
-    uint64_t stepper;        /* number of the session that submitted that */
-    bool has_answer;         /* `records` and `answer` are of the last step */
+    struct srv_held *held;     /* frames for its next step (held.h), oldest first */
+    struct srv_diary *diaries; /* of what is done to it (diary.h) */
+    uint64_t changes;          /* objects that went, or got another shape */
+    uint64_t number;           /* of its last step */
+    uint64_t stepper;          /* number of the session that submitted that */
+    bool has_answer;           /* `records` and `answer` are of the last step */
     const void *records;
     struct proto_FRAME_SUBMIT_result answer; /* but for the page */
 };

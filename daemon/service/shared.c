@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "diary.h"
 #include "enginemem.h"
 #include "held.h"
 #include "host.h"
@@ -69,6 +70,31 @@ int srv_shared_refuse_reader(const struct srv_session *session,
                                  (unsigned)shared->uid, shared->rights);
 }
 
+/* ---- journals ---------------------------------------------------------------------- */
+
+void srv_shared_refund_journal(struct srv_seat *seat)
+{
+    struct srv_session *session = seat->session;
+    srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES,
+                     seat->journal_bytes);
+    seat->journal_bytes = 0;
+}
+
+int srv_shared_charge_journal(struct srv_call *call, struct srv_seat *seat,
+                              uint64_t bytes)
+{
+    struct srv_session *session = seat->session;
+    if (seat->journal_bytes != 0) {
+        return proto_error_set(&call->error, PCCD_E_STATE,
+                               "this session keeps a journal of scene \"%s\" already",
+                               seat->shared->name);
+    }
+    int status = srv_quota_charge(&session->loop->quota, session->user,
+                                  SRV_QUOTA_SHM_BYTES, bytes, &call->error);
+    seat->journal_bytes = status == 0 ? bytes : 0;
+    return status;
+}
+
 /* ---- the end ----------------------------------------------------------------------- */
 
 /* The last one has left, and nothing of it is in the scene any more. */
@@ -119,6 +145,7 @@ static void run_leave(struct srv_job *job)
     srv_enginemem_begin(&memory, host->user, host->loop->options->engine_bytes_max);
     if (seat->cursor == 0) { /* what it moves goes now */
         seat->left = srv_held_remove(scene, seat);
+        srv_diary_end(scene, seat);
         hide(seat);
     }
     uint64_t begin_ns = srv_now_ns();
@@ -141,6 +168,7 @@ static void done_leaving(struct srv_job *job)
     struct srv_session *session = seat->session;
     srv_scene_forget_of(shared->scene, seat);
     srv_held_free(seat->left);
+    srv_shared_refund_journal(seat);
     srv_resource_drop(&shared->scene->resource); /* the table's */
     free(seat);
     session->scene_count--;

@@ -39,6 +39,7 @@ struct srv_seat {
     uint32_t cursor;         /* [compute] objects before it have been taken out */
     uint32_t aside;          /* place of the next object of srv_shared_aside */
     uint32_t handle;         /* of the scene, in the session's table */
+    uint64_t journal_bytes;  /* SRV_QUOTA_SHM_BYTES, for its journal; 0: none */
     bool is_writer;
     bool holds;     /* a frame for the scene's next step (held.h) */
     bool is_behind; /* the last step could not be told yet */
@@ -78,6 +79,12 @@ int srv_shared_refuse_reader(const struct srv_session *session,
 /* A handle for an object of which any will do, that nobody who has not come back yet is
  * likely to want; 0: nobody will come. Another try gives another one. */
 uint32_t srv_shared_aside(struct srv_seat *seat);
+
+/* Charge the session that calls for a journal of so many bytes: 0, PCCD_E_STATE (it keeps
+ * one) or PCCD_E_QUOTA with call->error set; refund it. */
+int srv_shared_charge_journal(struct srv_call *call, struct srv_seat *seat,
+                              uint64_t bytes);
+void srv_shared_refund_journal(struct srv_seat *seat);
 
 /* A session has stepped it: tell the others. */
 void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,

@@ -482,6 +482,29 @@ static bool watch(struct life *life, const struct belongings *has)
            ask(life, PROTO_METHOD_CONFIG_GET, &get, NULL);
 }
 
+/* A journal of a shared scene with the sheet in it, over a step. */
+static bool keep_journal(struct life *life, const struct belongings *has)
+{
+    struct proto_SCENE_CREATE_request create = {.name = "life", .share = PCCD_SHARE_OPEN};
+    struct proto_SCENE_CREATE_result made;
+    struct proto_SCENE_ADD_result added;
+    if (!ask(life, PROTO_METHOD_SCENE_CREATE, &create, &made)) {
+        return false;
+    }
+    const struct proto_SCENE_ADD_request add = {.scene = made.scene,
+                                                .mesh = has->sheet_mesh};
+    const struct proto_SCENE_JOURNAL_request begin = {.scene = made.scene,
+                                                      .begin = 1 << 16};
+    const struct proto_SCENE_JOURNAL_request read = {.scene = made.scene};
+    const struct proto_FRAME_SUBMIT_request still = {.scene = made.scene, .step = 99};
+    const struct proto_SCENE_DESTROY_request destroy = {.scene = made.scene};
+    return ask(life, PROTO_METHOD_SCENE_ADD, &add, &added) &&
+           ask(life, PROTO_METHOD_SCENE_JOURNAL, &begin, NULL) &&
+           ask(life, PROTO_METHOD_FRAME_SUBMIT, &still, NULL) &&
+           ask(life, PROTO_METHOD_SCENE_JOURNAL, &read, NULL) &&
+           ask(life, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL);
+}
+
 static bool leave(struct life *life, const struct belongings *has)
 {
     const struct proto_SCENE_REMOVE_request remove = {has->scene, has->floor};
@@ -508,7 +531,8 @@ void life_run(struct life *life, const char *socket_path, enum life_kind kind)
                look_back(life, &has) && step(life, &has, -2, 1, PCCD_METHOD_PAPER) &&
                replace(life, &has) && set_filters(life, &has) &&
                step(life, &has, 1, -2, PCCD_METHOD_DEFAULT) && record(life, &has) &&
-               watch(life, &has) && share(life, &has) && leave(life, &has);
+               watch(life, &has) && share(life, &has) && keep_journal(life, &has) &&
+               leave(life, &has);
     if (!all && !life->is_lost && life->refusals == 0 && life->wrong[0] == '\0') {
         blame(life, "nothing explains this", PROTO_METHOD_PING, 0);
     }

@@ -10,6 +10,7 @@ integration_names = \
     tests/integration/test_int_filter \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
+    tests/integration/test_int_journal \
     tests/integration/test_int_notify \
     tests/integration/test_int_orphan \
     tests/integration/test_int_observe \
@@ -18,6 +19,7 @@ integration_names = \
     tests/integration/test_int_quota \
     tests/integration/test_int_record \
     tests/integration/test_int_record_filter \
+    tests/integration/test_int_record_shared \
     tests/integration/test_int_replace \
     tests/integration/test_int_reconnect \
     tests/integration/test_int_restore \
@@ -81,6 +83,10 @@ tests_integration_test_int_hostile_SOURCES = tests/integration/test_int_hostile.
 tests_integration_test_int_hostile_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_hostile_LDADD = $(integration_libs)
 
+tests_integration_test_int_journal_SOURCES = tests/integration/test_int_journal.c
+tests_integration_test_int_journal_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_journal_LDADD = $(integration_libs)
+
 tests_integration_test_int_observe_SOURCES = tests/integration/test_int_observe.c
 tests_integration_test_int_observe_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_observe_LDADD = $(integration_libs)
@@ -111,6 +117,10 @@ tests_integration_test_int_record_LDADD = $(integration_libs)
 tests_integration_test_int_record_filter_SOURCES = tests/integration/test_int_record_filter.c
 tests_integration_test_int_record_filter_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_record_filter_LDADD = $(integration_libs)
+
+tests_integration_test_int_record_shared_SOURCES = tests/integration/test_int_record_shared.c
+tests_integration_test_int_record_shared_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_record_shared_LDADD = $(integration_libs)
 
 tests_integration_test_int_replace_SOURCES = tests/integration/test_int_replace.c
 tests_integration_test_int_replace_CPPFLAGS = $(integration_cppflags)

@@ -275,6 +275,59 @@ static int follow_pairs(struct drive *drive, const struct record_view *view,
                      pairs.count, pairs.ignored != 0, error);
 }
 
+/* Those of its pairs that ignore each other. */
+static int ignore_again(struct drive *drive, const struct world_scene *scene,
+                        uint32_t object, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < scene->ignored.count && status == PCCD_OK; i++) {
+        const uint32_t *pair = scene->ignored.items[i];
+        if (pair[0] == object || pair[1] == object) {
+            status =
+                set_pairs(drive, scene->handle, (const uint8_t *)pair, 1, true, error);
+        }
+    }
+    return status;
+}
+
+/* An object with a mesh of its own, which is destroyed under it. One that is there goes
+ * before, and what it may meet is said again. */
+static int follow_guest(struct drive *drive, const struct world *world,
+                        const struct record_view *view, struct ctl_error *error)
+{
+    const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_guest);
+    struct record_guest head;
+    memcpy(&head, view->payload, sizeof(head));
+    const struct world_scene *scene = world_scene(world, head.scene);
+    const struct world_object *known =
+        scene != NULL ? world_object(scene, head.object) : NULL;
+    uint32_t mesh = 0;
+    int status = PCCD_OK;
+    if (known != NULL) {
+        status = pccd_scene_remove(drive->client, head.scene, head.object);
+    }
+    if (status == PCCD_OK) {
+        status =
+            pccd_mesh_create(drive->client, x, PCCD_FORMAT_F64, head.vertex_count,
+                             (const uint32_t(*)[3])(
+                                 const void *)(x + head.vertex_count * sizeof(double[3])),
+                             head.triangle_count, &mesh, NULL);
+    }
+    if (status != PCCD_OK) {
+        return failed(drive, status, "a recorded object", error);
+    }
+    status = add_object(drive, head.scene, mesh, head.object, error);
+    if (status == PCCD_OK && pccd_mesh_destroy(drive->client, mesh) != PCCD_OK) {
+        status = failed(drive, PCCD_E_STATE, "a recorded object's mesh", error);
+    }
+    if (status == PCCD_OK && known != NULL) {
+        status = filter_object(drive, head.scene, known, error);
+    }
+    return status == PCCD_OK && known != NULL
+               ? ignore_again(drive, scene, head.object, error)
+               : status;
+}
+
 int drive_follow(struct drive *drive, const struct world *world,
                  const struct record_view *view, struct ctl_error *error)
 {
@@ -293,6 +346,8 @@ int drive_follow(struct drive *drive, const struct world *world,
     case RECORD_MESH_GONE:
     case RECORD_OBJECT_GONE:
         return follow_gone(drive, view, error);
+    case RECORD_GUEST:
+        return follow_guest(drive, world, view, error);
     case RECORD_FILTER:
         return follow_filter(drive, view, error);
     case RECORD_PAIRS:
@@ -425,6 +480,17 @@ int drive_step(struct drive *drive, const struct record_frame *frame, const uint
     }
     pccd_answer_release(drive->client, &page);
     return status;
+}
+
+int drive_move(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
+               struct ctl_error *error)
+{
+    struct record_frame asked = *frame;
+    asked.mode = PCCD_MODE_ANY;
+    int status = drive_step(drive, &asked, slot, false, error);
+    return status == PCCD_OK && drive->answer.status != PCCD_OK
+               ? failed(drive, drive->answer.status, "a step of another client", error)
+               : status;
 }
 
 void drive_deinit(struct drive *drive)

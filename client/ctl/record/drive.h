@@ -32,6 +32,9 @@ int drive_follow(struct drive *drive, const struct world *world,
  * `collects`, all its records, page by page. */
 int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
                bool collects, struct ctl_error *error);
+/* The same of a step of another client: it only moves what it moves. */
+int drive_move(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
+               struct ctl_error *error);
 void drive_deinit(struct drive *drive);
 
 #endif

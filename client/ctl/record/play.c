@@ -195,6 +195,18 @@ static int follow_frame(struct player *player, const struct record_view *view,
                              : status;
 }
 
+/* A step of another client in a shared scene. */
+static int follow_move(struct player *player, const struct record_view *view,
+                       struct ctl_error *error)
+{
+    const uint8_t *slot = (const uint8_t *)view->payload + sizeof(struct record_frame);
+    struct record_frame frame;
+    memcpy(&frame, view->payload, sizeof(frame));
+    int status = player->drive.is_begun ? drive_move(&player->drive, &frame, slot, error)
+                                        : PCCD_OK;
+    return status == PCCD_OK ? world_step(&player->world, &frame, slot, error) : status;
+}
+
 static int follow(struct player *player, struct ctl_error *error)
 {
     struct record_view view;
@@ -211,6 +223,10 @@ static int follow(struct player *player, struct ctl_error *error)
                 return PCCD_OK;
             }
             status = follow_frame(player, &view, error);
+            continue;
+        }
+        if (view.kind == RECORD_MOVE) {
+            status = follow_move(player, &view, error);
             continue;
         }
         if (player->drive.is_begun) {

@@ -272,6 +272,62 @@ static int follow_object(struct world *world, const struct record_view *view,
     return PCCD_OK;
 }
 
+/* An object with a mesh that nobody else has: one that is gone. */
+static int follow_guest(struct world *world, const struct record_view *view,
+                        struct ctl_error *error)
+{
+    const uint8_t *at = (const uint8_t *)view->payload + sizeof(struct record_guest);
+    struct record_guest head;
+    memcpy(&head, view->payload, sizeof(head));
+    struct world_scene *scene = world_scene(world, head.scene);
+    if (scene == NULL) {
+        return unknown(error, "scene", head.scene);
+    }
+    struct world_object *known = world_object(scene, head.object);
+    struct world_mesh *mesh = calloc(1, sizeof(*mesh));
+    size_t x_bytes = head.vertex_count * sizeof(*mesh->x);
+    size_t triangle_bytes = head.triangle_count * sizeof(*mesh->triangles);
+    if (mesh == NULL) {
+        return no_memory(error);
+    }
+    *mesh = (struct world_mesh){.is_gone = true,
+                                .format = PCCD_FORMAT_F64,
+                                .vertex_count = head.vertex_count,
+                                .triangle_count = head.triangle_count,
+                                .x = malloc(x_bytes),
+                                .triangles = malloc(triangle_bytes)};
+    struct world_object object = {
+        .handle = head.object, .self = true, .group = 1, .mask = UINT64_MAX};
+    if (known != NULL) {
+        object = *known; /* what it may meet stays */
+        object.x0 = object.x1 = NULL;
+    }
+    object.mesh = mesh;
+    if (mesh->x != NULL && mesh->triangles != NULL) {
+        memcpy(mesh->x, at, x_bytes);
+        memcpy(mesh->triangles, at + x_bytes, triangle_bytes);
+    }
+    if (mesh->x == NULL || mesh->triangles == NULL || make_room(scene) != PCCD_OK ||
+        place_anew(&object) != PCCD_OK) {
+        empty_mesh(mesh);
+        free(mesh);
+        return no_memory(error);
+    }
+    mesh->user_count = 1;
+    append_mesh(world, mesh);
+    known = world_object(scene, head.object); /* room may have moved them */
+    if (known != NULL) {
+        free(known->x0);
+        free(known->x1);
+        known->mesh->user_count--;
+        settle_mesh(world, known->mesh);
+        *known = object;
+    } else {
+        scene->objects[scene->object_count++] = object;
+    }
+    return PCCD_OK;
+}
+
 static int follow_place(struct world *world, const struct record_view *view,
                         struct ctl_error *error)
 {
@@ -426,6 +482,8 @@ int world_follow(struct world *world, const struct record_view *view,
         return follow_scene(world, view, error);
     case RECORD_OBJECT:
         return follow_object(world, view, error);
+    case RECORD_GUEST:
+        return follow_guest(world, view, error);
     case RECORD_PLACE:
         return follow_place(world, view, error);
     case RECORD_FILTER:

@@ -148,6 +148,18 @@ const uint32_t (*eng_mesh_edges(const struct eng_mesh *mesh))[2]
     return (const uint32_t(*)[2])mesh->edges;
 }
 
+const double (*eng_mesh_vertices(const struct eng_mesh *mesh))[3]
+{
+    return (const double(*)[3])mesh->x;
+}
+
+void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3])
+{
+    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
+        memcpy(corners[i], mesh->triangles[i].v, sizeof *corners);
+    }
+}
+
 uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
 {
     const struct eng_mesh_info *info = &mesh->info;

@@ -67,6 +67,11 @@ void eng_mesh_get_info(const struct eng_mesh *mesh, struct eng_mesh_info *info);
  * numbering of public ground-truth data. */
 const uint32_t (*eng_mesh_edges(const struct eng_mesh *mesh))[2];
 
+/* Registered positions [vertex_count], exactly as they came. */
+const double (*eng_mesh_vertices(const struct eng_mesh *mesh))[3];
+/* The corners of all triangles of a committed mesh, to corners[triangle_count]. */
+void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3]);
+
 /* Bytes held. */
 uint64_t eng_mesh_bytes(const struct eng_mesh *mesh);
 

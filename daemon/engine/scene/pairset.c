@@ -138,3 +138,16 @@ bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
     }
     return false;
 }
+
+bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2])
+{
+    while (*from < set->capacity) {
+        uint64_t key = set->places[(*from)++];
+        if (key != ENG_PAIRSET_EMPTY) {
+            pair[0] = (uint32_t)(key >> 32);
+            pair[1] = (uint32_t)key;
+            return true;
+        }
+    }
+    return false;
+}

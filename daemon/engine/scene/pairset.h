@@ -34,6 +34,9 @@ int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b);
 void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b);
 bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b);
 
+/* The next pair after *from, which is 0 first; false: there are no more. */
+bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2]);
+
 /* Take a pair out that has `a`; *other is the other number. False: there is none. A
  * search for all of them goes on at *from, which is 0 first. */
 bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,

@@ -305,6 +305,35 @@ uint32_t eng_scene_ignored_count(const struct eng_scene *scene)
     return scene->masks.ignored.count;
 }
 
+bool eng_scene_next_ignored(const struct eng_scene *scene, uint32_t *from,
+                            uint32_t pair_idx[2])
+{
+    return eng_pairset_next(&scene->masks.ignored, from, pair_idx);
+}
+
+uint32_t eng_scene_object_id(const struct eng_scene *scene, uint32_t object_idx)
+{
+    return scene->objects[object_idx].id;
+}
+
+const struct eng_mesh *eng_scene_mesh(const struct eng_scene *scene, uint32_t object_idx)
+{
+    return scene->objects[object_idx].mesh;
+}
+
+bool eng_scene_was_moved(const struct eng_scene *scene, uint32_t object_idx)
+{
+    return scene->objects[object_idx].staged == scene->stage;
+}
+
+const double (*eng_scene_positions(const struct eng_scene *scene, uint32_t object_idx,
+                                   unsigned end))[3]
+{
+    const double(*x)[3] =
+        (const double(*)[3])scene->x[end == 0 ? 1 - scene->now : scene->now];
+    return x + scene->objects[object_idx].vertices.first;
+}
+
 uint32_t eng_scene_object_count(const struct eng_scene *scene)
 {
     return scene->object_count;

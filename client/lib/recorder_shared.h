@@ -1,0 +1,64 @@
+/* recorder_shared.h - shared scenes, in recordings.
+ *
+ * Room:     client/lib, private. May include: recorder.h.
+ * Does:     ask the daemon for its journals of the shared scenes of a client that is
+ *           recorded, and write down what they say: what others move is not the client's
+ *           to know otherwise.
+ * Does not: wait, but where it says so: a page is asked for when there is cause, and
+ *           written when it comes.
+ * Threads:  [owner].
+ *
+ * What is done to a shared scene, by anybody, is in the recording as the journal says,
+ * and in its order: objects as GUEST, steps that this client has submitted or that its
+ * frames went along with as FRAME, those of others as MOVE.
+ */
+#ifndef CLI_RECORDER_SHARED_H
+#define CLI_RECORDER_SHARED_H
+
+#include "recorder.h"
+
+/* A scene's journal. */
+struct cli_journal {
+    struct cli_journal *next;
+    uint32_t scene;
+    bool is_due;      /* there is more, or there may be */
+    bool is_asked;    /* a page is on its way */
+    uint64_t cursor;  /* of what has come */
+    uint8_t *entries; /* that have come and are not whole yet */
+    size_t bytes;
+    size_t room;
+    uint64_t number; /* of the client's last step in the scene, to the scene and */
+    uint64_t step;   /* to the client */
+};
+
+/* Begin the journal of a scene, and write what is in it; waits. 0, or why not: the
+ * recording has ended then. */
+int cli_journal_begin(struct pccd_client *client, uint32_t scene);
+/* Write all that has been done in the scene (0: in any) until now; waits. Nothing without
+ * a journal. */
+void cli_journal_settle(struct pccd_client *client, uint32_t scene);
+/* The same of all of them, and no more. */
+void cli_journal_stop(struct pccd_client *client);
+/* The scene is gone. */
+void cli_journal_end(struct pccd_client *client, uint32_t scene);
+
+/* Whether what this client does in a scene is not written when it is done. */
+bool cli_journal_has(const struct pccd_client *client, uint32_t scene);
+/* Something has been done in the scene. */
+void cli_journal_note(struct pccd_client *client, uint32_t scene);
+/* Ask for what is due, where that can be sent at once. From public functions only: not
+ * while a message is being taken in. */
+void cli_journal_pump(struct pccd_client *client);
+/* An answer to scene.journal has come. */
+void cli_journal_take(struct pccd_client *client, const struct cli_call *call);
+/* A step of this client in the scene was answered. */
+void cli_journal_answered(struct pccd_client *client,
+                          const struct proto_FRAME_SUBMIT_request *request,
+                          const struct proto_FRAME_SUBMIT_result *result);
+/* The client's number for a step of the scene; 0: it is another's. */
+uint64_t cli_journal_step(const struct pccd_client *client, uint32_t scene,
+                          uint64_t number);
+/* Another daemon has taken the place of the one that kept the journals. */
+void cli_journal_lost(struct pccd_client *client);
+
+#endif

@@ -1,0 +1,80 @@
+/* journal.h - what a journal of a shared scene holds, byte by byte.
+ *
+ * Room:     proto. May include: the C library.
+ * Does:     the layout of the entries that scene.journal gives out.
+ * Does not: keep or read them (daemon/service/journal.c, client/lib/journal.c).
+ * Threads:  [any].
+ *
+ * A run of entries in the order in which the daemon did what they say. Each begins with
+ * struct proto_journal_entry and is a multiple of 8 bytes long; a page may end within
+ * one. All words are little-endian; positions are double[3]. A reader skips kinds that it
+ * does not know. An object stands where its mesh was registered until a step moves it.
+ *
+ * | kind | behind the entry |
+ * |---|---|
+ * | OBJECT | struct proto_journal_object, vertices, triangles (u32[3] each), zeros |
+ * | GONE | nothing |
+ * | FILTER | struct proto_journal_filter |
+ * | PAIRS | struct proto_journal_pairs, u32[2] each: handles of two objects |
+ * | STEP | struct proto_journal_step, then what could have stood in a slot: a segment |
+ * |      | table (shm.h), all of it x0x1 and double, and positions |
+ */
+#ifndef PROTO_JOURNAL_H
+#define PROTO_JOURNAL_H
+
+#include <assert.h>
+#include <stdint.h>
+
+enum proto_journal_kind {
+    PROTO_JOURNAL_OBJECT = 1, /* was added, or got another shape */
+    PROTO_JOURNAL_GONE = 2,   /* was removed, or its session has left */
+    PROTO_JOURNAL_FILTER = 3, /* may meet what this says from now on */
+    PROTO_JOURNAL_PAIRS = 4,  /* ignore each other from now on, or not any more */
+    PROTO_JOURNAL_STEP = 5    /* the scene was moved on */
+};
+
+struct proto_journal_entry {
+    uint64_t bytes; /* of all of it */
+    uint32_t kind;  /* enum proto_journal_kind */
+    uint32_t object; /* handle; PAIRS, STEP: 0 */
+};
+
+struct proto_journal_object {
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+};
+
+struct proto_journal_filter {
+    uint64_t group;
+    uint64_t mask;
+    uint32_t self;
+    uint32_t reserved;
+};
+
+struct proto_journal_pairs {
+    uint32_t count;
+    uint32_t ignored;
+};
+
+struct proto_journal_step {
+    uint64_t step;   /* of the session that keeps the journal: that it has submitted, or
+                        that went along; 0: none of either, or objects were placed */
+    uint64_t number; /* of the scene; 0: objects were placed */
+    double tolerance;
+    uint32_t mode;
+    uint32_t method;
+    uint32_t threads;
+    uint32_t scheduler;
+    uint32_t high_level;
+    uint32_t refit;
+    uint32_t segments;
+    uint32_t reserved;
+};
+
+static_assert(sizeof(struct proto_journal_entry) == 16, "entry");
+static_assert(sizeof(struct proto_journal_object) == 8, "object");
+static_assert(sizeof(struct proto_journal_filter) == 24, "filter");
+static_assert(sizeof(struct proto_journal_pairs) == 8, "pairs");
+static_assert(sizeof(struct proto_journal_step) == 56, "step");
+
+#endif

@@ -1,0 +1,224 @@
+/* test_int_journal.c - scene.journal: what is done to a shared scene.
+ *
+ * Room:     tests/integration. May include: the protocol's headers, tests/support.
+ * Does:     begin, read and end journals by hand: what they cost, what they refuse, and
+ *           what is left when they are full.
+ * Does not: replay them; test_int_record_shared does.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "journal.h"
+#include "raw.h"
+
+#define MIB (1ull << 20)
+
+static struct test_daemon daemon_;
+static struct test_raw raw;
+static uint32_t scene, mesh, object;
+static uint64_t steps;
+
+/* A user may have 64 MiB of shared memory. */
+static int setup(void **state)
+{
+    static const char *const options[] = {"--shm-max-mib", "64", NULL};
+    struct proto_SCENE_CREATE_request create = {.name = "journal"};
+    struct proto_SCENE_CREATE_result made;
+
+    (void)state;
+    steps = 0;
+    if (!test_daemon_start(&daemon_, options) || !test_raw_open(&raw, daemon_.socket) ||
+        test_raw_hello(&raw) != 0 || test_raw_attach(&raw, 2, 65536) != 0 ||
+        test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh) != 0 ||
+        test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made) != 0) {
+        return -1;
+    }
+    scene = made.scene;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    test_raw_close(&raw);
+    return test_daemon_finish(&daemon_) ? 0 : -1;
+}
+
+static int ask(uint64_t cursor, uint64_t begin, bool stop,
+               struct proto_SCENE_JOURNAL_result *result)
+{
+    const struct proto_SCENE_JOURNAL_request request = {
+        .scene = scene, .cursor = cursor, .begin = begin, .stop = stop};
+
+    return test_raw_call(&raw, PROTO_METHOD_SCENE_JOURNAL, &request, result);
+}
+
+static void add(void)
+{
+    const struct proto_SCENE_ADD_request request = {.scene = scene, .mesh = mesh};
+    struct proto_SCENE_ADD_result result;
+
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &request, &result), 0);
+    object = result.object;
+}
+
+/* The object goes to the height z, by a step of its session. */
+static void step(float z)
+{
+    uint8_t *payload = test_raw_payload(&raw, 0);
+    struct proto_segment segment = {
+        .object = object, .count = 3, .offset1 = sizeof(segment)};
+    struct proto_FRAME_SUBMIT_request request = {
+        .scene = scene, .segments = 1, .step = ++steps};
+    struct proto_FRAME_SUBMIT_result result;
+    float x[3][3];
+
+    test_crossing_positions(x, z);
+    memcpy(payload, &segment, sizeof(segment));
+    memcpy(payload + sizeof(segment), x, sizeof(x));
+    request.seq = test_raw_publish(&raw, 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &result),
+                     0);
+}
+
+static const uint8_t *page(const struct proto_SCENE_JOURNAL_result *result)
+{
+    return (const uint8_t *)raw.result.base + result->offset;
+}
+
+/* If it failed, a reader would be told something else than what was done. */
+static void journal__tells_what_is_done_in_order(void **state)
+{
+    static const uint32_t kinds[] = {PROTO_JOURNAL_OBJECT, PROTO_JOURNAL_STEP,
+                                     PROTO_JOURNAL_STEP, PROTO_JOURNAL_GONE};
+    struct proto_SCENE_REMOVE_request gone = {.scene = scene};
+    struct proto_SCENE_JOURNAL_result result, again;
+    struct proto_journal_entry entry;
+    struct proto_journal_step told;
+    uint64_t at = 0;
+    double z;
+
+    (void)state;
+    add();
+    step(-1);
+    assert_int_equal(ask(0, MIB, false, &result), 0); /* object, where it is */
+    assert_true(result.count > 0 && result.end == result.count && !result.full);
+    step(0.5f);
+    gone.object = object;
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &gone, NULL), 0);
+    assert_int_equal(ask(0, 0, false, &result), 0); /* nothing was taken: all of it */
+    for (size_t i = 0; i < sizeof(kinds) / sizeof(kinds[0]); i++) {
+        memcpy(&entry, page(&result) + at, sizeof(entry));
+        assert_int_equal(entry.kind, kinds[i]);
+        assert_int_equal(entry.object, kinds[i] == PROTO_JOURNAL_STEP ? 0 : object);
+        if (i == 2) {
+            memcpy(&told, page(&result) + at + sizeof(entry), sizeof(told));
+            memcpy(&z, page(&result) + at + entry.bytes - sizeof(z), sizeof(z));
+            assert_int_equal(told.step, 2);
+            assert_int_equal(told.number, 2);
+            assert_int_equal(told.segments, 1);
+            assert_true(z == 0.5);
+        }
+        at += entry.bytes;
+    }
+    assert_int_equal(at, result.end);
+    /* Once more, from the middle of an entry, and the same bytes. */
+    assert_int_equal(ask(result.end - 20, 0, false, &again), 0);
+    assert_int_equal(again.count, 20);
+    assert_memory_equal(page(&again), page(&result) + result.end - 20, 20);
+    assert_int_equal(ask(result.end, 0, false, &again), 0);
+    assert_int_equal(again.count, 0);
+    assert_int_equal(ask(0, 0, false, &again), PCCD_E_INVAL); /* was forgotten */
+    assert_int_equal(ask(result.end + 1, 0, false, &again), PCCD_E_INVAL);
+}
+
+/* If it failed, a journal that lacks something would look as if it were whole. */
+static void journal__says_when_it_is_full(void **state)
+{
+    struct proto_SCENE_JOURNAL_result result, later;
+
+    (void)state;
+    add();
+    assert_int_equal(ask(0, 64, false, &result), PCCD_E_LIMIT);
+    assert_int_equal(ask(0, 4096, false, &result), 0);
+    for (int i = 0; i < 40; i++) {
+        step(i % 2 == 0 ? -1.0f : 1.0f);
+    }
+    assert_int_equal(ask(0, 0, false, &result), 0);
+    assert_true(result.full && result.count <= 4096 && result.count > 2048);
+    assert_int_equal(ask(result.end, 0, false, &later), 0);
+    step(1);
+    assert_int_equal(ask(result.end, 0, false, &later), 0);
+    assert_true(later.full && later.count == 0 && later.end == result.end);
+    assert_int_equal(ask(0, 0, true, &later), 0);
+    assert_int_equal(ask(0, 0, false, &later), PCCD_E_STATE);
+    assert_int_equal(ask(0, 4096, false, &later), 0);
+    assert_false(later.full);
+}
+
+/* If it failed, journals would cost nothing, or for ever. */
+static void journal__is_charged_until_it_ends(void **state)
+{
+    const struct proto_SCENE_DESTROY_request destroy = {.scene = scene};
+    struct proto_SCENE_CREATE_request create = {.name = "journal"};
+    struct proto_SCENE_CREATE_result made;
+    struct proto_SCENE_JOURNAL_result result;
+    uint64_t late = test_now_ms() + 5000;
+
+    (void)state;
+    assert_int_equal(ask(0, 65 * MIB, false, &result), PCCD_E_QUOTA);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
+        assert_int_equal(ask(0, 1, false, &result), PCCD_E_STATE); /* there is one */
+        assert_int_equal(ask(0, 0, true, &result), 0);
+        add(); /* so that the next one is refused */
+        assert_int_equal(ask(0, 1, false, &result), PCCD_E_LIMIT);
+    }
+    assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made), 0);
+    scene = made.scene;
+    while (ask(0, 60 * MIB, false, &result) == PCCD_E_QUOTA && test_now_ms() < late) {
+        test_sleep_ms(1); /* it is freed behind what is computed */
+    }
+    assert_int_equal(ask(0, 0, false, &result), 0);
+}
+
+/* If it failed, nonsense would be taken for something. */
+static void journal__refuses_what_it_is_not_of(void **state)
+{
+    const struct proto_SCENE_CREATE_request private = {.name = ""};
+    struct proto_SCENE_CREATE_result made;
+    struct proto_SCENE_JOURNAL_result result;
+
+    (void)state;
+    assert_int_equal(ask(0, 0, false, &result), PCCD_E_STATE);
+    assert_int_equal(ask(0, MIB, true, &result), PCCD_E_INVAL);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &private, &made), 0);
+    scene = made.scene;
+    assert_int_equal(ask(0, MIB, false, &result), PCCD_E_INVAL);
+    scene = 77;
+    assert_int_equal(ask(0, MIB, false, &result), PCCD_E_HANDLE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(journal__tells_what_is_done_in_order, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(journal__says_when_it_is_full, setup, teardown),
+        cmocka_unit_test_setup_teardown(journal__is_charged_until_it_ends, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(journal__refuses_what_it_is_not_of, setup,
+                                        teardown),
+    };
+    return cmocka_run_group_tests_name("int_journal", tests, NULL, NULL);
+}

@@ -1,0 +1,451 @@
+/* test_int_record_shared.c - recordings of sessions that share a scene with others.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     two clients move a scene in every way that there is, and one of them is
+ *           recorded; pccdctl repeats and verifies what it was answered, with a daemon
+ *           and without.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "prng.h"
+#include "run_ctl.h"
+
+#define BODY 6u /* vertices: two triangles, one across the other */
+
+static char folder[] = "/tmp/pccd-test-both-XXXXXX";
+static char path[96];
+static struct prng prng;
+
+/* One client, and what it has in the scene. */
+struct member {
+    struct pccd_client *client;
+    uint32_t scene, mesh;
+    uint32_t bodies[2]; /* 0: none */
+    float height;
+    uint64_t held; /* a step that waits; 0: none */
+    uint64_t answered;
+    uint64_t with_contacts; /* of these */
+};
+
+static int set_up(void **state)
+{
+    if (mkdtemp(folder) == NULL || test_shared_start(state) != 0) {
+        return -1;
+    }
+    (void)snprintf(path, sizeof(path), "%s/session.rec", folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    char command[128];
+
+    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
+    return system(command) == 0 ? test_shared_stop(state) : -1;
+}
+
+static void remove_files(void)
+{
+    char command[128];
+
+    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
+    assert_int_equal(system(command), 0);
+}
+
+static uint64_t draw(uint64_t below)
+{
+    return prng_below(&prng, below);
+}
+
+static float near(void)
+{
+    return (float)draw(64) / 16 - 2;
+}
+
+static void shape(float x[BODY][3], float z)
+{
+    const float at[BODY][3] = {{-1, -1, 0}, {1, -1, 0},    {0, 1, 0},
+                               {0, 0, -1},  {0.25f, 0, 1}, {0, 0.25f, 1}};
+
+    for (uint32_t v = 0; v < BODY; v++) {
+        x[v][0] = at[v][0] + 0.0625f * z;
+        x[v][1] = at[v][1];
+        x[v][2] = at[v][2] + z;
+    }
+}
+
+static const uint32_t triangles[2][3] = {{0, 1, 2}, {3, 4, 5}};
+
+static void enter(struct member *member, const char *name)
+{
+    const struct pccd_scene_settings settings = {.name = name, .share = PCCD_SHARE_OPEN};
+    float x[BODY][3];
+
+    shape(x, member->height);
+    assert_int_equal(pccd_scene_create(member->client, &settings, &member->scene), 0);
+    assert_int_equal(pccd_mesh_create(member->client, x, PCCD_FORMAT_F32, BODY, triangles,
+                                      2, &member->mesh, NULL),
+                     0);
+    assert_int_equal(
+        pccd_scene_add(member->client, member->scene, member->mesh, &member->bodies[0]),
+        0);
+}
+
+static void connect_member(struct member *member, float height)
+{
+    *member = (struct member){.client = test_connect(test_shared.url), .height = height};
+    assert_non_null(member->client);
+}
+
+/* ---- steps ------------------------------------------------------------------------- */
+
+/* A way for one body, of one of the kinds of segments. */
+static void write_way(struct pccd_frame *frame, uint32_t body)
+{
+    const double from[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, (double)near()};
+    const double to[12] = {0.8, -0.6, 0, 0.125, 0.6, 0.8, 0, 0, 0, 0, 1, (double)near()};
+    void *x0 = NULL, *x1 = NULL;
+    double wide[2][BODY][3];
+    float x[BODY][3];
+
+    shape(x, near());
+    switch (draw(4)) {
+    case 0:
+        assert_int_equal(pccd_frame_rigid(frame, body, 0, BODY, from, to), 0);
+        break;
+    case 1:
+        assert_int_equal(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 2, 3, &x1), 0);
+        memcpy(x1, x + 2, 3 * sizeof(x[0]));
+        break;
+    case 2:
+        for (uint32_t i = 0; i < 3 * BODY; i++) {
+            wide[0][i / 3][i % 3] = (double)x[i / 3][i % 3] / 3;
+            wide[1][i / 3][i % 3] = (double)near() / 7;
+        }
+        assert_int_equal(pccd_frame_x0x1(frame, body, PCCD_FORMAT_F64, 0, BODY, &x0, &x1),
+                         0);
+        memcpy(x0, wide[0], sizeof(wide[0]));
+        memcpy(x1, wide[1], sizeof(wide[1]));
+        break;
+    default:
+        assert_int_equal(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 0, BODY, &x1), 0);
+        memcpy(x1, x, sizeof(x));
+        break;
+    }
+}
+
+static uint64_t submit(struct member *member, bool hold)
+{
+    const struct pccd_step_settings settings = {
+        .mode = hold ? PCCD_MODE_ALL : (enum pccd_mode)draw(PCCD_MODE_COUNT),
+        .tolerance = hold || draw(2) == 0 ? 0 : 1e-9,
+        .hold = hold};
+    struct pccd_frame frame;
+    uint64_t step = 0;
+
+    assert_int_equal(pccd_frame_begin(member->client, member->scene, 2, 1024, &frame), 0);
+    for (uint32_t i = 0; i < 2; i++) {
+        if (member->bodies[i] != 0 && (i == 0 || draw(2) == 0)) {
+            write_way(&frame, member->bodies[i]);
+        }
+    }
+    assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+    return step;
+}
+
+static void collect(struct member *member, uint64_t step)
+{
+    struct pccd_answer answer;
+
+    assert_int_equal(pccd_wait(member->client, step, -1, &answer), 0);
+    if (answer.count == 0 && answer.total > 0 && draw(2) == 0) { /* it was held */
+        assert_int_equal(
+            pccd_scene_read(member->client, member->scene, answer.number, 0, &answer), 0);
+    }
+    member->with_contacts += answer.vf + answer.ee > 0;
+    pccd_answer_release(member->client, &answer);
+    member->answered++;
+}
+
+/* It holds a frame, which has been taken in when this returns. */
+static void hold(struct member *member)
+{
+    struct pccd_object_settings settings = {.what = 0};
+
+    if (member->held == 0) {
+        member->held = submit(member, true);
+        assert_int_equal(
+            pccd_object_get(member->client, member->scene, member->bodies[0], &settings),
+            0);
+    }
+}
+
+/* One step, and the frames that wait for it. Who holds one moves nothing else. */
+static void step(struct member *member, struct member *other)
+{
+    uint64_t number = 0;
+
+    if (member->held == 0) {
+        number = submit(member, false);
+    } else {
+        assert_int_equal(pccd_submit_still(member->client, member->scene, NULL, &number),
+                         0);
+    }
+    collect(member, number);
+    if (other->held != 0) {
+        collect(other, other->held);
+        other->held = 0;
+    }
+    if (member->held != 0) {
+        collect(member, member->held);
+        member->held = 0;
+    }
+}
+
+/* ---- everything else --------------------------------------------------------------- */
+
+static void set(struct member *member)
+{
+    const struct pccd_object_settings settings = {.what = (uint32_t)draw(8),
+                                                  .self_collision = draw(2) == 0,
+                                                  .group = 1 + draw(3),
+                                                  .mask = 1 + draw(3)};
+
+    assert_int_equal(
+        pccd_object_set(member->client, member->scene, member->bodies[0], &settings), 0);
+}
+
+static void change(struct member *member, const struct member *other)
+{
+    float x[BODY][3];
+
+    switch (draw(6)) {
+    case 0:
+        if (member->held != 0) {
+            break; /* or what it holds could not go along */
+        }
+        shape(x, near());
+        assert_int_equal(pccd_mesh_replace(member->client, member->mesh, x,
+                                           PCCD_FORMAT_F32, BODY, triangles, 2, NULL),
+                         0);
+        break;
+    case 1:
+        if (member->bodies[1] == 0 && member->held == 0) {
+            assert_int_equal(pccd_scene_add(member->client, member->scene, member->mesh,
+                                            &member->bodies[1]),
+                             0);
+        } else if (member->held == 0) {
+            assert_int_equal(
+                pccd_scene_remove(member->client, member->scene, member->bodies[1]), 0);
+            member->bodies[1] = 0;
+        }
+        break;
+    case 2:
+        set(member);
+        break;
+    default:
+        assert_int_equal(pccd_pair_ignore(member->client, member->scene,
+                                          member->bodies[0], other->bodies[0],
+                                          draw(3) == 0),
+                         0);
+        break;
+    }
+}
+
+static void play(struct member *a, struct member *b, int rounds)
+{
+    for (int i = 0; i < rounds; i++) {
+        struct member *who = draw(2) == 0 ? a : b;
+        struct member *other = who == a ? b : a;
+
+        switch (draw(4)) {
+        case 0:
+            hold(who);
+            break;
+        case 1:
+            change(who, other);
+            break;
+        default:
+            step(who, other);
+            break;
+        }
+    }
+    step(a, b); /* nothing waits any more */
+}
+
+/* ---- judging ----------------------------------------------------------------------- */
+
+static void assert_repeats(uint64_t least)
+{
+    static const char *const options[] = {
+        "--json", "--json --url direct:", "--json --method paper"};
+    char said[4096];
+
+    for (size_t i = 0; i < sizeof(options) / sizeof(options[0]); i++) {
+        int status = test_ctl("replay", options[i], path, said, sizeof(said));
+
+        if (status != 0 || test_ctl_number(said, "same") < least) {
+            print_message("%s: %s\n", options[i], said);
+        }
+        assert_int_equal(status, 0);
+        assert_int_equal(test_ctl_number(said, "differ"), 0);
+        assert_in_range(test_ctl_number(said, "same"), least, 100000);
+    }
+    int status = test_ctl("verify", "--repeat --sample 20", path, said, sizeof(said));
+
+    if (status != 0) {
+        print_message("%s\n", said);
+    }
+    assert_int_equal(status, 0);
+}
+
+/* If this failed, what others move, or what their objects are, would be missing in a
+ * recording, or stand in another order than the daemon did it. */
+static void record__holds_what_others_do(void **state)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    struct pccd_record_info info;
+
+    (void)state;
+    for (int round = 0; round < 6; round++) {
+        struct member a, b;
+
+        prng.state = prng_seed() + (uint64_t)round;
+        remove_files();
+        connect_member(&a, 0);
+        connect_member(&b, 1);
+        assert_int_equal(pccd_record_start(a.client, path, &settings), 0);
+        if (round % 2 == 0) {
+            enter(&a, "both");
+            enter(&b, "both");
+        } else {
+            enter(&b, "both");
+            enter(&a, "both");
+        }
+        play(&a, &b, 100);
+        assert_int_equal(pccd_record(a.client, &info), 0);
+        assert_int_equal(info.status, 0);
+        if (round % 3 == 0) { /* who leaves has been recorded until then */
+            assert_int_equal(pccd_scene_destroy(a.client, a.scene), 0);
+        } else if (round % 3 == 1) {
+            pccd_close(b.client);
+            b.client = NULL;
+        }
+        assert_int_equal(pccd_record_stop(a.client, &info), 0);
+        assert_int_equal(info.status, 0);
+        pccd_close(a.client);
+        pccd_close(b.client);
+        assert_in_range(a.with_contacts, a.answered / 4, a.answered);
+        assert_repeats(a.answered - a.answered / 4);
+    }
+}
+
+/* If this failed, a game could not begin to record while others are there. */
+static void record__begins_with_what_others_have_done(void **state)
+{
+    struct pccd_record_info info;
+
+    (void)state;
+    if (test_is_direct()) {
+        skip(); /* nothing is kept there of what was made before */
+    }
+    for (int round = 0; round < 3; round++) {
+        struct member a, b;
+        uint64_t before;
+
+        prng.state = prng_seed() + 100 + (uint64_t)round;
+        remove_files();
+        connect_member(&a, 0);
+        connect_member(&b, 1);
+        enter(&b, "begun");
+        enter(&a, "begun");
+        play(&a, &b, 50);
+        if (round > 0) {
+            hold(round == 1 ? &a : &b);
+        }
+        before = a.answered;
+        assert_int_equal(pccd_record_start(a.client, path, NULL), 0);
+        play(&a, &b, 60);
+        assert_int_equal(pccd_record_stop(a.client, &info), 0);
+        play(&a, &b, 5); /* the daemon keeps nothing more */
+        pccd_close(a.client);
+        pccd_close(b.client);
+        assert_repeats((a.answered - before) / 2);
+    }
+}
+
+/* If this failed, a recording that cannot be right would look as if it were. */
+static void record__ends_where_it_would_not_be_whole(void **state)
+{
+    const struct pccd_record_settings ring = {.max_bytes = 1 << 20, .segments = 2};
+    struct pccd_record_info info;
+    struct member a;
+
+    (void)state;
+    remove_files();
+    connect_member(&a, 0);
+    assert_int_equal(pccd_record_start(a.client, path, &ring), 0);
+    enter(&a, "ring");
+    assert_int_equal(pccd_record_stop(a.client, &info), PCCD_E_STATE);
+    assert_non_null(strstr(pccd_error_text(a.client), "ring of segments"));
+    pccd_close(a.client);
+}
+
+/* If this failed, a daemon that takes the place of a lost one would be trusted to know
+ * what others did before. */
+static void record__ends_when_the_daemon_is_lost(void **state)
+{
+    static const char *const options[] = {"--supervise", NULL};
+    struct test_daemon daemon;
+    struct pccd_record_info info;
+    struct member a, b;
+
+    (void)state;
+    if (test_is_direct()) {
+        skip();
+    }
+    remove_files();
+    prng.state = prng_seed();
+    assert_true(test_daemon_start(&daemon, options));
+    a = (struct member){.client = test_connect(daemon.url)};
+    b = (struct member){.client = test_connect(daemon.url), .height = 1};
+    assert_int_equal(pccd_record_start(a.client, path, NULL), 0);
+    enter(&a, "lost");
+    enter(&b, "lost");
+    play(&a, &b, 20);
+    (void)pccd_record(a.client, &info);
+    (void)pccd_poll(a.client, &(struct pccd_answer){0}); /* what is due is asked for */
+    assert_int_equal(pccd_ping(a.client, &(uint64_t){0}), 0); /* and comes before this */
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(a.client), SIGKILL), 0);
+    collect(&a, submit(&a, false));
+    assert_int_equal(pccd_record_stop(a.client, &info), PCCD_E_DISCONNECTED);
+    assert_non_null(strstr(pccd_error_text(a.client), "its daemon was lost"));
+    pccd_close(a.client);
+    pccd_close(b.client);
+    assert_repeats(3);
+    (void)test_daemon_end(&daemon, SIGTERM, 10000);
+    (void)test_daemon_finish(&daemon);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(record__holds_what_others_do),
+        cmocka_unit_test(record__begins_with_what_others_have_done),
+        cmocka_unit_test(record__ends_where_it_would_not_be_whole),
+        cmocka_unit_test(record__ends_when_the_daemon_is_lost),
+    };
+    return cmocka_run_group_tests_name("int_record_shared", tests, set_up, tear_down);
+}
