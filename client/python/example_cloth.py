@@ -85,7 +85,8 @@ def main():
         scene = client.scene_create()
         mesh = client.mesh_create(x, triangles)
         cloth = client.scene_add(scene, mesh)
-        client.scene_add(scene, client.mesh_create(*sphere()))
+        ball = client.scene_add(scene, client.mesh_create(*sphere()))
+        client.object_set(scene, ball, self_collision=False)  # it never changes its shape
         edges = client.mesh_edges(mesh)
         lengths = np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1, keepdims=True)
         velocity = np.zeros_like(x)

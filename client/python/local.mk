@@ -17,7 +17,8 @@ dist_python_parts_DATA = \
     client/python/_pccd/recover.py \
     client/python/_pccd/restore.py \
     client/python/_pccd/ring.py \
+    client/python/_pccd/scenes.py \
     client/python/_pccd/upload.py \
     client/python/_pccd/values.py \
     client/python/_pccd/wire.py
-EXTRA_DIST += client/python/example_cloth.py
+EXTRA_DIST += client/python/example_cloth.py client/python/example_shared.py

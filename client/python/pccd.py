@@ -42,24 +42,26 @@ from _pccd.keep import Kept
 from _pccd.link import Call
 from _pccd.observe import Histogram, Observe, Setting, StepEvent
 from _pccd.ring import Ring, Slot
+from _pccd.scenes import ObjectSettings, SceneNews
 from _pccd.values import (SOCKET_BYTES, LinkInfo, MeshInfo, Options, PccdError,
                           StepCounters, StepSettings, StepTimes, default_socket_path,
                           failure, pack_vertices)
 from _pccd.wire import (BOX, CONTACT, EDGE, FEATURE_RESUME, PAIR, RESULT_BYTES_MIN,
                         SEGMENT, SEGMENTS_MAX, SLOT_BYTES_MIN, SLOTS_MAX, TRACE_EVENT,
                         ContactFlag, Format, HighLevel, HistogramKind, Incomplete, Kind,
-                        Method, Mode, Quality, Refit, Scheduler, Status, TraceKind, Tree,
+                        Method, Mode, ObjectWhat, Quality, Refit, Scheduler, Share,
+                        Status, TraceKind, Tree,
                         Verdict)
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Answer", "BOX", "Client", "CONTACT", "ContactFlag", "EDGE", "Format", "Frame",
-    "HighLevel",
-    "Histogram", "HistogramKind", "Incomplete", "Kind", "LinkInfo", "MeshInfo", "Method",
-    "Mode", "PAIR", "PccdError", "Quality", "Refit", "Result", "Scheduler", "Setting",
-    "Status", "StepCounters", "StepEvent", "StepSettings", "StepTimes", "TRACE_EVENT",
-    "TraceKind", "Tree", "Verdict", "connect", "default_socket_path",
+    "Answer", "BOX", "Client", "connect", "CONTACT", "ContactFlag", "default_socket_path",
+    "EDGE", "Format", "Frame", "HighLevel", "Histogram", "HistogramKind", "Incomplete",
+    "Kind", "LinkInfo", "MeshInfo", "Method", "Mode", "ObjectSettings", "ObjectWhat",
+    "PAIR", "PccdError", "Quality", "Refit", "Result", "SceneNews", "Scheduler",
+    "Setting", "Share", "Status", "StepCounters", "StepEvent", "StepSettings",
+    "StepTimes", "TRACE_EVENT", "TraceKind", "Tree", "Verdict",
 ]
 
 STEPS = 32  # submitted, answers not taken
@@ -134,7 +136,7 @@ class Client(Observe):
         the daemon's own user). `threads` 0: no step yet."""
         return self._call("stats.thread", thread=thread, any=any)
 
-    # -- meshes, scenes, objects --
+    # -- meshes; scenes and objects: _pccd/scenes.py --
 
     def mesh_create(self, x: ArrayLike, triangles: ArrayLike) -> int:
         """Register a mesh, x: (n, 3) float32 or float64, triangles: (m, 3) vertex
@@ -192,37 +194,6 @@ class Client(Observe):
                                   "region: release answers first")
                 boxes = np.concatenate([boxes, page.records(BOX)])
         return boxes
-
-    def scene_create(self, quality: int = Quality.DEFAULT, rebuild_ratio: float = 0.0,
-                     rebuild_triangles_max: int = 0) -> int:
-        """An empty scene. The settings say how its hierarchies are built and kept; zeros
-        are the defaults, and the answers never depend on any of it."""
-        settings = {"quality": int(quality), "rebuild_ratio": float(rebuild_ratio),
-                    "rebuild_triangles_max": int(rebuild_triangles_max)}
-        scene: int = self._call("scene.create", **settings)["scene"]
-        if self._kept is not None:
-            self._kept.add_scene(scene, settings)
-        return scene
-
-    def scene_destroy(self, scene: int) -> None:
-        """Drop a scene and its objects."""
-        kept = self._kept
-        self._wait(self._send("scene.destroy", {"scene": scene}, then=lambda call: (
-            kept.remove_scene(scene) if kept is not None else None)))
-
-    def scene_add(self, scene: int, mesh: int) -> int:
-        """An object: an instance of a mesh, at the mesh's registered positions."""
-        made: int = self._call("scene.add", scene=scene, mesh=mesh)["object"]
-        if self._kept is not None:
-            self._kept.add_object(scene, mesh, made, self._next_step)
-        return made
-
-    def scene_remove(self, scene: int, object: int) -> None:
-        """Drop an object."""
-        kept = self._kept
-        self._wait(self._send("scene.remove", {"scene": scene, "object": object},
-                              then=lambda call: (kept.remove_object(scene, object)
-                                                 if kept is not None else None)))
 
     # -- steps --
 

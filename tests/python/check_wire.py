@@ -75,6 +75,8 @@ class Wire(unittest.TestCase):
                 (pccd.HighLevel, TYPES, "pccd_high_level", "PCCD_HIGH_LEVEL_"),
                 (pccd.Refit, TYPES, "pccd_refit", "PCCD_REFIT_"),
                 (pccd.Quality, TYPES, "pccd_quality", "PCCD_QUALITY_"),
+                (pccd.Share, TYPES, "pccd_share", "PCCD_SHARE_"),
+                (pccd.ObjectWhat, TYPES, "pccd_object_what", "PCCD_OBJECT_"),
                 (pccd.Format, TYPES, "pccd_format", "PCCD_FORMAT_"),
                 (pccd.Kind, TYPES, "pccd_kind", "PCCD_"),
                 (pccd.ContactFlag, TYPES, "pccd_contact_flag", "PCCD_"),
@@ -84,7 +86,8 @@ class Wire(unittest.TestCase):
                 (pccd.HistogramKind, DAEMON, "pccd_histogram_kind", "PCCD_HISTOGRAM_")):
             with self.subTest(name):
                 self.assertEqual(c_enum(text, name, prefix),
-                                 {item.name: item.value for item in python})
+                                 {key: item.value
+                                  for key, item in python.__members__.items()})
         incomplete = c_enum(TYPES, "pccd_incomplete", "PCCD_")
         self.assertEqual({name.replace("INCOMPLETE_", ""): value
                           for name, value in incomplete.items()},
@@ -105,6 +108,7 @@ class Wire(unittest.TestCase):
     # If this failed, this client would ask for what the daemon refuses, or too little.
     def test_limits__are_those_of_the_header(self):
         for name in ("VERSION_MIN", "VERSION_MAX", "FEATURE_RESUME", "FEATURE_OBSERVE",
+                     "FEATURE_FILTERS", "FEATURE_SHARED",
                      "MESSAGE_BYTES_MAX", "SLOTS_MAX", "INFLIGHT_MAX", "REPLIES_KEPT",
                      "SEGMENTS_MAX", "SLOT_BYTES_MIN", "RESULT_BYTES_MIN"):
             with self.subTest(name):

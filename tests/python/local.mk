@@ -9,6 +9,7 @@ dist_check_SCRIPTS += $(python_tests)
 EXTRA_DIST += \
     tests/python/check_client.py \
     tests/python/check_link.py \
+    tests/python/check_scenes.py \
     tests/python/check_wire.py \
     tests/python/find.sh \
     tests/python/support.py \

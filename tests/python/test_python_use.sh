@@ -31,6 +31,7 @@ run() {
 # If this failed, the first program that anybody tries would be wrong: it checks that no
 # vertex of the cloth gets into the sphere.
 run example__cloth_stays_outside "$python" "$top_srcdir/client/python/example_cloth.py"
+run example__three_clients_share_a_scene "$python" "$top_srcdir/client/python/example_shared.py"
 
 # If this failed, the ten lines of README.md would not do what they say.
 awk '/^```python$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/README.md" >"$work/readme.py"

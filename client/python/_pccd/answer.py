@@ -60,6 +60,7 @@ class Answer:
                 of the next page
     total, vf, ee, possible, initial    records of the whole answer
     toi_first   smallest toi; 2 without any record
+    number      of the step among all of its scene, from 1
     hash        XXH3-128 over all records, 32 hexadecimal digits
     records     (count,) of CONTACT or PAIR: read-only, in the daemon's memory, and
                 meaningless after release(); contacts and pairs are the same by their kind
@@ -83,6 +84,7 @@ class Answer:
         self.possible: int = result.get("possible", 0)
         self.initial: int = result.get("initial", 0)
         self.toi_first: float = result.get("toi_first", 2.0)
+        self.number: int = result.get("number", 0)
         self.threads: int = result.get("threads", 0)
         self.method: int = result.get("method", 0)
         self.scheduler: int = result.get("scheduler", 0)

@@ -2,14 +2,14 @@
 
 Room:     client/python. May import: ring, wire, numpy.
 Does:     keep scenes, meshes and objects as they were registered, and where the vertices
-          of each object were at the end of its last answered step.
+          of each object were at the end of its last answered step; what they may meet.
 Does not: talk to a daemon (restore).
 Source:   client/lib/keep.h, client/lib/place.c.
 """
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Set, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +34,14 @@ class KeptObject:
     """x: where its vertices are; else m: its transform; else as registered. since: the
     step that moved all of it last; segments of earlier ones do not count."""
 
-    __slots__ = ("mesh", "x", "m", "since")
+    __slots__ = ("mesh", "x", "m", "since", "filter")
 
     def __init__(self, mesh: KeptMesh, since: int) -> None:
         self.mesh = mesh
         self.since = since
         self.x: Optional[NDArray[Any]] = None
         self.m: Optional[NDArray[Any]] = None
+        self.filter: Dict[str, Any] = {}  # that was ever set, of group, mask and self
 
     def positions(self, first: int, count: int,
                   m: Optional[NDArray[Any]]) -> NDArray[Any]:
@@ -90,6 +91,7 @@ class Kept:
         self.meshes: List[KeptMesh] = []  # in the order in which they were made
         self.scenes: Dict[int, Dict[str, Any]] = {}  # handle: settings
         self.objects: Dict[int, Dict[int, KeptObject]] = {}  # of each scene, by handle
+        self.ignored: Dict[int, Set[Tuple[int, int]]] = {}  # pairs of each scene
 
     def mesh(self, handle: int) -> Optional[KeptMesh]:
         for mesh in self.meshes:
@@ -123,9 +125,11 @@ class Kept:
     def add_scene(self, handle: int, settings: Dict[str, Any]) -> None:
         self.scenes[handle] = settings
         self.objects[handle] = {}
+        self.ignored[handle] = set()
 
     def remove_scene(self, handle: int) -> None:
         self.scenes.pop(handle, None)
+        self.ignored.pop(handle, None)
         for kept in self.objects.pop(handle, {}).values():
             kept.mesh.objects -= 1
             self._settle(kept.mesh)
@@ -141,6 +145,21 @@ class Kept:
         if kept is not None:
             kept.mesh.objects -= 1
             self._settle(kept.mesh)
+            self.ignored[scene] = {pair for pair in self.ignored[scene]
+                                   if handle not in pair}
+
+    def filter_object(self, scene: int, handle: int, what: Dict[str, Any]) -> None:
+        kept = self.objects.get(scene, {}).get(handle)
+        if kept is not None:
+            kept.filter.update(what)
+
+    def ignore_pair(self, scene: int, a: int, b: int, ignored: bool) -> None:
+        pair = (min(a, b), max(a, b))
+        pairs = self.ignored.get(scene)
+        if pairs is not None and ignored:
+            pairs.add(pair)
+        elif pairs is not None:
+            pairs.discard(pair)
 
     def _current(self, slot: Slot) -> Iterator[Tuple[KeptObject, Tuple[int, ...]]]:
         """The segments of a slot that no later step has overwritten."""

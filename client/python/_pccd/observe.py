@@ -1,6 +1,6 @@
 """observe.py - what a daemon tells about itself and its clients.
 
-Room:     client/python. May import: answer, restore, values, wire, numpy.
+Room:     client/python. May import: answer, scenes, values, wire, numpy.
 Does:     lists, histograms, settings, and the steps that a client is told of.
 Source:   client/lib/observe.c, client/lib/watch.c.
 """
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .answer import hash_text
-from .restore import Restore
+from .scenes import Scenes
 from .values import Options, PccdError, failure
 from .wire import FEATURE_OBSERVE, HISTOGRAM_BUCKETS, Status
 
@@ -60,7 +60,7 @@ class StepEvent(NamedTuple):
     lost: int  # steps before this one that were not told, for want of room
 
 
-class Observe(Restore):
+class Observe(Scenes):
     """A connection that looks at the daemon."""
 
     def __init__(self, options: Options) -> None:
@@ -69,11 +69,6 @@ class Observe(Restore):
         self._watched_epoch = 0  # of the daemon that was asked
         self._events: Deque[StepEvent] = collections.deque()
         self._events_lost = 0  # here, since the last that was queued
-
-    def _check_feature(self, feature: int, what: str) -> None:
-        if not self._features & feature:
-            raise failure(Status.E_VERSION, f"the daemon at {self.url} has no {what}: it "
-                          "is older than this client")
 
     def _list(self, method: str, key: str, **params: Any) -> List[Dict[str, Any]]:
         """Entry by entry, while others work: it is no snapshot."""

@@ -19,8 +19,11 @@ from .keep import Kept, KeptObject
 from .ring import Ring
 from .upload import Upload
 from .values import failure, format_of
-from .wire import RIGID, SEGMENT, SLOT_BYTES_MIN, X0X1, Format, Mode, Status
+from .wire import (FEATURE_FILTERS, RIGID, SEGMENT, SLOT_BYTES_MIN, X0X1, Format, Mode,
+                   ObjectWhat, Status)
 
+FILTERS = (("group", ObjectWhat.GROUP), ("mask", ObjectWhat.MASK),
+           ("self", ObjectWhat.SELF))
 SEGMENTS = 64  # of a step that brings positions back
 
 #: Object, kind of segment, format, first vertex; positions or transform of both ends.
@@ -62,9 +65,27 @@ class Restore(Upload):
             for handle, item in sorted(kept.objects[scene].items()):
                 self._call("scene.add", scene=scene, mesh=item.mesh.made, want=handle)
             self._restore_positions(scene, kept.objects[scene])
+            self._restore_filters(kept, scene)
         for mesh in kept.meshes:
             if mesh.is_destroyed:
                 self._call("mesh.destroy", mesh=mesh.made)
+
+    def _restore_filters(self, kept: Kept, scene: int) -> None:
+        """A daemon that tests everything would answer other bytes than the last one. Of a
+        scene that is shared, others bring their objects back as they can."""
+        objects = kept.objects[scene]
+        if not self._features & FEATURE_FILTERS and (
+                kept.ignored[scene] or any(item.filter for item in objects.values())):
+            raise failure(Status.E_VERSION, f"the new daemon at {self.url} is older than "
+                          "the last one: it cannot be told which objects may meet")
+        for handle, item in objects.items():
+            what = sum(bit for name, bit in FILTERS if name in item.filter)
+            if what:
+                self._wait(self._send("object.set", {"scene": scene, "object": handle,
+                                                     "what": what, **item.filter}))
+        for a, b in sorted(kept.ignored[scene]):
+            if a in objects and b in objects:
+                self._call("scene.ignore", scene=scene, a=a, b=b, ignored=True)
 
     def _restore_positions(self, scene: int, objects: Dict[int, KeptObject]) -> None:
         """By steps whose segments begin where they end, and that search nothing."""
@@ -94,6 +115,7 @@ class Restore(Upload):
 
     def _bring_back(self, scene: int, batch: List[Move],
                     objects: Dict[int, KeptObject]) -> None:
+        assert self._kept is not None
         ring, slot = self._begin_slot()
         payload = ring.payload(slot)
         end = SEGMENTS * SEGMENT.size
@@ -104,10 +126,12 @@ class Restore(Upload):
             payload[end:end + data.nbytes] = data.reshape(-1).view(np.uint8)
             end += (data.nbytes + 7) // 8 * 8
         seq = ring.publish(slot)
-        call = self._send("frame.submit", {
-            "scene": scene, "slot": slot.index, "seq": seq, "segments": len(batch),
-            "mode": Mode.ANY, "deadline_ns": 1}, slot)
-        self._wait(call)
+        params: Dict[str, Any] = {"scene": scene, "slot": slot.index, "seq": seq,
+                                  "segments": len(batch), "mode": Mode.ANY,
+                                  "deadline_ns": 1}
+        if "name" in self._kept.scenes[scene]:
+            params["place"] = True  # nobody is told, and what is held waits
+        self._wait(self._send("frame.submit", params, slot))
 
     def _carry_over(self, old: Ring) -> None:
         """Bring the slots of steps without an answer into the new memory. A frame that is

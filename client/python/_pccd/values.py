@@ -96,6 +96,9 @@ class StepSettings:
     refit: int = Refit.DEFAULT
     tolerance: float = 0.0  # of toi_hi - toi, 1e-12 .. 1; 0 = 1e-6
     deadline_ns: int = 0  # after it the answer is incomplete; 0 = none
+    hold: bool = False  # in a shared scene: move with the next step of another client,
+    # which it is answered with, without records (scene_read has them); or at its
+    # deadline, or cancelled: then it goes along nevertheless
 
     def params(self) -> Dict[str, Any]:
         """The fields that are not 0, as frame.submit takes them."""

@@ -92,6 +92,23 @@ class Quality(enum.IntEnum):
     SAH = 2
 
 
+class Share(enum.IntEnum):
+    """Of a scene that clients share: make it, or take part."""
+
+    CREATE = 0  # there must be none of that name
+    OPEN = 1  # made unless there is one
+    ATTACH = 2  # there must be one
+
+
+class ObjectWhat(enum.IntFlag):
+    """Which of an object's settings are set."""
+
+    GROUP = 1
+    MASK = 2
+    SELF = 4
+    ALL = 7
+
+
 class Format(enum.IntEnum):
     """Of coordinates: float32 or float64."""
 
@@ -189,7 +206,9 @@ TRACE_EVENT = np.dtype([("begin_ns", "<u8"), ("end_ns", "<u8"), ("kind", "<u4"),
 VERSION_MIN = 1
 VERSION_MAX = 1
 FEATURE_RESUME = 1
+FEATURE_FILTERS = 2  # object.set, scene.ignore
 FEATURE_OBSERVE = 4  # lists, histograms, settings, watching
+FEATURE_SHARED = 8  # scenes that clients share
 HISTOGRAM_BUCKETS = 27
 MESSAGE_BYTES_MAX = 65536
 SLOTS_MAX = 16
