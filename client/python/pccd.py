@@ -50,8 +50,7 @@ from _pccd.wire import (BOX, CONTACT, EDGE, FEATURE_RESUME, PAIR, RESULT_BYTES_M
                         SEGMENT, SEGMENTS_MAX, SLOT_BYTES_MIN, SLOTS_MAX, TRACE_EVENT,
                         ContactFlag, Format, HighLevel, HistogramKind, Incomplete, Kind,
                         Method, Mode, ObjectWhat, Quality, Refit, Scheduler, Share,
-                        Status, TraceKind, Tree,
-                        Verdict)
+                        Status, TraceKind, Tree, Verdict)
 
 __version__ = "0.1.0"
 
