@@ -15,7 +15,7 @@ models=$(cd "$top_srcdir/tests/model" && pwd) || exit 99
 # Search all executions of model $1 as mutant $2; the number of errors found, or nothing.
 errors_of() {
     (cd "$folder" && rm -f pan* && spin -DMUTANT="$2" -a "$models/$1.pml" >log 2>&1 &&
-        "${CC:-cc}" -w -O1 -DSAFETY -DMEMLIM=512 -o pan pan.c >>log 2>&1 &&
+        ${CC:-cc} -w -O1 -DSAFETY -DMEMLIM=512 -o pan pan.c >>log 2>&1 &&
         timeout 120 ./pan -m100000 >>log 2>&1 && ! grep -q 'search depth too small' log &&
         sed -n 's/.*errors: \([0-9]*\)$/\1/p' log)
 }
