@@ -100,7 +100,7 @@ static void check(const struct run *run, const struct model_output *output,
     bench_check(near(sum, output->total), run->name, "phases add up to the step");
     bench_check(output->total >= work / threads - 1, run->name,
                 "no step is shorter than its work divided by its threads");
-    bench_check(output->low + output->high >= output->critical - 1, run->name,
+    bench_check(output->detection >= output->critical - 1, run->name,
                 "no step is shorter than its longest chain");
 }
 

@@ -238,6 +238,7 @@ void model_simulate(const struct model_input *input, struct model_output *output
         sim_refit(&sim);
     }
     double refitted = sim_latest(&sim);
+    double first = sim.threads[sim_earliest(&sim)].now; /* need not wait for the others */
     if (input->scheduler == ENG_SCHEDULER_STEAL) {
         sim_steal(&sim);
     } else {
@@ -257,6 +258,7 @@ void model_simulate(const struct model_input *input, struct model_output *output
     double low_end = output->low > 0 ? output->low : detected;
     output->low = low_end - refitted;
     output->high = detected - low_end;
+    output->detection = detected - first;
     output->merge = end - detected;
     output->total = end + input->serial;
     output->refit_work = refit_work(input);

@@ -36,6 +36,7 @@ struct model_output {
     double merge;
     double serial;
     double wait; /* mean over the threads: time in the region without work */
+    double detection; /* from its first thread's begin to its last's end */
     /* Work, as the sum over the threads of what tasks cost. */
     double refit_work;
     double low_work;
