@@ -263,9 +263,10 @@ static bool check_contacts(const struct play_step *step,
     double tolerance = step->frame->tolerance > 0 ? step->frame->tolerance : TOLERANCE;
     for (uint64_t i = 0; i < step->count; i++) {
         const struct pccd_pair pair = pair_of(step, i);
-        const struct pccd_contact *contact = &step->contacts[i];
+        const struct pccd_contact *contact =
+            step->contacts != NULL ? &step->contacts[i] : NULL;
         const char *what = misnamed(step->scene, &pair);
-        if (what == NULL && step->contacts != NULL) {
+        if (what == NULL && contact != NULL) {
             what = malformed(contact, tolerance);
         }
         if (what == NULL && i > 0) {
@@ -280,7 +281,7 @@ static bool check_contacts(const struct play_step *step,
         bool is_chosen = settings->contacts_max == 0 ||
                          mix(settings->seed ^ mix(step->number) ^ i) % step->count <
                              settings->contacts_max;
-        if (step->contacts == NULL || !is_chosen) {
+        if (contact == NULL || !is_chosen) {
             continue;
         }
         if (!check_exactly(step, contact, &pair, counts, witness)) {
