@@ -27,18 +27,6 @@
 #define STEPS_MAX 100 /* times three, until no thread is away */
 #define OTHERS    4   /* loop, compute, the one that makes pages, the one that closes */
 
-/* The thread sanitizer has a thread of its own in the daemon, which does not sleep. */
-#if defined(__SANITIZE_THREAD__)
-#define HAS_FOREIGN_THREAD 1
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define HAS_FOREIGN_THREAD 1
-#endif
-#endif
-#ifndef HAS_FOREIGN_THREAD
-#define HAS_FOREIGN_THREAD 0
-#endif
-
 /* A thread of the daemon. */
 struct task {
     long id;
@@ -211,7 +199,7 @@ static void threads__are_there_before_the_first_step(void **state)
     int count = 0;
 
     (void)state;
-    if (HAS_FOREIGN_THREAD) {
+    if (TEST_HAS_FOREIGN_THREAD) {
         skip();
     }
     client = start(&daemon, "off", 3);
@@ -237,7 +225,7 @@ static void threads__sleep_while_there_is_nothing_to_do(void **state)
     int count;
 
     (void)state;
-    if (HAS_FOREIGN_THREAD) {
+    if (TEST_HAS_FOREIGN_THREAD) {
         skip();
     }
     client = start(&daemon, "auto", processors());

@@ -14,6 +14,18 @@
 #include <stdint.h>
 #include <sys/types.h>
 
+/* The thread sanitizer has a thread of its own in the daemon, which does not sleep. */
+#if defined(__SANITIZE_THREAD__)
+#define TEST_HAS_FOREIGN_THREAD 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define TEST_HAS_FOREIGN_THREAD 1
+#endif
+#endif
+#ifndef TEST_HAS_FOREIGN_THREAD
+#define TEST_HAS_FOREIGN_THREAD 0
+#endif
+
 struct test_daemon {
     pid_t pid;   /* 0: not running */
     pid_t group; /* of it and its workers; 0: never started */

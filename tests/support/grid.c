@@ -143,6 +143,17 @@ int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *se
     return pccd_frame_commit(&frame, settings, step);
 }
 
+int test_grid_await(struct test_grid *grid, uint64_t step)
+{
+    struct pccd_answer answer;
+    int status = pccd_wait(grid->client, step, -1, &answer);
+
+    if (status == 0) {
+        pccd_answer_release(grid->client, &answer);
+    }
+    return status;
+}
+
 bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *answer)
 {
     if (answer->status != 0 || answer->incomplete != PCCD_COMPLETE || answer->ee != 0 ||

@@ -48,6 +48,9 @@ void test_grid_positions(struct test_grid *grid, float z);
 int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *settings,
                      uint64_t *step);
 
+/* Wait for a turn's answer, whatever it is. Returns a status. */
+int test_grid_await(struct test_grid *grid, uint64_t step);
+
 /* Whether an answer holds every contact of a turn, with the right times. Only for whole
  * answers (one page). */
 bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *answer);
