@@ -205,8 +205,8 @@ static void turn_right(struct test_grid *grid)
     pccd_answer_release(grid->client, &answer);
 }
 
-/* Submit two steps, and kill the four daemons that they are given to. False: the first was
- * done before a kill, as on a busy machine, and is answered. */
+/* Submit two steps, and kill the four daemons that they are given to. False: the first
+ * was done before a kill, as on a busy machine, and is answered. */
 static bool give_to_four_daemons(struct test_grid *grid, uint64_t steps[2])
 {
     uint64_t before = link_of(fixture.client).reconnects;

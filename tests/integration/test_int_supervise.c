@@ -228,8 +228,8 @@ static pid_t start_with_spare(struct fixture *f, pid_t *worker)
     return (pid_t)strtol(at, NULL, 10);
 }
 
-/* The same, of a worker that this test can trace: a sanitizer that looked for leaks at its
- * end would trace it itself. */
+/* The same, of a worker that this test can trace: a sanitizer that looked for leaks at
+ * its end would trace it itself. */
 static pid_t start_to_be_traced(struct fixture *f, pid_t *worker)
 {
     const char *set = getenv("LSAN_OPTIONS");
