@@ -32,12 +32,32 @@ static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
     return NULL;
 }
 
+/* The answer of a step, and its first page. */
+static int take_answer(struct pccd_client *client, struct cli_call *call,
+                       const struct proto_envelope *envelope, struct proto_error *error)
+{
+    struct proto_FRAME_SUBMIT_result *answer = &call->answer;
+    int rc =
+        proto_decode_body(envelope, &proto_messages[call->method].result, answer, error);
+    if (rc != 0) {
+        return rc;
+    }
+    if (answer->count > 0 &&
+        answer->record_bytes != (answer->mode == PCCD_MODE_PAIRS
+                                     ? sizeof(struct pccd_pair)
+                                     : sizeof(struct pccd_contact))) {
+        return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
+                               answer->record_bytes);
+    }
+    return cli_page_add(client, answer->offset, answer->count, answer->record_bytes,
+                        answer->release, &call->page);
+}
+
 /* The result of a call, and the page that it brings. */
 static int take_result(struct pccd_client *client, struct cli_call *call,
                        const struct proto_envelope *envelope, struct proto_error *error)
 {
     const struct proto_fields *fields = &proto_messages[call->method].result;
-    struct proto_FRAME_SUBMIT_result *answer = &call->answer;
     struct proto_MESH_EDGES_result edges;
     struct proto_TRACE_DUMP_result dump;
     struct proto_SCENE_BOXES_result boxes;
@@ -46,18 +66,7 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
     switch (call->method) {
     case PROTO_METHOD_FRAME_SUBMIT:
     case PROTO_METHOD_FRAME_FETCH:
-        rc = proto_decode_body(envelope, fields, answer, error);
-        if (rc == 0 && answer->count > 0 &&
-            answer->record_bytes != (answer->mode == PCCD_MODE_PAIRS
-                                         ? sizeof(struct pccd_pair)
-                                         : sizeof(struct pccd_contact))) {
-            return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
-                                   answer->record_bytes);
-        }
-        if (rc == 0) {
-            rc = cli_page_add(client, answer->offset, answer->count, answer->record_bytes,
-                              answer->release, &call->page);
-        }
+        rc = take_answer(client, call, envelope, error);
         break;
     case PROTO_METHOD_MESH_EDGES:
         rc = proto_decode_body(envelope, fields, &edges, error);

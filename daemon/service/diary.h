@@ -18,7 +18,8 @@
 
 struct srv_request;
 
-/* A session's journal of a scene, while it takes part with that seat. Positions count bytes from its beginning. */
+/* A session's journal of a scene, while it takes part with that seat. Positions count
+ * bytes from its beginning. */
 struct srv_diary {
     struct srv_diary *next;        /* of the scene */
     const struct srv_seat *seat;   /* whose it is */
