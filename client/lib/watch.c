@@ -71,9 +71,14 @@ static int ask(struct pccd_client *client)
 {
     struct proto_WATCH_START_request request = {.session = client->watch->of_session,
                                                 .scene = client->watch->of_scene};
-    int rc = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
-                           cli_deadline(client, -1));
+    int rc;
 
+    if ((client->link.features & PROTO_FEATURE_OBSERVE) == 0) {
+        return cli_fail(client, PCCD_E_VERSION, "watch: %s is too old for it",
+                        client->daemon);
+    }
+    rc = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
+                       cli_deadline(client, -1));
     client->watch->epoch = client->link.epoch;
     return rc;
 }

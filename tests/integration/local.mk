@@ -34,6 +34,8 @@ integration_names = \
     tests/integration/test_int_supervise \
     tests/integration/test_int_threads \
     tests/integration/test_int_verify \
+    tests/integration/test_int_version \
+    tests/integration/test_int_warm \
     tests/integration/test_int_watch
 check_PROGRAMS += $(integration_names)
 TESTS += $(integration_names)
@@ -172,6 +174,14 @@ tests_integration_test_int_threads_LDADD = $(integration_libs)
 tests_integration_test_int_verify_SOURCES = tests/integration/test_int_verify.c
 tests_integration_test_int_verify_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)
 tests_integration_test_int_verify_LDADD = librecord.la $(integration_libs) $(XXHASH_LIBS)
+
+tests_integration_test_int_version_SOURCES = tests/integration/test_int_version.c
+tests_integration_test_int_version_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_version_LDADD = $(integration_libs)
+
+tests_integration_test_int_warm_SOURCES = tests/integration/test_int_warm.c
+tests_integration_test_int_warm_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_warm_LDADD = $(integration_libs)
 
 tests_integration_test_int_watch_SOURCES = tests/integration/test_int_watch.c
 tests_integration_test_int_watch_CPPFLAGS = $(integration_cppflags)

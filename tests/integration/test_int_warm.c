@@ -1,0 +1,291 @@
+/* test_int_warm.c - what the client library asks of malloc in a warm frame: nothing.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     count the allocations of this process while frames of every kind are
+ *           submitted, waited for and read, with a daemon and without.
+ * Threads:  one; direct: has those of OpenMP.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "grid.h"
+
+/* A recording's zstd gives memory back after 128 chunks that were smaller than its first,
+ * once. */
+#define WARM   256
+#define FRAMES 200
+
+/* ---- what malloc is asked for ------------------------------------------------------ */
+
+static atomic_uint allocations;
+
+#if defined(PCCD_SANITIZED)
+#define CAN_COUNT false
+#else
+#define CAN_COUNT true
+#define EXPORTED  __attribute__((visibility("default"))) /* in the place of libc's */
+
+void *__libc_malloc(size_t bytes);
+void *__libc_calloc(size_t count, size_t bytes);
+void *__libc_realloc(void *old, size_t bytes);
+
+EXPORTED void *malloc(size_t bytes)
+{
+    (void)atomic_fetch_add(&allocations, 1);
+    return __libc_malloc(bytes);
+}
+
+EXPORTED void *calloc(size_t count, size_t bytes)
+{
+    (void)atomic_fetch_add(&allocations, 1);
+    return __libc_calloc(count, bytes);
+}
+
+EXPORTED void *realloc(void *old, size_t bytes)
+{
+    (void)atomic_fetch_add(&allocations, 1);
+    return __libc_realloc(old, bytes);
+}
+#endif
+
+/* ---- frames ------------------------------------------------------------------------ */
+
+typedef void (*frame_fn)(void *context, int number);
+
+/* Frames after the first ones; how often they asked for memory. */
+static void assert_asks_for_nothing(frame_fn frame, void *context)
+{
+    unsigned before;
+
+    for (int i = 0; i < WARM; i++) {
+        frame(context, i);
+    }
+    before = atomic_load(&allocations);
+    assert_true(before > 0); /* they are counted */
+    for (int i = 0; i < FRAMES; i++) {
+        frame(context, i);
+    }
+    assert_int_equal(atomic_load(&allocations) - before, 0);
+}
+
+static struct pccd_client *open_client(void)
+{
+    struct pccd_client *client;
+
+    if (!CAN_COUNT) {
+        skip();
+    }
+    client = test_connect(test_shared.url);
+    assert_non_null(client);
+    return client;
+}
+
+/* Its records, as who reads them does. */
+static void read_contacts(const struct pccd_answer *answer)
+{
+    for (uint64_t i = 0; answer->contacts != NULL && i < answer->count; i++) {
+        assert_in_range(answer->contacts[i].kind, PCCD_VF, PCCD_EE);
+    }
+}
+
+static void wait_for_one(void *context, int number)
+{
+    struct test_grid *grid = context;
+    struct pccd_answer answer;
+    uint64_t step = 0;
+
+    (void)number;
+    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
+    assert_int_equal(pccd_wait(grid->client, step, -1, &answer), 0);
+    assert_int_equal(answer.total, grid->vertex_count);
+    read_contacts(&answer);
+    pccd_answer_release(grid->client, &answer);
+}
+
+/* If it failed, a game would allocate in every frame, and stutter when it least can. */
+static void warm__frames_allocate_nothing(void **state)
+{
+    struct test_grid grid;
+
+    (void)state;
+    assert_int_equal(test_grid_make(open_client(), 20, &grid), 0);
+    assert_asks_for_nothing(wait_for_one, &grid);
+    pccd_close(grid.client);
+    test_grid_free(&grid);
+}
+
+/* Two in flight, of several segments of each kind, collected by polling. */
+static void poll_for_two(void *context, int number)
+{
+    const struct pccd_step_settings settings = {.mode = PCCD_MODE_FIRST};
+    const double still[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    struct test_grid *grid = context;
+    struct pccd_answer answer;
+    int collected = 0;
+
+    for (int i = 0; i < 2; i++) {
+        uint32_t half = grid->vertex_count / 2;
+        struct pccd_frame frame;
+        void *x0, *x1;
+        uint64_t step;
+
+        test_grid_positions(grid, (number + i) % 2 == 0 ? 1.0f : -1.0f);
+        assert_int_equal(pccd_frame_begin(grid->client, grid->scene, 3,
+                                          3 * grid->vertex_count * sizeof(*grid->x) + 192,
+                                          &frame),
+                         0);
+        assert_int_equal(
+            pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, half, &x1), 0);
+        memcpy(x1, grid->x, half * sizeof(*grid->x));
+        assert_int_equal(pccd_frame_x0x1(&frame, grid->object, PCCD_FORMAT_F32, half,
+                                         grid->vertex_count - half, &x0, &x1),
+                         0);
+        memcpy(x0, grid->x + half, (grid->vertex_count - half) * sizeof(*grid->x));
+        memcpy(x1, grid->x + half, (grid->vertex_count - half) * sizeof(*grid->x));
+        assert_int_equal(pccd_frame_rigid(&frame, grid->floor, 0, 3, still, still), 0);
+        assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+    }
+    while (collected < 2) {
+        int rc = pccd_poll(grid->client, &answer);
+
+        assert_true(rc == 0 || rc == PCCD_E_AGAIN);
+        if (rc == 0) {
+            assert_int_equal(answer.status, 0);
+            read_contacts(&answer);
+            pccd_answer_release(grid->client, &answer);
+            collected++;
+        }
+    }
+}
+
+/* If it failed, a game that collects in the next frame would allocate, too. */
+static void warm__polled_frames_allocate_nothing(void **state)
+{
+    struct test_grid grid;
+
+    (void)state;
+    assert_int_equal(test_grid_make(open_client(), 20, &grid), 0);
+    assert_asks_for_nothing(poll_for_two, &grid);
+    pccd_close(grid.client);
+    test_grid_free(&grid);
+}
+
+/* If it failed, a recorded game would not be the game. */
+static void warm__recorded_frames_allocate_nothing(void **state)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    struct pccd_client *client = open_client();
+    char folder[] = "/tmp/pccd-test-warm-XXXXXX";
+    char path[64];
+    struct test_grid grid;
+
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof(path), "%s/rec", folder);
+    assert_int_equal(pccd_record_start(client, path, &settings), 0);
+    assert_int_equal(test_grid_make(client, 20, &grid), 0);
+    assert_asks_for_nothing(wait_for_one, &grid);
+    pccd_close(client);
+    test_grid_free(&grid);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
+/* Two clients of a shared scene, a triangle each. */
+struct pair {
+    struct pccd_client *client[2];
+    uint32_t scene[2], object[2];
+};
+
+static uint64_t submit(struct pair *pair, int who, float z, bool hold)
+{
+    const struct pccd_step_settings settings = {.hold = hold};
+    struct pccd_frame frame;
+    float x[3][3];
+    uint64_t step;
+    void *x1;
+
+    test_crossing_positions(x, z);
+    assert_int_equal(
+        pccd_frame_begin(pair->client[who], pair->scene[who], 1, sizeof(x), &frame), 0);
+    assert_int_equal(pccd_frame_x1(&frame, pair->object[who], PCCD_FORMAT_F32, 0, 3, &x1),
+                     0);
+    memcpy(x1, x, sizeof(x));
+    assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+    return step;
+}
+
+static void share(void *context, int number)
+{
+    float z = number % 2 == 0 ? -1.0f : 1.0f;
+    struct pair *pair = context;
+    struct pccd_object_settings settings;
+    struct pccd_scene_news news;
+    struct pccd_answer answer;
+    uint64_t held = submit(pair, 0, z, true);
+    uint64_t step;
+
+    assert_int_equal(
+        pccd_object_get(pair->client[0], pair->scene[0], pair->object[0], &settings),
+        0); /* computed behind it: the frame waits now */
+    step = submit(pair, 1, -z, false);
+    assert_int_equal(pccd_wait(pair->client[1], step, -1, &answer), 0);
+    read_contacts(&answer);
+    pccd_answer_release(pair->client[1], &answer);
+    assert_int_equal(pccd_wait(pair->client[0], held, -1, &answer), 0);
+    assert_int_equal(pccd_scene_wait(pair->client[0], pair->scene[0], -1, &news), 0);
+    assert_int_equal(news.number, answer.number);
+    assert_int_equal(
+        pccd_scene_read(pair->client[0], pair->scene[0], news.number, 0, &answer), 0);
+    read_contacts(&answer);
+    pccd_answer_release(pair->client[0], &answer);
+}
+
+/* If it failed, a game in several processes would allocate in each of them. */
+static void warm__shared_frames_allocate_nothing(void **state)
+{
+    const struct pccd_scene_settings settings = {.name = "warm",
+                                                 .share = PCCD_SHARE_OPEN};
+    struct pair pair;
+    uint32_t mesh;
+
+    (void)state;
+    if (test_is_direct()) {
+        skip(); /* what is held is copied, and the daemon's part is in this process */
+    }
+    for (int i = 0; i < 2; i++) {
+        pair.client[i] = open_client();
+        assert_int_equal(pccd_scene_create(pair.client[i], &settings, &pair.scene[i]), 0);
+        assert_int_equal(pccd_mesh_create(pair.client[i], test_triangle_x,
+                                          PCCD_FORMAT_F32, 3, test_triangle, 1, &mesh,
+                                          NULL),
+                         0);
+        assert_int_equal(
+            pccd_scene_add(pair.client[i], pair.scene[i], mesh, &pair.object[i]), 0);
+    }
+    assert_asks_for_nothing(share, &pair);
+    pccd_close(pair.client[0]);
+    pccd_close(pair.client[1]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(warm__frames_allocate_nothing),
+        cmocka_unit_test(warm__polled_frames_allocate_nothing),
+        cmocka_unit_test(warm__recorded_frames_allocate_nothing),
+        cmocka_unit_test(warm__shared_frames_allocate_nothing),
+    };
+    return cmocka_run_group_tests_name("int_warm", tests, test_shared_start,
+                                       test_shared_stop);
+}
