@@ -40,8 +40,9 @@ struct proto_direct {
     int (*receive)(struct proto_direct_line *line, void *buffer, size_t capacity,
                    size_t *bytes, int fds[PROTO_FDS_MAX], int *fd_count);
 
-    /* A descriptor, the line's, that is readable while a message can be received; -1:
-     * there is none to be had. [owner] */
+    /* A descriptor, the line's, that is readable while a message can be received, or
+     * something else is due, which `receive` does first; -1: there is none to be had.
+     * [owner] */
     int (*descriptor)(struct proto_direct_line *line);
 
     /* All that the client has is freed, with the last client everything. [owner] */

@@ -114,8 +114,10 @@ int pccd_fd(const struct pccd_client *client);
  * it. What is otherwise than with a daemon:
  * - A step is computed inside pccd_frame_commit (pccd_submit_still, pccd_step_x1), by the
  *   calling thread and its OpenMP team; its answer waits for pccd_poll or pccd_wait as
- *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late. Who
- *   wants steps beside the frame gives the client to a thread of its own.
+ *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late, but for
+ *   a frame that is held: when its deadline has come, pccd_fd of every client is
+ *   readable, and pccd_poll of any sees to it. Who wants steps beside the frame gives the
+ *   client to a thread of its own.
  * - The team is settings.threads - 1 further threads, of $OMP_NUM_THREADS or the
  *   processors at hand in all; with 1 there is none. They keep off the processor that
  *   the calling thread is on, which is left as it is. OpenMP's environment is the

@@ -12,6 +12,7 @@
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,11 +23,13 @@
 #include "kernel.h"
 #include "line.h"
 #include "loop.h"
+#include "monitor.h"
 #include "now.h"
 #include "pccd_types.h"
 #include "proto_direct.h"
 #include "proto_limits.h"
 #include "session.h"
+#include "shared.h"
 
 /* Quotas keep the users of a daemon from each other. Here is one, and the memory is its
  * own: only what no machine has is refused. Half, so that sums do not overflow. */
@@ -34,6 +37,7 @@
 #define TRIANGLE_BYTES 56u /* of a mesh, at least */
 
 #define CLIENTS_MAX 4096u
+#define NS_PER_MS   1000000u
 
 struct proto_direct_line {
     struct srv_conn conn; /* first */
@@ -63,6 +67,16 @@ static void take_turn(void)
     int failed = pthread_mutex_lock(&turn);
     PCCD_ASSERT(failed == 0);
     srv_thread_enter(SRV_THREAD_LOOP);
+}
+
+static bool try_turn(void)
+{
+    int failed = pthread_mutex_trylock(&turn);
+    PCCD_ASSERT(failed == 0 || failed == EBUSY);
+    if (failed == 0) {
+        srv_thread_enter(SRV_THREAD_LOOP);
+    }
+    return failed == 0;
 }
 
 static void end_turn(void)
@@ -138,32 +152,91 @@ void srv_host_client_left(struct srv_loop *loop)
     loop->client_count--;
 }
 
-/* Nothing is left undone between two messages: a step is computed before its deadline can
- * come in the queue, and no session waits. Only a frame that is held for the step of
- * another session is, and waits for that whatever its deadline. */
+/* ---- timers ------------------------------------------------------------------------ */
+
+/* Nothing is left undone between two messages but frames that are held for the step of
+ * another session: a step is computed before its deadline can come in the queue, and no
+ * session waits. When such a frame's deadline has come, the descriptors of all clients
+ * are readable, and who looks for a message first does what is due. */
+struct srv_timer {
+    struct srv_timer *next;
+    void (*fire)(void *context);
+    void *context;
+    uint64_t at_ns;    /* CLOCK_MONOTONIC; 0: it is stopped */
+    uint64_t every_ns; /* 0: once */
+};
+
+static struct srv_timer *timers;
+static uint64_t told_ns;        /* that the descriptors know; 0: none */
+static _Atomic uint64_t due_ns; /* of the first timer; 0: none. Whoever reads it without
+                                 * a turn takes one to be sure */
+
+static void find_due(void)
+{
+    uint64_t first_ns = 0;
+    for (const struct srv_timer *timer = timers; timer != NULL; timer = timer->next) {
+        if (timer->at_ns != 0 && (first_ns == 0 || timer->at_ns < first_ns)) {
+            first_ns = timer->at_ns;
+        }
+    }
+    atomic_store_explicit(&due_ns, first_ns, memory_order_relaxed);
+}
+
 struct srv_timer *srv_timer_new(struct srv_loop *loop, void (*fire)(void *context),
                                 void *context)
 {
-    (void)fire;
-    (void)context;
-    return (struct srv_timer *)loop;
+    (void)loop;
+    struct srv_timer *timer = calloc(1, sizeof *timer);
+    if (timer != NULL) {
+        *timer = (struct srv_timer){.next = timers, .fire = fire, .context = context};
+        timers = timer;
+    }
+    return timer;
 }
 
 void srv_timer_start(struct srv_timer *timer, uint64_t after_ms, uint64_t every_ms)
 {
-    (void)timer;
-    (void)after_ms;
-    (void)every_ms;
+    timer->at_ns = srv_now_ns() + after_ms * NS_PER_MS;
+    timer->every_ns = every_ms * NS_PER_MS;
+    find_due();
 }
 
 void srv_timer_stop(struct srv_timer *timer)
 {
-    (void)timer;
+    timer->at_ns = 0;
+    find_due();
 }
 
 void srv_timer_free(struct srv_timer *timer)
 {
-    (void)timer;
+    struct srv_timer **at = &timers;
+    while (*at != NULL && *at != timer) {
+        at = &(*at)->next;
+    }
+    if (timer != NULL) {
+        *at = timer->next;
+        free(timer);
+        find_due();
+    }
+}
+
+static bool is_due(void)
+{
+    uint64_t at_ns = atomic_load_explicit(&due_ns, memory_order_relaxed);
+    return at_ns != 0 && at_ns <= srv_now_ns();
+}
+
+/* Of each that is due. It may stop and start others. */
+static void fire_due(void)
+{
+    uint64_t now_ns = srv_now_ns();
+    for (struct srv_timer *timer = timers; timer != NULL; timer = timer->next) {
+        if (timer->at_ns != 0 && timer->at_ns <= now_ns) {
+            timer->at_ns = timer->every_ns != 0 ? now_ns + timer->every_ns : 0;
+            timer->fire(timer->context);
+        }
+    }
+    find_due();
 }
 
 /* ---- the service ------------------------------------------------------------------- */
@@ -262,6 +335,22 @@ static void work_off(struct srv_loop *loop)
     }
 }
 
+/* At the end of a turn. */
+static void do_due(void)
+{
+    if (is_due()) {
+        fire_due();
+        work_off(service);
+    }
+    uint64_t at_ns = atomic_load_explicit(&due_ns, memory_order_relaxed);
+    if (at_ns != told_ns) {
+        told_ns = at_ns;
+        for (struct srv_conn *conn = conns; conn != NULL; conn = conn->next) {
+            srv_line_alarm(conn, at_ns);
+        }
+    }
+}
+
 /* ---- lines ------------------------------------------------------------------------- */
 
 static int refuse(char text[PROTO_DIRECT_TEXT_BYTES], int status, const char *why)
@@ -310,6 +399,7 @@ static int add_line(struct proto_direct_line *line, char text[PROTO_DIRECT_TEXT_
         return refuse(text, PCCD_E_NOMEM, "no memory for a session");
     }
     link_conn(&line->conn);
+    srv_line_alarm(&line->conn, told_ns);
     return 0;
 }
 
@@ -354,8 +444,18 @@ static int send_message(struct proto_direct_line *line, const void *message, siz
     service->metrics.counters.messages++;
     srv_dispatch(line->conn.session, message, bytes);
     work_off(service);
+    do_due();
     end_turn();
     return 0;
+}
+
+/* The client reads again: tell it what was kept from it. */
+static void catch_up(struct srv_session *session)
+{
+    if (session != NULL) {
+        srv_monitor_flush(session);
+        srv_shared_catch_up(session);
+    }
 }
 
 static int receive_message(struct proto_direct_line *line, void *buffer, size_t capacity,
@@ -365,7 +465,17 @@ static int receive_message(struct proto_direct_line *line, void *buffer, size_t 
         *fd_count = 0;
         return PCCD_E_DISCONNECTED;
     }
-    return srv_line_take(&line->conn, buffer, capacity, bytes, fds, fd_count);
+    if (is_due() && try_turn()) { /* else whoever has it does what is due */
+        do_due();
+        end_turn();
+    }
+    int status = srv_line_take(&line->conn, buffer, capacity, bytes, fds, fd_count);
+    if (srv_line_is_behind(&line->conn)) {
+        take_turn();
+        catch_up(line->conn.session);
+        end_turn();
+    }
+    return status;
 }
 
 static int descriptor_of(struct proto_direct_line *line)
@@ -388,6 +498,7 @@ static void close_line(struct proto_direct_line *line)
         free_service(service);
         service = NULL;
     }
+    do_due();
     end_turn();
     srv_line_deinit(&line->conn);
     free(line);

@@ -8,12 +8,16 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/eventfd.h>
+#include <sys/timerfd.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "invariant.h"
 #include "pccd_types.h"
 
+#define NS_PER_S     1000000000u
 #define CAPACITY_MIN 4096u
 
 struct head {
@@ -50,8 +54,19 @@ static size_t room_of(size_t bytes)
 
 int srv_line_init(struct srv_conn *conn)
 {
-    *conn = (struct srv_conn){.event = -1};
+    *conn = (struct srv_conn){.descriptor = -1, .event = -1, .timer = -1};
     return pthread_mutex_init(&conn->mutex, NULL) == 0 ? 0 : PCCD_E_NOMEM;
+}
+
+static void close_descriptors(struct srv_conn *conn)
+{
+    int *const all[] = {&conn->descriptor, &conn->event, &conn->timer};
+    for (int i = 0; i < 3; i++) {
+        if (*all[i] >= 0) {
+            close(*all[i]);
+        }
+        *all[i] = -1;
+    }
 }
 
 /* The oldest message is no longer there. Locked. */
@@ -73,9 +88,7 @@ void srv_line_deinit(struct srv_conn *conn)
         close_fds(head.fds, head.fd_count);
         drop_first(conn, &head);
     }
-    if (conn->event >= 0) {
-        close(conn->event);
-    }
+    close_descriptors(conn);
     free(conn->queue);
     pthread_mutex_destroy(&conn->mutex);
 }
@@ -149,6 +162,7 @@ bool srv_conn_is_free(const struct srv_conn *conn)
     struct srv_conn *locked = (struct srv_conn *)(uintptr_t)conn;
     lock(locked);
     bool is_free = conn->count < SRV_LINE_FREE_MAX && !conn->is_finished;
+    locked->is_behind = locked->is_behind || !is_free;
     unlock(locked);
     return is_free;
 }
@@ -197,18 +211,61 @@ int srv_line_take(struct srv_conn *conn, void *buffer, size_t capacity, size_t *
     return status;
 }
 
+bool srv_line_is_behind(struct srv_conn *conn)
+{
+    lock(conn);
+    bool is_behind = conn->is_behind && conn->count == 0;
+    conn->is_behind = conn->is_behind && !is_behind;
+    unlock(conn);
+    return is_behind;
+}
+
+/* Locked. */
+static void set_alarm(const struct srv_conn *conn)
+{
+    const struct itimerspec at = {.it_value = {(time_t)(conn->alarm_ns / NS_PER_S),
+                                               (long)(conn->alarm_ns % NS_PER_S)}};
+    if (conn->timer >= 0) {
+        int failed = timerfd_settime(conn->timer, TFD_TIMER_ABSTIME, &at, NULL);
+        PCCD_ASSERT(failed == 0);
+    }
+}
+
+void srv_line_alarm(struct srv_conn *conn, uint64_t at_ns)
+{
+    lock(conn);
+    conn->alarm_ns = at_ns;
+    set_alarm(conn);
+    unlock(conn);
+}
+
+/* Locked. */
+static bool make_descriptors(struct srv_conn *conn)
+{
+    struct epoll_event readable = {.events = EPOLLIN};
+    conn->descriptor = epoll_create1(EPOLL_CLOEXEC);
+    conn->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    conn->timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
+    return conn->descriptor >= 0 && conn->event >= 0 && conn->timer >= 0 &&
+           epoll_ctl(conn->descriptor, EPOLL_CTL_ADD, conn->event, &readable) == 0 &&
+           epoll_ctl(conn->descriptor, EPOLL_CTL_ADD, conn->timer, &readable) == 0;
+}
+
 int srv_line_descriptor(struct srv_conn *conn)
 {
     lock(conn);
-    if (conn->event < 0) {
-        conn->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (conn->descriptor < 0) {
+        if (!make_descriptors(conn)) {
+            close_descriptors(conn);
+        }
+        set_alarm(conn);
         if (conn->count > 0 || conn->is_finished) {
             ring(conn);
         }
     }
-    int event = conn->event;
+    int descriptor = conn->descriptor;
     unlock(conn);
-    return event;
+    return descriptor;
 }
 
 bool srv_line_is_finished(struct srv_conn *conn)

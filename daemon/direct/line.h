@@ -22,7 +22,7 @@
  * flight, and the rest are notifications that it does not read. */
 #define SRV_LINE_MESSAGES_MAX 1024u
 
-/* Beyond so many, steps that the client watches are counted and no longer told. */
+/* Beyond so many, what may wait is not told before the client has taken them. */
 #define SRV_LINE_FREE_MAX 256u
 
 /* What host.h calls the way to a client. */
@@ -36,8 +36,12 @@ struct srv_conn {
     size_t first; /* of the oldest message */
     size_t end;
     uint32_t count;
-    int event;        /* descriptor; -1: nobody has asked for it */
-    bool is_finished; /* nothing more is sent either way */
+    int descriptor;    /* an epoll of both below; -1: nobody has asked for it, nor they */
+    int event;         /* eventfd: there is a message, or the end */
+    int timer;         /* timerfd: something is due */
+    uint64_t alarm_ns; /* CLOCK_MONOTONIC, when that is; 0: nothing is */
+    bool is_behind;    /* something is not told for want of room */
+    bool is_finished;  /* nothing more is sent either way */
 };
 
 /* Returns 0 or PCCD_E_NOMEM. */
@@ -50,6 +54,11 @@ int srv_line_take(struct srv_conn *conn, void *buffer, size_t capacity, size_t *
                   int *fds, int *fd_count);
 /* -1: there is none to be had. */
 int srv_line_descriptor(struct srv_conn *conn);
+/* Have the descriptor be readable from that time on, CLOCK_MONOTONIC, too; 0: not any
+ * more. [turn] */
+void srv_line_alarm(struct srv_conn *conn, uint64_t at_ns);
+/* Whether it has taken all messages since srv_conn_is_free said no; once. */
+bool srv_line_is_behind(struct srv_conn *conn);
 /* Nothing more comes. */
 bool srv_line_is_finished(struct srv_conn *conn);
 

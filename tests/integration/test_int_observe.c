@@ -239,6 +239,9 @@ static void config__settings_change_and_hold(void **state)
     struct settings settings = {.count = 0};
     uint32_t mesh = 0;
 
+    if (test_is_direct()) {
+        skip(); /* it has other quotas to begin with */
+    }
     assert_int_equal(pccd_config_get(client, NULL, take_setting, &settings), 0);
     assert_true(settings.count >= 14);
     assert_int_equal(pccd_config_get(client, "no-such", take_setting, &settings),
@@ -343,6 +346,26 @@ static void watch__who_does_not_read_hears_what_was_lost(void **state)
     pccd_close(other);
 }
 
+/* If it failed, who reads late would wait for the next step to hear of the last one. */
+static void watch__who_reads_late_hears_of_all_that_fits(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_step_event event;
+    const int turns = 300; /* less than what the way and the daemon keep */
+
+    assert_non_null(other);
+    assert_int_equal(pccd_watch_start(other, 0, 0), 0);
+    for (int i = 0; i < turns; i++) {
+        assert_true(test_crossing_turn(crossing));
+    }
+    for (int i = 0; i < turns; i++) {
+        assert_int_equal(pccd_watch_next(other, -1, &event), 0);
+        assert_int_equal(event.lost, 0);
+    }
+    pccd_close(other);
+}
+
 /* ---- other users ------------------------------------------------------------------- */
 
 /* [child] 0: everything that another user asks for is refused or empty. */
@@ -393,8 +416,8 @@ static void observe__other_users_are_refused(void **state)
     struct pccd_daemon_info self;
     int status = 0;
 
-    if (geteuid() != 0) {
-        skip(); /* only root can be another user */
+    if (geteuid() != 0 || test_is_direct()) {
+        skip(); /* only root can be another user, and only of a daemon */
     }
     assert_int_equal(pccd_daemon(crossing->client, &self), 0);
     assert_int_equal(chmod(test_shared.directory, 0711), 0);
@@ -421,6 +444,7 @@ int main(void)
         TEST(config__settings_change_and_hold),
         TEST(watch__tells_every_step_of_another_session),
         TEST(watch__who_does_not_read_hears_what_was_lost),
+        TEST(watch__who_reads_late_hears_of_all_that_fits),
         TEST(observe__other_users_are_refused),
     };
 #undef TEST
