@@ -1,7 +1,8 @@
 /* daemon/engine/step_memory.c - what one step leaves for the next.
  *
  * Room:     engine.
- * Does:     make workers when a step first needs them, free all with the scene.
+ * Does:     make workers when a step first needs them, free those that are not needed any
+ *           more, and all with the scene.
  * Threads:  [compute].
  */
 #include "step_memory.h"
@@ -10,6 +11,13 @@
 
 #include "memory.h"
 #include "wide_test.h"
+
+/* A worker is 0.4 MB, and beside other processes a scene that one thread suffices for is
+ * now and then taken for a larger one: who keeps its workers for ever has them for every
+ * scene in the end. After so many steps without them they are freed; that is longer than
+ * a scene goes without a team for which a team pays (effort.c, TRY_EVERY), and making
+ * them anew is little beside so many steps. */
+#define KEPT_STEPS 256u
 
 struct eng_step_memory *eng_step_memory_new(void)
 {
@@ -24,15 +32,21 @@ struct eng_step_memory *eng_step_memory_new(void)
     return memory;
 }
 
+static void keep_workers(struct eng_step_memory *memory, uint32_t count)
+{
+    while (memory->worker_count > count) {
+        struct eng_worker *worker = memory->workers[--memory->worker_count];
+        eng_worker_deinit(worker);
+        eng_free(worker);
+    }
+}
+
 void eng_step_memory_free(struct eng_step_memory *memory)
 {
     if (!memory) {
         return;
     }
-    for (uint32_t i = 0; i < memory->worker_count; i++) {
-        eng_worker_deinit(memory->workers[i]);
-        eng_free(memory->workers[i]);
-    }
+    keep_workers(memory, 0);
     eng_free(memory->records);
     eng_refit_plan_deinit(&memory->plan);
     eng_assignment_deinit(&memory->assignment);
@@ -43,8 +57,21 @@ void eng_step_memory_free(struct eng_step_memory *memory)
     eng_free(memory);
 }
 
+/* Free the workers that were not needed in a whole round of steps. */
+static void count_turn(struct eng_step_memory *memory, uint32_t threads)
+{
+    memory->most_threads =
+        threads > memory->most_threads ? threads : memory->most_threads;
+    if (++memory->turn_count >= KEPT_STEPS) {
+        keep_workers(memory, memory->most_threads);
+        memory->most_threads = 0;
+        memory->turn_count = 0;
+    }
+}
+
 int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
 {
+    count_turn(memory, threads);
     if (threads > memory->worker_count) {
         struct eng_thread_record *records =
             eng_realloc(memory->records, threads, sizeof *records);

@@ -12,6 +12,8 @@
 #include <string.h>
 
 #include "hash.h"
+#include "memory.h"
+#include "worker.h"
 
 /* If it failed: the answer would depend on the machine or on the day. */
 static void team__same_records_for_any_number_of_threads(void **state)
@@ -93,6 +95,36 @@ static void team__warm_steps_allocate_nothing(void **state)
             assert_int_equal(team.counters.builds, 0);
         }
     }
+}
+
+/* Some more than two rounds in which a step's memory counts (step_memory.c). */
+#define MANY_STEPS 600
+
+/* If it failed: beside other processes, where small scenes are now and then taken for
+ * large ones, every scene of a daemon would come to hold the memory of a whole team. Or
+ * those that want one now and then would make it anew each time. */
+static void team__workers_go_when_no_step_wants_them(void **state)
+{
+    struct crew *crew = *state;
+    struct eng_scene *scene = crew->scene;
+    struct eng_step_settings alone = crew_alone(ENG_MODE_ANY);
+    struct eng_step_settings team = crew_team(ENG_MODE_ANY, 0);
+    struct eng_step_result result = crew_run(crew, team);
+    uint64_t before = eng_alloc_bytes();
+    team.team_always = true;
+    for (int i = 0; i < MANY_STEPS; i++) {
+        assert_int_equal(eng_step(scene, i % 100 == 99 ? &team : &alone, &result),
+                         ENG_OK);
+        assert_int_equal(result.counters.allocs, 0);
+    }
+    assert_int_equal(eng_alloc_bytes(), before);
+    for (int i = 0; i < MANY_STEPS; i++) {
+        assert_int_equal(eng_step(scene, &alone, &result), ENG_OK);
+    }
+    assert_in_range(before - eng_alloc_bytes(), sizeof(struct eng_worker),
+                    2 * sizeof(struct eng_worker));
+    assert_int_equal(crew_run(crew, team).threads, team.threads);
+    assert_int_equal(eng_alloc_bytes(), before);
 }
 
 /* If it failed: a cancelled step would go on in the threads that did not see it, or hang.
@@ -239,6 +271,7 @@ int main(void)
         CREW_TEST(team__same_work_for_any_number_of_threads),
         CREW_TEST(team__refit_gives_the_same_boxes),
         CREW_TEST(team__warm_steps_allocate_nothing),
+        CREW_TEST(team__workers_go_when_no_step_wants_them),
         CREW_TEST(team__early_ends_end_every_thread),
         CREW_TEST(team__larger_than_its_scene),
         CREW_TEST(team__cut_answers_hold_the_first_records),
