@@ -52,12 +52,27 @@ struct pccd_scene_info {
     uint64_t total;   /* records of that one's answer */
     uint64_t hash[2]; /* of these: high, low */
     uint64_t ns_step; /* that it took */
+    uint32_t ignored; /* pairs of its objects that ignore each other */
+    const char *name; /* of one that is shared, gone when the callback returns; else "" */
+    uint32_t uid;     /* user who made that */
+    uint32_t rights;  /* who may take part: as a file's */
+    uint32_t seats;   /* sessions that do */
+    uint32_t held;    /* frames that wait for its next step */
+    bool writable;    /* the session may add objects and step */
+};
+
+/* Ignoring each other: handles in their scene. */
+struct pccd_ignored_pair {
+    uint32_t object_a, object_b;
 };
 
 struct pccd_object_info {
     uint32_t object; /* handle in its scene */
     uint32_t mesh;   /* handle in its session; 0: destroyed since */
     uint64_t triangles;
+    uint64_t owner;       /* number of the session that added it */
+    uint64_t group, mask; /* what it may meet, as pccd_object_set says */
+    bool self_collision;
 };
 
 struct pccd_registered_mesh {

@@ -16,7 +16,7 @@
 #define CTL_COMMANDS(X)                                                                  \
     X(status, "tell on one screen how a daemon is")                                      \
     X(top, "tell again and again what the clients of a daemon do")                       \
-    X(list, "list sessions, scenes, objects or meshes")                                  \
+    X(list, "list sessions, scenes, objects, pairs or meshes")                           \
     X(watch, "print a line for each step that a daemon answers")                         \
     X(stats, "list the daemon's counters")                                               \
     X(metrics, "print counters and latencies as OpenMetrics text")                       \

@@ -141,6 +141,13 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
             .total = result.total,
             .hash = {result.hash_hi, result.hash_lo},
             .ns_step = result.ns_step,
+            .ignored = result.ignored,
+            .name = result.name,
+            .uid = result.uid,
+            .rights = result.rights,
+            .seats = result.seats,
+            .held = result.held,
+            .writable = result.writable,
         };
 
         each(context, &info);
@@ -161,10 +168,35 @@ int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t sce
         if (rc != 0 || result.object == 0) {
             break;
         }
-        const struct pccd_object_info info = {
-            .object = result.object, .mesh = result.mesh, .triangles = result.triangles};
+        const struct pccd_object_info info = {.object = result.object,
+                                              .mesh = result.mesh,
+                                              .triangles = result.triangles,
+                                              .owner = result.owner,
+                                              .group = result.group,
+                                              .mask = result.mask,
+                                              .self_collision = result.self};
 
         each(context, &info);
+        rc = advance(client, &request.cursor, result.next);
+    }
+    return rc;
+}
+
+int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene,
+                    pccd_pair_fn each, void *context)
+{
+    struct proto_LIST_PAIR_request request = {.session = session, .scene = scene};
+    struct proto_LIST_PAIR_result result;
+    int rc = check(client, "list.pair", each != NULL);
+
+    while (rc == 0) {
+        rc = call(client, PROTO_METHOD_LIST_PAIR, &request, &result);
+        if (rc != 0 || result.a == 0) {
+            break;
+        }
+        const struct pccd_ignored_pair pair = {result.a, result.b};
+
+        each(context, &pair);
         rc = advance(client, &request.cursor, result.next);
     }
     return rc;

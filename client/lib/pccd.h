@@ -206,6 +206,10 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
 typedef void (*pccd_object_fn)(void *context, const struct pccd_object_info *info);
 int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t scene,
                       pccd_object_fn each, void *context);
+/* Pairs of a scene that ignore each other. E_NOMETHOD: the daemon is too old. */
+typedef void (*pccd_pair_fn)(void *context, const struct pccd_ignored_pair *pair);
+int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene,
+                    pccd_pair_fn each, void *context);
 typedef void (*pccd_mesh_fn)(void *context, const struct pccd_registered_mesh *info);
 int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn each,
                      void *context);

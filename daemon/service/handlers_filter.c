@@ -47,9 +47,11 @@ static int find_placed(struct srv_request *request, uint32_t object,
 }
 
 static int queue(struct srv_call *call, struct srv_scene *scene,
-                 int (*work)(struct srv_request *request))
+                 int (*work)(struct srv_request *request),
+                 void (*finish)(struct srv_request *request))
 {
-    struct srv_plan plan = {.work = work, .ring = call->session->ring, .scene = scene};
+    struct srv_plan plan = {
+        .work = work, .finish = finish, .ring = call->session->ring, .scene = scene};
     return srv_request_start(call, &plan);
 }
 
@@ -82,6 +84,20 @@ static int work_set(struct srv_request *request)
     return 0;
 }
 
+/* For list.object. */
+static void finish_set(struct srv_request *request)
+{
+    struct srv_object *item = request->status == 0
+                                  ? srv_handles_get(&request->plan.scene->objects,
+                                                    request->params.OBJECT_SET.object)
+                                  : NULL;
+    if (item != NULL) { /* else it has gone meanwhile */
+        item->group = request->result.OBJECT_SET.group;
+        item->mask = request->result.OBJECT_SET.mask;
+        item->self = request->result.OBJECT_SET.self;
+    }
+}
+
 int srv_on_OBJECT_SET(struct srv_call *call)
 {
     const struct proto_OBJECT_SET_request *asked = &call->params.OBJECT_SET;
@@ -100,7 +116,7 @@ int srv_on_OBJECT_SET(struct srv_call *call)
                                "what is 0x%x, this daemon knows the bits 0x%x",
                                asked->what, (unsigned)PCCD_OBJECT_ALL);
     }
-    return queue(call, scene, work_set);
+    return queue(call, scene, work_set, finish_set);
 }
 
 /* ---- scene.ignore ------------------------------------------------------------------ */
@@ -129,6 +145,7 @@ static int work_ignore(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status, "no memory for another pair");
     }
+    srv_scene_count_ignored(request->plan.scene);
     srv_diary_pair(request->plan.scene, asked->a, asked->b, asked->ignored);
     request->result.SCENE_IGNORE.pairs = eng_scene_ignored_count(engine);
     return 0;
@@ -157,5 +174,5 @@ int srv_on_SCENE_IGNORE(struct srv_call *call)
                                "says object.set",
                                asked->a);
     }
-    return queue(call, scene, work_ignore);
+    return queue(call, scene, work_ignore, NULL);
 }

@@ -1,15 +1,17 @@
-/* handlers_list.c - list.session, list.scene, list.object and list.mesh.
+/* handlers_list.c - list.session, .scene, .object, .pair and .mesh.
  *
  * Room:     service. See call.h.
  * Does:     tell what there is, one thing a request, so that no answer is ever long.
  * Does not: show a client what another user has, but to the daemon's own user and root.
- * Threads:  [loop].
+ * Threads:  [loop], but for work_pair.
  */
 #include "call.h"
 #include "loop.h"
 #include "meshes.h"
+#include "request.h"
 #include "ringio.h"
 #include "session.h"
+#include "shared.h"
 
 /* ---- sessions ---------------------------------------------------------------------- */
 
@@ -91,13 +93,16 @@ int srv_on_LIST_SCENE(struct srv_call *call)
     }
     uint32_t cursor = request->cursor;
     uint32_t handle = 0;
-    const struct srv_scene *scene = next_item(&owner->scenes, &cursor, &handle);
+    struct srv_scene *scene = next_item(&owner->scenes, &cursor, &handle);
     if (scene != NULL) {
         struct proto_LIST_SCENE_result *result = &call->result.LIST_SCENE;
         *result = scene->told;
         result->scene = handle;
         result->next = cursor;
         result->objects = scene->objects.count;
+        result->ignored =
+            atomic_load_explicit(&scene->ignored_told, memory_order_relaxed);
+        srv_shared_tell(scene, owner, result);
     }
     return 0;
 }
@@ -124,9 +129,46 @@ int srv_on_LIST_OBJECT(struct srv_call *call)
             .next = cursor,
             .mesh = object->mesh != NULL ? object->mesh->handle : 0,
             .triangles = object->charge,
+            .owner = object->owner->id,
+            .group = object->group,
+            .mask = object->mask,
+            .self = object->self,
         };
     }
     return 0;
+}
+
+/* The next pair, by index in the engine, to be told by handle. [compute] */
+static int work_pair(struct srv_request *request)
+{
+    struct eng_scene *engine = request->plan.scene->engine;
+    uint32_t cursor = request->params.LIST_PAIR.cursor;
+    uint32_t pair[2];
+    request->result.LIST_PAIR = (struct proto_LIST_PAIR_result){.a = 0};
+    if (engine != NULL && eng_scene_next_ignored(engine, &cursor, pair)) {
+        request->result.LIST_PAIR =
+            (struct proto_LIST_PAIR_result){.a = eng_scene_object_id(engine, pair[0]),
+                                            .b = eng_scene_object_id(engine, pair[1]),
+                                            .next = cursor};
+    }
+    return 0;
+}
+
+int srv_on_LIST_PAIR(struct srv_call *call)
+{
+    const struct proto_LIST_PAIR_request *asked = &call->params.LIST_PAIR;
+    struct srv_session *owner = NULL;
+    int status = srv_session_find(call, asked->session, &owner);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_scene *scene = srv_handles_get(&owner->scenes, asked->scene);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               asked->scene);
+    }
+    struct srv_plan plan = {.work = work_pair, .scene = scene};
+    return srv_request_start(call, &plan);
 }
 
 int srv_on_LIST_MESH(struct srv_call *call)

@@ -46,9 +46,10 @@ static bool may_run_twice(int method)
            method == PROTO_METHOD_CANCEL || method == PROTO_METHOD_SHM_ATTACH ||
            method == PROTO_METHOD_BYE || method == PROTO_METHOD_LIST_SESSION ||
            method == PROTO_METHOD_LIST_SCENE || method == PROTO_METHOD_LIST_OBJECT ||
-           method == PROTO_METHOD_LIST_MESH || method == PROTO_METHOD_STATS_HISTOGRAM ||
-           method == PROTO_METHOD_CONFIG_GET || method == PROTO_METHOD_CONFIG_SET ||
-           method == PROTO_METHOD_WATCH_START || method == PROTO_METHOD_WATCH_STOP;
+           method == PROTO_METHOD_LIST_MESH || method == PROTO_METHOD_LIST_PAIR ||
+           method == PROTO_METHOD_STATS_HISTOGRAM || method == PROTO_METHOD_CONFIG_GET ||
+           method == PROTO_METHOD_CONFIG_SET || method == PROTO_METHOD_WATCH_START ||
+           method == PROTO_METHOD_WATCH_STOP;
 }
 
 void srv_replies_keep(struct srv_replies *replies, uint32_t id, int method,

@@ -107,8 +107,10 @@ static void acquire(const struct srv_plan *plan)
     if (plan->shape != NULL) {
         srv_resource_acquire(&plan->shape->resource);
     }
-    if (plan->scene != NULL) {
+    if (plan->scene !=
+        NULL) { /* list.pair's may be another session's, which then stays */
         srv_resource_acquire(&plan->scene->resource);
+        plan->scene->resource.session->reap_count++;
     }
     if (plan->tracing != NULL) {
         srv_resource_acquire(&plan->tracing->resource);
@@ -124,7 +126,9 @@ static void release(const struct srv_plan *plan)
         srv_resource_drop(&plan->shape->resource);
     }
     if (plan->scene != NULL) {
+        struct srv_session *owner = plan->scene->resource.session;
         srv_resource_drop(&plan->scene->resource);
+        srv_session_reaped(owner);
     }
     if (plan->tracing != NULL) {
         srv_resource_drop(&plan->tracing->resource);

@@ -277,6 +277,13 @@ struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle)
     return &scene->placed[index];
 }
 
+void srv_scene_count_ignored(struct srv_scene *scene)
+{
+    srv_assert_compute();
+    atomic_store_explicit(&scene->ignored_told, eng_scene_ignored_count(scene->engine),
+                          memory_order_relaxed); /* nothing is read because of it */
+}
+
 void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
 {
     srv_assert_compute();
@@ -285,6 +292,7 @@ void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
     srv_diary_gone(scene, placed->handle);
     int status = srv_wire_status(eng_scene_remove(scene->engine, placed->engine_idx));
     PCCD_ASSERT(status == 0); /* the engine has every object that is placed */
+    srv_scene_count_ignored(scene);
     *placed = (struct srv_placed){0};
 }
 
@@ -324,6 +332,9 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
     item->charge = charge;
     item->owner = session;
     item->seat = seat;
+    item->group = 1; /* as an object begins in the engine */
+    item->mask = UINT64_MAX;
+    item->self = true;
     if (scene->resource.session->user != session->user) {
         item->lent = mesh->current;
         srv_resource_acquire(&item->lent->resource);

@@ -10,6 +10,7 @@
 #ifndef SRV_RESOURCE_H
 #define SRV_RESOURCE_H
 
+#include <stdatomic.h>
 #include <stdint.h>
 
 #include "codec.h"
@@ -63,7 +64,10 @@ struct srv_object {
     uint64_t charge;             /* triangles, of the owner's user */
     struct srv_session *owner;   /* that added it */
     const struct srv_seat *seat; /* with which it did (shared.h); NULL: its own scene */
-    struct srv_shape *lent;      /* in a scene of another user: kept for as long as the
+    uint64_t group;              /* what it may meet, as was answered last */
+    uint64_t mask;
+    bool self;
+    struct srv_shape *lent;  /* in a scene of another user: kept for as long as the
                                 * object, so that each frees what is charged to it */
     struct srv_mesh *mesh;   /* it is made of; NULL: mesh or scene was destroyed since */
     struct srv_object *prev; /* of the same mesh */
@@ -86,6 +90,7 @@ struct srv_scene {
     struct eng_scene_settings settings;  /* does not change */
     struct proto_LIST_SCENE_result told; /* [loop] its steps, and the last of them */
     struct srv_shared *shared;           /* likewise; NULL: its session's alone */
+    _Atomic uint32_t ignored_told;       /* pairs; stored on [compute], told on [loop] */
     /* [compute] */
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
@@ -115,6 +120,8 @@ int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine); /* [co
 int srv_scene_reserve(struct srv_scene *scene, uint32_t handle);
 /* The object, or NULL: never placed, or removed. [compute] */
 struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
+/* Its ignored pairs have changed in number. [compute] */
+void srv_scene_count_ignored(struct srv_scene *scene);
 /* Take a placed object out of the engine's scene. [compute] */
 void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed);
 

@@ -7,6 +7,7 @@
  */
 #include "shared.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,6 +56,24 @@ struct srv_seat *srv_shared_seat(const struct srv_scene *scene,
 {
     srv_assert_loop();
     return scene->shared != NULL ? seat_of(scene->shared, session) : NULL;
+}
+
+void srv_shared_tell(const struct srv_scene *scene, const struct srv_session *session,
+                     struct proto_LIST_SCENE_result *result)
+{
+    srv_assert_loop();
+    const struct srv_shared *shared = scene->shared;
+    if (shared == NULL) {
+        return;
+    }
+    (void)snprintf(result->name, sizeof result->name, "%s", shared->name);
+    result->uid = (uint32_t)shared->uid;
+    result->rights = shared->rights;
+    result->writable = seat_of(shared, session)->is_writer;
+    for (const struct srv_seat *seat = shared->seats; seat != NULL; seat = seat->next) {
+        result->seats++;
+        result->held += seat->holds;
+    }
 }
 
 int srv_shared_refuse_reader(const struct srv_session *session,

@@ -80,6 +80,11 @@ int srv_shared_refuse_reader(const struct srv_session *session,
  * likely to want; 0: nobody will come. Another try gives another one. */
 uint32_t srv_shared_aside(struct srv_seat *seat);
 
+/* What list.scene of `session`, which takes part, says of a shared scene; nothing of
+ * others. */
+void srv_shared_tell(const struct srv_scene *scene, const struct srv_session *session,
+                     struct proto_LIST_SCENE_result *result);
+
 /* Charge the session that calls for a journal of so many bytes: 0, PCCD_E_STATE (it keeps
  * one) or PCCD_E_QUOTA with call->error set; refund it. */
 int srv_shared_charge_journal(struct srv_call *call, struct srv_seat *seat,

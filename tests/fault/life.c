@@ -466,6 +466,7 @@ static bool watch(struct life *life, const struct belongings *has)
     const struct proto_LIST_SESSION_request sessions = {0};
     const struct proto_LIST_SCENE_request scenes = {0};
     const struct proto_LIST_OBJECT_request objects = {.scene = has->scene};
+    const struct proto_LIST_PAIR_request pairs = {.scene = has->scene};
     const struct proto_LIST_MESH_request meshes = {0};
     const struct proto_STATS_HISTOGRAM_request histogram = {0};
     const struct proto_CONFIG_SET_request set = {.name = "grace", .value = "10"};
@@ -476,6 +477,7 @@ static bool watch(struct life *life, const struct belongings *has)
            ask(life, PROTO_METHOD_LIST_SESSION, &sessions, NULL) &&
            ask(life, PROTO_METHOD_LIST_SCENE, &scenes, NULL) &&
            ask(life, PROTO_METHOD_LIST_OBJECT, &objects, NULL) &&
+           ask(life, PROTO_METHOD_LIST_PAIR, &pairs, NULL) &&
            ask(life, PROTO_METHOD_LIST_MESH, &meshes, NULL) &&
            ask(life, PROTO_METHOD_STATS_HISTOGRAM, &histogram, NULL) &&
            ask(life, PROTO_METHOD_CONFIG_SET, &set, NULL) &&

@@ -108,6 +108,9 @@ print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][
     ctl list scenes --json && json 'len(j) == 1 and j[0]["objects"] == 1' &&
     json 'j[0]["steps"] > 0 and len(j[0]["last_hash"]) == 32' &&
     ctl list objects --json --session "$session" && json 'len(j) == 1 and j[0]["triangles"] == 2' &&
+    json 'j[0]["owner"] == '"$session"' and j[0]["group"] == "0x1" and j[0]["self_collision"]' &&
+    ctl list objects && says ' +2 +'"$session"' +1 +ffffffffffffffff self$' &&
+    ctl list pairs --json && json 'j == []' && ctl list pairs && says '^SESSION +SCENE +OBJECT A' &&
     ctl list meshes --json && json 'j[0]["vertices"] == 6 and j[0]["committed"]' &&
     ctl list meshes && says ' 6 +2 +1 +1 committed$' &&
     fails 4 'there is no session 999' list --session 999 &&

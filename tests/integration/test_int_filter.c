@@ -189,6 +189,75 @@ static void filter__comes_back_with_another_daemon(void **state)
     assert_int_equal(info.reconnects, 4);
 }
 
+struct seen {
+    uint32_t objects, filtered, pairs, ignored;
+    struct pccd_ignored_pair pair;
+};
+
+static void see_scene(void *context, const struct pccd_scene_info *info)
+{
+    ((struct seen *)context)->ignored = info->ignored;
+}
+
+static void see_object(void *context, const struct pccd_object_info *info)
+{
+    struct seen *seen = context;
+
+    seen->objects++;
+    seen->filtered += info->object == crossing.object && info->group == 6 &&
+                      info->mask == 9 && !info->self_collision;
+    seen->filtered += info->object == crossing.floor && info->group == 1 &&
+                      info->mask == UINT64_MAX && info->self_collision;
+}
+
+static void see_pair(void *context, const struct pccd_ignored_pair *pair)
+{
+    struct seen *seen = context;
+
+    seen->pairs++;
+    seen->pair = *pair;
+}
+
+static struct seen look(struct pccd_client *at)
+{
+    struct pccd_daemon_info daemon;
+    struct seen seen = {.objects = 0};
+
+    assert_int_equal(pccd_daemon(client, &daemon), 0);
+    assert_int_equal(pccd_list_scenes(at, daemon.session, see_scene, &seen), 0);
+    assert_int_equal(
+        pccd_list_objects(at, daemon.session, crossing.scene, see_object, &seen), 0);
+    assert_int_equal(pccd_list_pairs(at, daemon.session, crossing.scene, see_pair, &seen),
+                     0);
+    return seen;
+}
+
+/* If it failed, nobody could see why two objects do not meet. */
+static void filter__is_listed(void **state)
+{
+    struct pccd_client *other = test_connect(daemon_.url);
+    struct seen seen;
+
+    (void)state;
+    assert_non_null(other);
+    seen = look(other);
+    assert_true(seen.objects == 2 && seen.filtered == 1 && seen.pairs == 0);
+    set(PCCD_OBJECT_ALL, 6, 9, false);
+    assert_int_equal(ignore(true), 0);
+    seen = look(other);
+    assert_true(seen.objects == 2 && seen.filtered == 2);
+    assert_int_equal(seen.pairs, 1);
+    assert_int_equal(seen.ignored, 1);
+    assert_int_equal(seen.pair.object_a + seen.pair.object_b,
+                     crossing.object + crossing.floor);
+    assert_int_equal(pccd_scene_remove(client, crossing.scene, crossing.floor), 0);
+    seen = look(client);
+    assert_true(seen.objects == 1 && seen.pairs == 0 && seen.ignored == 0);
+    assert_int_equal(pccd_list_pairs(other, 9999, crossing.scene, see_pair, &seen),
+                     PCCD_E_HANDLE);
+    pccd_close(other);
+}
+
 /* If it failed, a caller's mistake would change something, or not be told. */
 static void filter__refuses_what_cannot_be(void **state)
 {
@@ -339,6 +408,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(filter__stays_with_its_object, setup, teardown),
         cmocka_unit_test_setup_teardown(filter__comes_back_with_another_daemon, setup,
                                         teardown),
+        cmocka_unit_test_setup_teardown(filter__is_listed, setup, teardown),
         cmocka_unit_test_setup_teardown(filter__refuses_what_cannot_be, setup, teardown),
         cmocka_unit_test_setup_teardown(filter__refuses_what_the_library_would_not_send,
                                         setup, teardown),

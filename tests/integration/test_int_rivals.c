@@ -283,6 +283,45 @@ static void rivals__one_who_leaves_with_much_delays_nobody(void **state)
     leave_both();
 }
 
+/* If it failed, a client that is gone before it was looked at would take the daemon
+ * along. */
+static void rivals__one_who_is_looked_at_may_leave(void **state)
+{
+    (void)state;
+    for (int i = 0; i < ROUNDS; i++) {
+        const struct proto_LIST_SESSION_request newest = {.before = 0};
+        const struct proto_SCENE_CREATE_request alone = {.share = 0};
+        struct proto_LIST_SESSION_result listed;
+        struct proto_LIST_PAIR_request pairs = {.cursor = 0};
+        struct proto_LIST_PAIR_result pair;
+        struct proto_SCENE_CREATE_result created;
+        struct pccd_answer answer;
+        uint64_t step = 0;
+        uint32_t id;
+
+        assert_true(test_raw_open(&second.raw, test_shared.socket));
+        assert_int_equal(test_raw_hello(&second.raw), 0);
+        assert_true(test_raw_open(&first.raw, test_shared.socket));
+        assert_int_equal(test_raw_hello(&first.raw), 0);
+        assert_int_equal(call(&first, PROTO_METHOD_SCENE_CREATE, &alone, &created), 0);
+        assert_int_equal(call(&second, PROTO_METHOD_LIST_SESSION, &newest, &listed), 0);
+        pairs.session = listed.session;
+        pairs.scene = created.scene;
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        id = request(&second, PROTO_METHOD_LIST_PAIR, &pairs); /* behind it */
+        assert_int_equal(call(&second, PROTO_METHOD_LIST_SESSION, &newest, &listed), 0);
+        test_raw_close(&first.raw);
+        assert_int_equal(test_raw_answer(&second.raw, id, PROTO_METHOD_LIST_PAIR, &pair),
+                         0);
+        assert_int_equal(pair.a, 0);
+        assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+        pccd_answer_release(grid.client, &answer);
+        test_raw_close(&second.raw);
+        assert_int_equal(test_stat_await(client, "sessions_now", 1), 1);
+        assert_int_equal(test_stat_await(client, "scenes_now", 1), 1);
+    }
+}
+
 /* ---- coming back ------------------------------------------------------------------- */
 
 /* If it failed, a client that adds an object after the daemon was lost, before another
@@ -493,6 +532,8 @@ int main(void)
                                         stop),
         cmocka_unit_test_setup_teardown(rivals__one_who_leaves_with_much_delays_nobody,
                                         start, stop),
+        cmocka_unit_test_setup_teardown(rivals__one_who_is_looked_at_may_leave,
+                                        start_with_grid, stop_with_grid),
         cmocka_unit_test_setup_teardown(rivals__one_who_is_not_back_keeps_its_numbers,
                                         start, stop),
         cmocka_unit_test_setup_teardown(rivals__an_error_is_told_to_whose_it_is,

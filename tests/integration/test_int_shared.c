@@ -234,6 +234,70 @@ static void shared__a_held_frames_deadline_makes_readable(void **state)
     pccd_close(obstacle.client);
 }
 
+struct seen {
+    struct pccd_scene_info info;
+    uint32_t scenes, objects, foreign;
+    uint64_t owner;
+};
+
+static void see_scene(void *context, const struct pccd_scene_info *info)
+{
+    struct seen *seen = context;
+
+    if (strcmp(info->name, "listed") == 0) {
+        seen->info = *info;
+        seen->info.name = NULL;
+        seen->scenes++;
+    }
+}
+
+static void see_object(void *context, const struct pccd_object_info *info)
+{
+    struct seen *seen = context;
+
+    seen->objects++;
+    seen->foreign += info->owner != seen->owner;
+}
+
+/* If it failed, nobody could see who takes part in a scene, or whose an object is. */
+static void shared__is_listed(void **state)
+{
+    struct pccd_client *reader = test_connect(test_shared.url);
+    struct member cloth;
+    struct member obstacle;
+    struct seen seen = {.scenes = 0};
+    struct pccd_daemon_info daemon;
+    struct pccd_answer answer;
+    uint64_t step;
+
+    (void)state;
+    open_member(&cloth, "listed", test_triangle_x);
+    open_member(&obstacle, "listed", test_floor_x);
+    step = hold(&obstacle, 1, 0);
+    assert_int_equal(pccd_daemon(cloth.client, &daemon), 0);
+    seen.owner = daemon.session;
+    assert_int_equal(pccd_list_scenes(reader, daemon.session, see_scene, &seen), 0);
+    assert_int_equal(seen.scenes, 1);
+    assert_int_equal(seen.info.objects, 2);
+    assert_int_equal(seen.info.rights, 0600);
+    assert_int_equal(seen.info.uid, geteuid());
+    assert_int_equal(seen.info.seats, 2);
+    assert_int_equal(seen.info.held, 1);
+    assert_true(seen.info.writable);
+    assert_int_equal(
+        pccd_list_objects(reader, daemon.session, cloth.scene, see_object, &seen), 0);
+    assert_int_equal(seen.objects, 2);
+    assert_int_equal(seen.foreign, 1);
+    assert_int_equal(move(&cloth, 0, &answer), 0);
+    pccd_answer_release(cloth.client, &answer);
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+    assert_int_equal(pccd_list_scenes(reader, daemon.session, see_scene, &seen), 0);
+    assert_int_equal(seen.info.held, 0);
+    pccd_close(obstacle.client);
+    pccd_close(cloth.client);
+    pccd_close(reader);
+}
+
 /* If it failed, a client that leaves a scene while a frame of its waits there would end
  * the daemon for all, or wait for ever. */
 static void shared__leaving_ends_what_is_held(void **state)
@@ -477,6 +541,7 @@ int main(void)
         cmocka_unit_test(shared__an_object_has_one_writer),
         cmocka_unit_test(shared__a_held_frame_is_answered_at_its_deadline_and_cancel),
         cmocka_unit_test(shared__a_held_frames_deadline_makes_readable),
+        cmocka_unit_test(shared__is_listed),
         cmocka_unit_test(shared__leaving_ends_what_is_held),
         cmocka_unit_test(shared__readers_hear_of_every_last_step),
         cmocka_unit_test(shared__a_scene_lives_as_long_as_anybody_takes_part),

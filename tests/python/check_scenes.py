@@ -94,6 +94,10 @@ class Filters(Case):
         self.assertTrue(0 < others < both)
         self.assertEqual(client.pair_ignore(scene, self.floor, self.tent), 1)
         self.assertEqual(self.total(), 0)
+        pairs = [{entry["a"], entry["b"]} for entry in client.list_pairs(scene)]
+        self.assertEqual(pairs, [{self.floor, self.tent}])
+        self.assertEqual([entry.get("self") for entry in client.list_objects(scene)
+                          if entry["object"] == self.tent], [None])
         client.object_set(scene, self.tent, self_collision=True)
         alone = self.total()
         self.assertEqual(alone + others, both)

@@ -20,8 +20,9 @@
 
 enum { OPTION_SESSION = 256 + 64, OPTION_JSON };
 
-enum what { SESSIONS, SCENES, OBJECTS, MESHES, WHAT_COUNT };
-static const char *const what_names[] = {"sessions", "scenes", "objects", "meshes"};
+enum what { SESSIONS, SCENES, OBJECTS, PAIRS, MESHES, WHAT_COUNT };
+static const char *const what_names[] = {"sessions", "scenes", "objects", "pairs",
+                                         "meshes"};
 
 struct list_options {
     struct ctl_link link;
@@ -64,9 +65,10 @@ static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10},
 const struct argp ctl_argp_list = {
     .options = option_list,
     .parser = parse,
-    .args_doc = "[sessions|scenes|objects|meshes]",
-    .doc = "List what a daemon has: sessions (the default), scenes, objects or meshes of "
-           "this user, or of everybody for the daemon's own user and root.",
+    .args_doc = "[sessions|scenes|objects|pairs|meshes]",
+    .doc = "List what a daemon has: sessions (the default), scenes, objects, pairs of "
+           "objects that ignore each other, or meshes, of this user, or of everybody for "
+           "the daemon's own user and root.",
     .children = children};
 
 /* One list being printed; session and scene say whose it is. */
@@ -83,8 +85,9 @@ static void print_session(struct printer *printer, const struct session_row *row
     if (!printer->is_json) {
         printf("%7" PRIu64 " %7" PRIu32 " %-10.10s %-20.20s %6" PRIu32 " %7" PRIu32
                " %6" PRIu32 " %9s %9s %10" PRIu64 " %10s%s\n",
-               info->session, info->pid, format_user(info->uid), row->name, info->scenes,
-               info->objects, info->meshes, format_count((double)info->triangles),
+               info->session, info->pid, format_user(info->uid), format_name(row->name),
+               info->scenes, info->objects, info->meshes,
+               format_count((double)info->triangles),
                format_bytes((double)info->shm_bytes), info->steps,
                format_span(info->ns_open), info->waiting ? " waits" : "");
         return;
@@ -104,43 +107,92 @@ static void print_session(struct printer *printer, const struct session_row *row
             "waiting", info->waiting));
 }
 
-static void print_scene(struct printer *printer, const struct pccd_scene_info *info)
+/* "cloth" rw-r-----, 2 take part; "" for a scene that is not shared. */
+static const char *sharing(const struct scene_row *row)
 {
+    static char text[400];
+    const struct pccd_scene_info *info = &row->info;
+    char rights[10] = "---------";
+    for (uint32_t i = 0; i < 9; i++) {
+        if ((info->rights >> (8 - i) & 1u) != 0) {
+            rights[i] = "rwx"[i % 3];
+        }
+    }
+    if (row->name[0] == '\0') {
+        return "";
+    }
+    snprintf(text, sizeof text,
+             " \"%s\" of %s %s, %" PRIu32 " take part, %" PRIu32 " held%s",
+             format_name(row->name), format_user(info->uid), rights, info->seats,
+             info->held, info->writable ? "" : ", reads");
+    return text;
+}
+
+static void print_scene(struct printer *printer, const struct scene_row *row)
+{
+    const struct pccd_scene_info *info = &row->info;
     char hash[40];
     snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, info->hash[0],
              info->hash[1]);
     if (!printer->is_json) {
         printf("%7" PRIu64 " %#10" PRIx32 " %7" PRIu32 " %10" PRIu64 " %10" PRIu64
-               " %10s %s\n",
+               " %10s %7" PRIu32 " %-32s%s\n",
                printer->session, info->scene, info->objects, info->steps, info->total,
-               format_ms((double)info->ns_step / 1e6), info->steps > 0 ? hash : "-");
+               format_ms((double)info->ns_step / 1e6), info->ignored,
+               info->steps > 0 ? hash : "-", sharing(row));
         return;
     }
     json_array_append_new(
         printer->array,
-        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:f}", "session",
-                  (json_int_t)printer->session, "scene", (json_int_t)info->scene,
-                  "objects", (json_int_t)info->objects, "steps", (json_int_t)info->steps,
-                  "last_number", (json_int_t)info->number, "last_total",
-                  (json_int_t)info->total, "last_hash", hash, "last_ms",
-                  (double)info->ns_step / 1e6));
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:f, s:I, s:s, s:I, s:I, s:I, "
+                  "s:I, s:b}",
+                  "session", (json_int_t)printer->session, "scene",
+                  (json_int_t)info->scene, "objects", (json_int_t)info->objects, "steps",
+                  (json_int_t)info->steps, "last_number", (json_int_t)info->number,
+                  "last_total", (json_int_t)info->total, "last_hash", hash, "last_ms",
+                  (double)info->ns_step / 1e6, "ignored_pairs", (json_int_t)info->ignored,
+                  "name", row->name, "uid", (json_int_t)info->uid, "rights",
+                  (json_int_t)info->rights, "seats", (json_int_t)info->seats, "held",
+                  (json_int_t)info->held, "writable", info->writable));
 }
 
 static void print_object(void *context, const struct pccd_object_info *info)
 {
     struct printer *printer = context;
+    char group[20], mask[20]; /* JSON has no numbers of 64 bits */
+    snprintf(group, sizeof group, "0x%" PRIx64, info->group);
+    snprintf(mask, sizeof mask, "0x%" PRIx64, info->mask);
     if (!printer->is_json) {
-        printf(
-            "%7" PRIu64 " %#10" PRIx32 " %#10" PRIx32 " %#10" PRIx32 " %10" PRIu64 "\n",
-            printer->session, printer->scene, info->object, info->mesh, info->triangles);
+        printf("%7" PRIu64 " %#10" PRIx32 " %#10" PRIx32 " %#10" PRIx32 " %10" PRIu64
+               " %7" PRIu64 " %18" PRIx64 " %18" PRIx64 " %s\n",
+               printer->session, printer->scene, info->object, info->mesh,
+               info->triangles, info->owner, info->group, info->mask,
+               info->self_collision ? "self" : "-");
         return;
     }
     json_array_append_new(
         printer->array,
-        json_pack("{s:I, s:I, s:I, s:I, s:I}", "session", (json_int_t)printer->session,
-                  "scene", (json_int_t)printer->scene, "object", (json_int_t)info->object,
-                  "mesh", (json_int_t)info->mesh, "triangles",
-                  (json_int_t)info->triangles));
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:s, s:b}", "session",
+                  (json_int_t)printer->session, "scene", (json_int_t)printer->scene,
+                  "object", (json_int_t)info->object, "mesh", (json_int_t)info->mesh,
+                  "triangles", (json_int_t)info->triangles, "owner",
+                  (json_int_t)info->owner, "group", group, "mask", mask, "self_collision",
+                  info->self_collision));
+}
+
+static void print_pair(void *context, const struct pccd_ignored_pair *pair)
+{
+    struct printer *printer = context;
+    if (!printer->is_json) {
+        printf("%7" PRIu64 " %#10" PRIx32 " %#10" PRIx32 " %#10" PRIx32 "\n",
+               printer->session, printer->scene, pair->object_a, pair->object_b);
+        return;
+    }
+    json_array_append_new(
+        printer->array,
+        json_pack("{s:I, s:I, s:I, s:I}", "session", (json_int_t)printer->session,
+                  "scene", (json_int_t)printer->scene, "object_a",
+                  (json_int_t)pair->object_a, "object_b", (json_int_t)pair->object_b));
 }
 
 static void print_mesh(void *context, const struct pccd_registered_mesh *info)
@@ -180,8 +232,11 @@ static int print_of(struct pccd_client *client, enum what what, struct printer *
     } else {
         status = scenes_read(client, printer->session, &scenes);
         for (uint32_t i = 0; i < scenes.count && status == PCCD_OK; i++) {
-            printer->scene = scenes.rows[i].scene;
-            if (what == SCENES) {
+            printer->scene = scenes.rows[i].info.scene;
+            if (what == PAIRS) {
+                status = pccd_list_pairs(client, printer->session, printer->scene,
+                                         print_pair, printer);
+            } else if (what == SCENES) {
                 print_scene(printer, &scenes.rows[i]);
             } else {
                 status = pccd_list_objects(client, printer->session, printer->scene,
@@ -200,9 +255,11 @@ static void print_head(enum what what)
             "SESSION     PID USER       CLIENT               SCENES OBJECTS MESHES "
             "TRIANGLES    SHARED      STEPS   OPEN FOR",
         [SCENES] =
-            "SESSION      SCENE OBJECTS      STEPS   CONTACTS  LAST STEP HASH OF THE "
-            "LAST ANSWER",
-        [OBJECTS] = "SESSION      SCENE     OBJECT       MESH  TRIANGLES",
+            "SESSION      SCENE OBJECTS      STEPS   CONTACTS  LAST STEP IGNORED HASH OF "
+            "THE LAST ANSWER          SHARED",
+        [OBJECTS] = "SESSION      SCENE     OBJECT       MESH  TRIANGLES   OWNER     "
+                    "         GROUP               MASK MEETS",
+        [PAIRS] = "SESSION      SCENE   OBJECT A   OBJECT B",
         [MESHES] = "SESSION       MESH   VERTICES  TRIANGLES OBJECTS GENERATION STATE"};
     printf("%s%s%s\n", terminal_begin(TERMINAL_BOLD), heads[what], terminal_end());
 }

@@ -195,12 +195,13 @@ static void print_table(const struct rate *rates, uint32_t count,
         const struct pccd_session_info *info = &rate->row->info;
         printf("%7" PRIu64 " %7" PRIu32 " %-8.8s %-16.16s %6" PRIu32
                " %7s %8.1f %8.3f %7.3f %7.3f %7.3f %7.3f %7.3f %5" PRIu32 " %9s %9s%s\n",
-               info->session, info->pid, format_user(info->uid), rate->row->name,
-               info->scenes, format_count((double)info->triangles), rate->steps_per_s,
-               rate->ms_step, rate->ms_phase[INGEST], rate->ms_phase[REFIT],
-               rate->ms_phase[TRAVERSAL], rate->ms_phase[TESTS], rate->ms_phase[MERGE],
-               info->requests, format_bytes(rate->in_per_s),
-               format_bytes(rate->out_per_s), info->waiting ? " waits" : "");
+               info->session, info->pid, format_user(info->uid),
+               format_name(rate->row->name), info->scenes,
+               format_count((double)info->triangles), rate->steps_per_s, rate->ms_step,
+               rate->ms_phase[INGEST], rate->ms_phase[REFIT], rate->ms_phase[TRAVERSAL],
+               rate->ms_phase[TESTS], rate->ms_phase[MERGE], info->requests,
+               format_bytes(rate->in_per_s), format_bytes(rate->out_per_s),
+               info->waiting ? " waits" : "");
     }
     if (shown < count) {
         printf("and %" PRIu32 " more\n", count - shown);

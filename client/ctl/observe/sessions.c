@@ -77,7 +77,10 @@ static void take_scene(void *context, const struct pccd_scene_info *info)
                                                  sizeof *scenes->rows);
     scenes->rows = rows;
     if (!scenes->is_short) {
-        scenes->rows[scenes->count++] = *info;
+        struct scene_row *row = &scenes->rows[scenes->count++];
+        row->info = *info;
+        row->info.name = NULL; /* as a session's */
+        snprintf(row->name, sizeof row->name, "%s", info->name);
     }
 }
 

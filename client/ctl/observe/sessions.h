@@ -13,7 +13,8 @@
 
 #include "pccd.h"
 
-#define SESSION_NAME_BYTES 64u
+#define SESSION_NAME_BYTES 256u
+#define SCENE_NAME_BYTES   256u
 
 struct session_row {
     struct pccd_session_info info;
@@ -33,8 +34,13 @@ void sessions_deinit(struct sessions *sessions);
 /* NULL: there is none of that number. */
 const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number);
 
+struct scene_row {
+    struct pccd_scene_info info;
+    char name[SCENE_NAME_BYTES]; /* in the place of info.name */
+};
+
 struct scenes {
-    struct pccd_scene_info *rows;
+    struct scene_row *rows;
     uint32_t count, capacity;
     bool is_short;
 };

@@ -105,6 +105,10 @@ class Observe(Scenes):
         """The objects of a scene; fields of list.object."""
         return self._list("list.object", "object", session=session, scene=scene)
 
+    def list_pairs(self, scene: int, session: int = 0) -> List[Dict[str, Any]]:
+        """Pairs of objects of a scene that ignore each other; fields of list.pair."""
+        return self._list("list.pair", "a", session=session, scene=scene)
+
     def list_meshes(self, session: int = 0) -> List[Dict[str, Any]]:
         """The meshes of a session; fields of list.mesh."""
         return self._list("list.mesh", "mesh", session=session)
