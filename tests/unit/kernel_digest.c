@@ -27,6 +27,7 @@ struct ground {
     struct eng_wide_block blocks[BLOCKS];
     struct eng_narrow_block narrow[BLOCKS];
     struct eng_narrow_box narrow_around[BLOCKS];
+    uint32_t farthest;
     uint32_t corner[3][POINTS]; /* of features */
     uint32_t quads[PAIRS][4];
     uint32_t all[PAIRS]; /* 0, 1, 2 .. */
@@ -157,14 +158,16 @@ static void run_narrow(const struct eng_kernels *kernels, struct ground *ground)
     const struct eng_narrowing narrowing = {
         {0x1p12f, 0x1p12f, 0x1p11f, 0}, {3, -1000, 0.125f, 0}, {-1, 1002, 1, 0}};
     uint64_t all = DIGEST_BEGIN;
+    ground->farthest = 0;
     for (uint32_t first = 0; first < BLOCKS; first += BLOCKS / 4) {
-        bool fits = kernels->narrow_blocks(ground->blocks + first, ground->around + first,
-                                           BLOCKS / 4, &narrowing, ground->narrow + first,
-                                           ground->narrow_around + first);
+        bool fits = kernels->narrow_blocks(
+            ground->blocks + first, ground->around + first, BLOCKS / 4, &narrowing,
+            ground->narrow + first, ground->narrow_around + first, &ground->farthest);
         all = digest(all, &fits, sizeof fits);
     }
     all = digest(all, ground->narrow, sizeof ground->narrow);
     all = digest(all, ground->narrow_around, sizeof ground->narrow_around);
+    all = digest(all, &ground->farthest, sizeof ground->farthest);
     say(kernels, "narrow_blocks", all);
 }
 
@@ -179,22 +182,25 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
     static uint32_t out[2][ENG_JOIN_MAX];
     static struct eng_join_round round;
     uint64_t all = DIGEST_BEGIN;
-    for (uint32_t i = 0; i < 11 * BLOCKS * BLOCKS; i++) {
+    for (uint32_t i = 0; i < 12 * BLOCKS * BLOCKS; i++) {
         bool is_narrow = i >= 6 * BLOCKS * BLOCKS;
         uint32_t way = i / BLOCKS / BLOCKS % 6;
+        bool is_swept = way == 5 && !is_narrow;
         struct eng_join job = {.a = ground->blocks,
                                .b = ground->blocks,
                                .b_boxes = ground->around,
                                .a_narrow = is_narrow ? ground->narrow : NULL,
                                .b_narrow = is_narrow ? ground->narrow : NULL,
                                .b_narrow_boxes = is_narrow ? ground->narrow_around : NULL,
+                               .farthest = ground->farthest,
                                .boxes = way < 4    ? ENG_JOIN_MOVING
-                                        : way == 4 ? ENG_JOIN_NEAR
-                                                   : ENG_JOIN_SWEPT,
+                                        : is_swept ? ENG_JOIN_SWEPT
+                                                   : ENG_JOIN_NEAR,
                                .in_time = way / 2 == 1,
-                               .t_end = way == 4  ? 0.046f
-                                        : way % 2 ? 1
-                                                  : 0.375f};
+                               .t_end = way == 4   ? 0.046f
+                                        : way == 5 ? 0x1p-20f
+                                        : way % 2  ? 1
+                                                   : 0.375f};
         uint32_t n = i / BLOCKS % BLOCKS;
         uint32_t m = i % BLOCKS;
         bool is_self_join = a_corners == b_corners;

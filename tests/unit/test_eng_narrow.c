@@ -24,6 +24,7 @@ struct fixture {
     struct eng_extents around[BLOCKS];
     struct eng_narrow_block narrow[BLOCKS];
     struct eng_narrow_box narrow_around[BLOCKS];
+    uint32_t farthest;
     uint32_t corner[3][BOXES];
 };
 
@@ -43,8 +44,9 @@ static void fill(struct fixture *f, struct kit_random *random)
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
     fill_boxes(f->boxes, f->corner, random);
     scalar->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
+    f->farthest = 0;
     assert_true(scalar->narrow_blocks(f->blocks, f->around, BLOCKS, &narrowing, f->narrow,
-                                      f->narrow_around));
+                                      f->narrow_around, &f->farthest));
 }
 
 /* ---- the numbers ------------------------------------------------------------------- */
@@ -95,6 +97,9 @@ static void narrow__numbers_are_no_less_than_the_bounds(void **state)
         struct eng_wide_block block;
         struct eng_narrow_block narrow;
         struct eng_narrow_box narrow_around;
+        uint32_t before = round % 5 == 0 ? 100000 : 0;
+        uint32_t farthest = before;
+        int32_t growth = 0;
         if (!kernels) {
             continue;
         }
@@ -108,7 +113,7 @@ static void narrow__numbers_are_no_less_than_the_bounds(void **state)
         }
         kernels->box_fold(boxes, 1, &block, &around);
         assert_true(kernels->narrow_blocks(&block, &around, 1, &narrowing, &narrow,
-                                           &narrow_around));
+                                           &narrow_around, &farthest));
         check_sums(&block, &narrow, cell, 2.125);
         for (uint32_t i = 0; i < 6; i++) {
             int32_t above = INT16_MIN;
@@ -116,12 +121,18 @@ static void narrow__numbers_are_no_less_than_the_bounds(void **state)
             for (uint32_t lane = 0; lane < ENG_WIDE; lane++) {
                 int32_t a = above_of(&narrow, i / 3, i % 3, lane);
                 int32_t b = below_of(&narrow, i / 3, i % 3, lane);
+                int32_t a_grown = above_of(&narrow, 1, i % 3, lane) - a;
+                int32_t b_grown = below_of(&narrow, 1, i % 3, lane) - b;
+                growth = a_grown > growth ? a_grown : growth;
+                growth = b_grown > growth ? b_grown : growth;
                 above = a > above ? a : above;
                 below = b > below ? b : below;
             }
             assert_int_equal(narrow_around.half[i / 3][2 * (i % 3)], above);
             assert_int_equal(narrow_around.half[i / 3][2 * (i % 3) + 1], below);
         }
+        assert_true(growth > 0);
+        assert_int_equal(farthest, (uint32_t)growth > before ? (uint32_t)growth : before);
     }
 }
 
@@ -141,18 +152,18 @@ static void narrow__says_what_is_beyond_its_reach(void **state)
             *bound = ENG_NARROW_REACH + 1;
             kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
             fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
-                                          f.narrow, f.narrow_around);
+                                          f.narrow, f.narrow_around, &f.farthest);
             assert_false(fits);
             *bound = 0x1p60f;
             kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
             fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
-                                          f.narrow, f.narrow_around);
+                                          f.narrow, f.narrow_around, &f.farthest);
             assert_false(fits);
             *bound = ENG_NARROW_REACH - 2;
             set_nowhere(&f.boxes[18]);
             kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
             fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
-                                          f.narrow, f.narrow_around);
+                                          f.narrow, f.narrow_around, &f.farthest);
             assert_true(fits);
             assert_int_equal(below_of(&f.narrow[1], i % 2, i / 4, 2), INT16_MIN);
             assert_int_equal(above_of(&f.narrow[1], i % 2, i / 4, 2), INT16_MIN);
@@ -169,6 +180,7 @@ static void join(const struct eng_kernels *kernels, const struct fixture *f, boo
     job->b_boxes = f->around;
     job->a_narrow = job->b_narrow = is_narrow ? f->narrow : NULL;
     job->b_narrow_boxes = is_narrow ? f->narrow_around : NULL;
+    job->farthest = f->farthest;
     for (int k = 0; k < 3; k++) {
         job->a_corner[k] = f->corner[k];
         job->b_corner[k] = f->corner[k];
@@ -268,10 +280,13 @@ static void narrow__joins_go_up_to_a_time(void **state)
     static struct lists expected;
     static struct lists found;
     struct kit_random random = {33};
-    uint64_t gone[2] = {0};
+    enum { UNTIL, AROUND, FROM_BEGIN, WAYS };
+    uint64_t gone[WAYS] = {0};
     for (uint32_t round = 0; round < 10 * ROUNDS; round++) {
         bool around = round % 2 == 1;
-        double t = ldexp((double)kit_below(&random, around ? 17 : 256), -8);
+        /* Every other near time is so near that boxes of t = 0 are compared. */
+        int exponent = round / 4 % 2 == 1 && around ? -20 : -8;
+        double t = ldexp((double)kit_below(&random, around ? 17 : 256), exponent);
         bool edges = round / 2 % 2 == 1;
         uint32_t m = round % 3;
         fill(&f, &random);
@@ -288,9 +303,61 @@ static void narrow__joins_go_up_to_a_time(void **state)
                 assert_same_lists(&found, &expected);
             }
         }
-        check_until(&f, &all, &expected, t, around, &gone[around]);
+        bool from_begin = around && 2 * t * f.farthest < 6; /* ENG_NARROW_GROWTH_MAX */
+        check_until(&f, &all, &expected, t, around,
+                    &gone[!around      ? UNTIL
+                          : from_begin ? FROM_BEGIN
+                                       : AROUND]);
     }
-    assert_true(gone[0] > 10000 && gone[1] > 10000);
+    assert_true(gone[UNTIL] > 10000 && gone[AROUND] > 10000 && gone[FROM_BEGIN] > 5000);
+}
+
+/* Two boxes of one cell's side, `gap` cells apart along an axis at t = 0, which move at
+ * each other by `way` cells each. */
+static void set_approaching(struct fixture *f, int axis, double gap, double way)
+{
+    for (uint32_t i = 0; i < BOXES; i++) {
+        set_nowhere(&f->boxes[i]);
+        f->corner[0][i] = 2 * i;
+        f->corner[1][i] = 2 * i + 1;
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        struct eng_extents *box = &f->boxes[i * ENG_WIDE + 3 * i];
+        memset(box, 0, sizeof *box);
+        for (int side = 0; side < ENG_SIDES; side++) {
+            double low = i == 0 ? 0 : gap + 1;
+            low += side % 2 == 0 ? 0 : i == 0 ? way : -way;
+            box->side[side][axis] = (float)(CELL * (side < ENG_HIGH0 ? -low : low + 1));
+        }
+    }
+    eng_kernels_of(ENG_ISA_SCALAR)->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
+}
+
+/* If what boxes grow by were left out of the comparison of those of t = 0, mode first
+ * would miss what comes within the next cells. */
+static void narrow__boxes_as_they_begin_reach_the_near_time(void **state)
+{
+    (void)state;
+    static struct fixture f;
+    static struct lists found;
+    const struct eng_narrowing narrowing = narrowing_around(CELL, 0);
+    const double t = 0x1p-11;
+    for (uint32_t i = 0; i < ENG_ISA_COUNT * 3 * 2; i++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)(i / 6));
+        bool do_meet = i % 2 == 0;
+        double way = 2.5 / t; /* 5 cells together until then */
+        struct eng_join job = {.t_end = (float)t, .boxes = ENG_JOIN_NEAR};
+        if (!kernels) {
+            continue;
+        }
+        set_approaching(&f, (int)(i / 2 % 3), do_meet ? 5 : 20, way);
+        f.farthest = 0;
+        assert_true(kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
+                                           f.narrow, f.narrow_around, &f.farthest));
+        assert_int_equal(f.farthest, way);
+        join(kernels, &f, true, true, 1, &job, &found);
+        assert_int_equal(found.count, do_meet);
+    }
 }
 
 /* ---- a scene ----------------------------------------------------------------------- */
@@ -387,6 +454,7 @@ int main(void)
         cmocka_unit_test(narrow__says_what_is_beyond_its_reach),
         cmocka_unit_test(narrow__joins_find_the_same_pairs),
         cmocka_unit_test(narrow__joins_go_up_to_a_time),
+        cmocka_unit_test(narrow__boxes_as_they_begin_reach_the_near_time),
         cmocka_unit_test(narrow__is_left_where_a_step_goes_too_far),
     };
     return cmocka_run_group_tests_name("eng_narrow", tests, NULL, NULL);

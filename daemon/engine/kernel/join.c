@@ -16,11 +16,13 @@
 
 #include <assert.h>
 
+#include "begin.h"
 #include "lanes_pack.h"
 #include "meeting.h"
 #include "narrow.h"
 #include "near.h"
 #include "overlap.h"
+#include "still.h"
 #include "table.h"
 
 /* Blocks as a rule compares them, from the first of the run of ENG_WIDE that a round is
@@ -41,6 +43,12 @@ ENG_INLINE bool is_plain(enum rule rule)
     return rule == RULE_STEP || rule == RULE_UNTIL;
 }
 
+/* In whole numbers, are those of a and the boxes around b compared as they lie there? */
+ENG_INLINE bool is_from_trees(enum rule rule)
+{
+    return rule == RULE_NARROW_STEP || rule == RULE_NARROW_BEGIN;
+}
+
 /* Numbers of four bytes from one block to the next; lanes are in the lowest bits. */
 ENG_INLINE uint32_t block_stride(bool plain)
 {
@@ -51,8 +59,8 @@ ENG_INLINE uint32_t block_stride(bool plain)
 
 ENG_INLINE uint32_t around_stride(enum rule rule)
 {
-    return (rule == RULE_NARROW_STEP ? sizeof(struct eng_narrow_box)
-                                     : sizeof(union eng_join_around)) /
+    return (is_from_trees(rule) ? sizeof(struct eng_narrow_box)
+                                : sizeof(union eng_join_around)) /
            4;
 }
 
@@ -129,9 +137,13 @@ ENG_INLINE struct sides make_ready(const struct eng_join *job,
         sides.around = (const void *)(job->b_boxes + first_b);
         return sides;
     }
-    make_b_ready(job, round, count, first_b, rule);
-    sides.b = (const void *)round->ready_b;
-    if (rule == RULE_NARROW_STEP) {
+    if (rule == RULE_NARROW_BEGIN) {
+        sides.b = (const void *)(job->b_narrow + first_b);
+    } else {
+        make_b_ready(job, round, count, first_b, rule);
+        sides.b = (const void *)round->ready_b;
+    }
+    if (is_from_trees(rule)) {
         sides.a = (const void *)(job->a_narrow + first_a);
         sides.around = (const void *)(job->b_narrow_boxes + first_b);
     } else {
@@ -142,6 +154,12 @@ ENG_INLINE struct sides make_ready(const struct eng_join *job,
     return sides;
 }
 
+/* The last time, as rules ask for it. */
+struct until {
+    eng_f weight;    /* until_of() */
+    uint32_t growth; /* narrow_growth() */
+};
+
 /* ---- boxes that meet --------------------------------------------------------------- */
 
 /* List the boxes of a that meet the box around b, for each pair of blocks of the round:
@@ -149,8 +167,8 @@ ENG_INLINE struct sides make_ready(const struct eng_join *job,
  * Returns how many. Of a run with itself, `self`, those of two blocks alone, and bits of
  * the other ones to *selves. */
 ENG_INLINE uint32_t list_boxes(struct eng_join_round *round, const struct sides *sides,
-                               uint32_t pairs, bool self, enum rule rule, eng_f until,
-                               uint32_t *selves)
+                               uint32_t pairs, bool self, enum rule rule,
+                               struct until until, uint32_t *selves)
 {
     const uint32_t stride = block_stride(is_plain(rule));
     uint32_t count = 0;
@@ -159,8 +177,10 @@ ENG_INLINE uint32_t list_boxes(struct eng_join_round *round, const struct sides 
         uint32_t n = round->a[round->count + i] % ENG_WIDE;
         uint32_t m = round->b[round->count + i] % ENG_WIDE;
         struct bounds around = {sides->around + m * around_stride(rule), 4, 1};
-        uint32_t bits =
-            overlap(around, rows_at(sides->a + n * stride, rule), rule, until);
+        struct bounds rows = rows_at(sides->a + n * stride, rule);
+        uint32_t bits = rule == RULE_NARROW_BEGIN
+                            ? overlap_from_begin(around, rows, false, until.growth)
+                            : overlap(around, rows, rule, until.weight);
         if (self) {
             uint32_t is_one = n == m;
             *selves |= is_one << n;
@@ -221,10 +241,13 @@ ENG_INLINE uint32_t without_vertices(const struct sides *sides, uint32_t slot, u
 
 /* Lanes of b that a box of a has pairs with. */
 ENG_INLINE uint32_t lanes_of(const struct sides *sides, uint32_t place, uint32_t box,
-                             struct wants wants, enum rule rule, eng_f until)
+                             struct wants wants, enum rule rule, struct until until)
 {
-    uint32_t bits = overlap(rows_at(sides->a + (place & 0xffff), rule),
-                            rows_at(sides->b + (place >> 16), rule), rule, until);
+    struct bounds a = rows_at(sides->a + (place & 0xffff), rule);
+    struct bounds b = rows_at(sides->b + (place >> 16), rule);
+    uint32_t bits = rule == RULE_NARROW_BEGIN
+                        ? overlap_from_begin(a, b, true, until.growth)
+                        : overlap(a, b, rule, until.weight);
     if (wants.a_vertices > 0) {
         bits &= without_vertices(sides, box & 0xff, box >> 8, wants);
     }
@@ -234,7 +257,7 @@ ENG_INLINE uint32_t lanes_of(const struct sides *sides, uint32_t place, uint32_t
 /* Of `count` boxes those with pairs that are wanted, and the lanes of these. */
 ENG_INLINE uint32_t test_boxes(struct eng_join_round *round, const struct sides *sides,
                                uint32_t count, struct wants wants, enum rule rule,
-                               eng_f until)
+                               struct until until)
 {
     uint32_t found = 0;
     for (uint32_t i = 0; i < count; i++) {
@@ -250,7 +273,7 @@ ENG_INLINE uint32_t test_boxes(struct eng_join_round *round, const struct sides 
 /* The same of the boxes of blocks with themselves: behind the `found` ones. */
 ENG_INLINE uint32_t test_selves(struct eng_join_round *round, const struct sides *sides,
                                 uint32_t selves, uint32_t found, struct wants wants,
-                                enum rule rule, eng_f until)
+                                enum rule rule, struct until until)
 {
     const uint32_t stride = block_stride(is_plain(rule));
     for (; selves != 0; selves &= selves - 1) {
@@ -273,7 +296,8 @@ ENG_INLINE uint32_t test_selves(struct eng_join_round *round, const struct sides
 ENG_INLINE uint32_t find_by(struct eng_join *job, struct eng_join_round *round,
                             uint32_t pairs, bool self, struct wants wants, enum rule rule)
 {
-    eng_f until = until_of(job->t_end);
+    const struct until until = {until_of(job->t_end),
+                                narrow_growth(job->farthest, job->t_end)};
     struct sides sides = make_ready(job, round, pairs, rule);
     uint32_t selves;
     look_at_corners(job, &sides, wants);
@@ -430,9 +454,11 @@ ENG_INLINE uint32_t find(struct eng_join *job, struct eng_join_round *round,
                          uint32_t pairs, bool self, struct wants wants)
 {
     if (wants.a_vertices > 0 && job->a_narrow) {
-        return job->boxes == ENG_JOIN_NEAR ? FIND(RULE_NARROW_NEAR)
-               : job->t_end < 1            ? FIND(RULE_NARROW_UNTIL)
-                                           : FIND(RULE_NARROW_STEP);
+        if (job->boxes == ENG_JOIN_NEAR) {
+            return narrow_growth(job->farthest, job->t_end) > 0 ? FIND(RULE_NARROW_BEGIN)
+                                                                : FIND(RULE_NARROW_NEAR);
+        }
+        return job->t_end < 1 ? FIND(RULE_NARROW_UNTIL) : FIND(RULE_NARROW_STEP);
     }
     return job->boxes == ENG_JOIN_NEAR ? FIND(RULE_NEAR)
            : job->t_end < 1            ? FIND(RULE_UNTIL)

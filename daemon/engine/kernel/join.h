@@ -38,6 +38,7 @@ struct eng_join {
     const uint32_t *a_corner[3];
     const uint32_t *b_corner[3];
     enum eng_join_boxes boxes;
+    uint32_t farthest;      /* the most that a whole number grows by (narrow_blocks) */
     float t_end;            /* 0 .. 1; swept boxes: not looked at */
     bool in_time;           /* of moving boxes, those that no time brings together on all
                              * axes are left out, too */

@@ -75,13 +75,14 @@ struct eng_kernels {
                       uint32_t block_count, struct eng_wide_block *blocks,
                       struct eng_extents *around);
 
-    /* Blocks, and the boxes around them, in whole numbers. False: one of them is beyond
-     * what the numbers hold; then none may be used. */
+    /* Blocks, and the boxes around them, in whole numbers; *farthest is raised to the
+     * most that one grows by from t = 0 to t = 1. False: one of them is beyond what the
+     * numbers hold; then none may be used. */
     bool (*narrow_blocks)(const struct eng_wide_block *blocks,
                           const struct eng_extents *around, uint32_t count,
                           const struct eng_narrowing *narrowing,
                           struct eng_narrow_block *narrow,
-                          struct eng_narrow_box *narrow_around);
+                          struct eng_narrow_box *narrow_around, uint32_t *farthest);
 
     /* The pairs that the boxes of blocks of job->a and of job->b make, which may meet in
      * the step: of the round's pairs of blocks, as many as there is room for in

@@ -6,6 +6,7 @@
 kernel_sources = \
     daemon/engine/kernel/apart.c \
     daemon/engine/kernel/axes.h \
+    daemon/engine/kernel/begin.h \
     daemon/engine/kernel/boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
@@ -35,6 +36,7 @@ kernel_sources = \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
     daemon/engine/kernel/spot.h \
+    daemon/engine/kernel/still.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \
     daemon/engine/kernel/vectors.h \

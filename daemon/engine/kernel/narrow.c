@@ -24,25 +24,32 @@ ENG_INLINE eng_fi whole_of(const float *x, float scale, float origin)
     return (eng_fi)(eng_f_max(y, eng_f_all(-0x1p15f)) + WHOLE);
 }
 
-ENG_INLINE void narrow_block(const struct eng_wide_block *block,
-                             const struct eng_narrowing *narrowing,
-                             struct eng_narrow_block *narrow)
+/* Returns the larger of `farthest` and what the numbers grow by: that of whole_of less
+ * another is the numbers' own difference. */
+ENG_INLINE eng_fi narrow_block(const struct eng_wide_block *block,
+                               const struct eng_narrowing *narrowing, eng_fi farthest,
+                               struct eng_narrow_block *narrow)
 {
-#pragma GCC unroll 2
-    for (uint32_t end = 0; end < 2; end++) {
 #pragma GCC unroll 3
-        for (uint32_t k = 0; k < 3; k++) {
-            const float *low = block->row[ENG_LOW0 + end][k];
-            const float *high = block->row[ENG_HIGH0 + end][k];
-            float scale = narrowing->scale[k];
-            for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
-                eng_fi below = whole_of(low + at, scale, narrowing->below[k]);
-                eng_fi above = whole_of(high + at, scale, narrowing->above[k]);
-                eng_fi both = (below & 0xffff) | (above << 16);
+    for (uint32_t k = 0; k < 3; k++) {
+        float scale = narrowing->scale[k];
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_fi below[2];
+            eng_fi above[2];
+#pragma GCC unroll 2
+            for (uint32_t end = 0; end < 2; end++) {
+                const float *low = block->row[ENG_LOW0 + end][k] + at;
+                const float *high = block->row[ENG_HIGH0 + end][k] + at;
+                below[end] = whole_of(low, scale, narrowing->below[k]);
+                above[end] = whole_of(high, scale, narrowing->above[k]);
+                eng_fi both = (below[end] & 0xffff) | (above[end] << 16);
                 memcpy(narrow->row[end][k] + at, &both, sizeof both);
             }
+            farthest = eng_fi_max(farthest,
+                                  eng_fi_max(below[1] - below[0], above[1] - above[0]));
         }
     }
+    return farthest;
 }
 
 /* Distances of one side and end, in cells. */
@@ -82,12 +89,16 @@ bool ENG_KERNEL(narrow_blocks)(const struct eng_wide_block *blocks,
                                const struct eng_extents *around, uint32_t count,
                                const struct eng_narrowing *narrowing,
                                struct eng_narrow_block *narrow,
-                               struct eng_narrow_box *narrow_around)
+                               struct eng_narrow_box *narrow_around, uint32_t *farthest)
 {
     eng_four most = {0};
+    eng_fi grown = {0};
     for (uint32_t i = 0; i < count; i++) {
-        narrow_block(&blocks[i], narrowing, &narrow[i]);
+        grown = narrow_block(&blocks[i], narrowing, grown, &narrow[i]);
         most = narrow_box(&around[i], narrowing, most, &narrow_around[i]);
+    }
+    for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
+        *farthest = (uint32_t)grown[lane] > *farthest ? (uint32_t)grown[lane] : *farthest;
     }
     return most[0] <= ENG_NARROW_REACH && most[1] <= ENG_NARROW_REACH &&
            most[2] <= ENG_NARROW_REACH;

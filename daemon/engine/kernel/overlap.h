@@ -43,7 +43,7 @@
 
 /* What pairs are tested for: moving boxes over the step, or up to a time; boxes that
  * stand still, as they are, or around the way up to a time. In whole numbers: the same
- * but for boxes as they are. */
+ * but for boxes as they are, and, up to a time, as they begin (begin.h). */
 enum rule {
     RULE_STEP,
     RULE_UNTIL,
@@ -51,7 +51,8 @@ enum rule {
     RULE_NEAR,
     RULE_NARROW_STEP,
     RULE_NARROW_UNTIL,
-    RULE_NARROW_NEAR
+    RULE_NARROW_NEAR,
+    RULE_NARROW_BEGIN
 };
 
 ENG_INLINE bool is_narrow(enum rule rule)
@@ -166,35 +167,6 @@ ENG_INLINE uint32_t overlap(struct bounds box, struct bounds rows, enum rule rul
         bits |= eng_left_bits(left) << at;
     }
     return bits;
-}
-
-/* Rows of boxes that stand still, in registers where there are as many. */
-struct held_rows {
-    eng_f low[3][PARTS];
-    eng_f high[3][PARTS];
-};
-
-ENG_INLINE void hold_rows(struct bounds rows, struct held_rows *held)
-{
-#pragma GCC unroll 3
-    for (uint32_t axis = 0; axis < 3; axis++) {
-        memcpy(held->low[axis], place_of(rows, ENG_LOW0, axis, 0), sizeof held->low[0]);
-        memcpy(held->high[axis], place_of(rows, ENG_HIGH0, axis, 0), sizeof held->low[0]);
-    }
-}
-
-/* Lanes of a part that a box meets that stands still. */
-ENG_INLINE eng_left met_by_held(struct bounds box, const struct held_rows *held,
-                                uint32_t part)
-{
-    eng_fi signs = {0};
-#pragma GCC unroll 3
-    for (uint32_t i = 0; i < 3; i++) {
-        signs =
-            eng_fi_or_or(signs, (eng_fi)(bound(box, ENG_LOW0, i) + held->high[i][part]),
-                         (eng_fi)(bound(box, ENG_HIGH0, i) + held->low[i][part]));
-    }
-    return eng_left_of(signs);
 }
 
 #endif

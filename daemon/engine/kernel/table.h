@@ -33,7 +33,7 @@ bool ENG_KERNEL(narrow_blocks)(const struct eng_wide_block *blocks,
                                const struct eng_extents *around, uint32_t count,
                                const struct eng_narrowing *narrowing,
                                struct eng_narrow_block *narrow,
-                               struct eng_narrow_box *narrow_around);
+                               struct eng_narrow_box *narrow_around, uint32_t *farthest);
 
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, struct eng_join_round *round,
                                 uint32_t *out_a, uint32_t *out_b, uint32_t room);

@@ -23,6 +23,7 @@ void eng_wide_init(struct eng_wide *wide)
     eng_wide_resort_init(&wide->resort);
     atomic_init(&wide->left_grid, false);
     atomic_init(&wide->left_narrow, false);
+    atomic_init(&wide->farthest, 0);
     wide->is_stale = true;
 }
 

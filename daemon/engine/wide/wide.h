@@ -70,6 +70,8 @@ struct eng_wide {
     struct eng_narrowing narrowing;
     bool makes_narrow;
     atomic_bool left_narrow;
+    atomic_uint
+        farthest;       /* the most that one of their numbers grows by; as left_narrow */
     bool boxes_are_old; /* not made since the trees were put together */
     double low[3];      /* when they were: around all vertices */
     double high[3];

@@ -24,6 +24,7 @@
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes)
 {
+    uint32_t farthest = atomic_load_explicit(&wide->farthest, memory_order_relaxed);
     join->kernels = wide->kernels;
     join->filtered = NULL;
     join->stopped = false;
@@ -46,6 +47,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
                                      .b_narrow = narrow ? b->narrow : NULL,
                                      .b_narrow_boxes = narrow ? b->narrow_boxes : NULL,
                                      .boxes = boxes,
+                                     .farthest = farthest,
                                      .t_end = 1};
             for (int k = 0; k < 3; k++) {
                 job->a_corner[k] = a->corner[k];

@@ -100,6 +100,7 @@ void eng_wide_narrow_choose(struct eng_wide *wide, bool may)
     const struct eng_extents *box = eng_wide_boxes(vertices, wide->level_count - 1);
     struct eng_narrowing narrowing = {{0}, {0}, {0}};
     atomic_store_explicit(&wide->left_narrow, false, memory_order_relaxed);
+    atomic_store_explicit(&wide->farthest, 0, memory_order_relaxed);
     wide->makes_narrow = may && !wide->boxes_are_old && narrowing_of(box, &narrowing) &&
                          features_are_large(&wide->trees[ENG_WIDE_EDGES], &narrowing);
     wide->narrowing = narrowing;

@@ -47,6 +47,24 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
+/* Boxes in whole numbers, of `count` blocks. */
+static void narrow(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t block,
+                   uint32_t count)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t farthest = 0;
+    if (!wide->kernels->narrow_blocks(tree->blocks + block, tree->boxes + block, count,
+                                      &wide->narrowing, tree->narrow + block,
+                                      tree->narrow_boxes + block, &farthest)) {
+        atomic_store_explicit(&wide->left_narrow, true, memory_order_relaxed);
+    }
+    uint32_t others = atomic_load_explicit(&wide->farthest, memory_order_relaxed);
+    while (others < farthest && !atomic_compare_exchange_weak_explicit(
+                                    &wide->farthest, &others, farthest,
+                                    memory_order_relaxed, memory_order_relaxed)) {
+    }
+}
+
 static uint32_t smaller(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
@@ -71,11 +89,8 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
         kernels->box_unite(wide->point_boxes, corner, count, tree->blocks + block,
                            tree->boxes + block);
     }
-    if (wide->makes_narrow && !swept &&
-        !kernels->narrow_blocks(tree->blocks + block, tree->boxes + block, count,
-                                &wide->narrowing, tree->narrow + block,
-                                tree->narrow_boxes + block)) {
-        atomic_store_explicit(&wide->left_narrow, true, memory_order_relaxed);
+    if (wide->makes_narrow && !swept) {
+        narrow(wide, kind, block, count);
     }
     if (wide->level_count > 1) {
         uint32_t node = chunk * CHUNK_NODES;
