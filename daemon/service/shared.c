@@ -134,8 +134,7 @@ static void unlist(struct srv_shared *shared)
     *at = shared->next;
 }
 
-/* Of taking objects out, before it is the turn of others: one that ignores many takes up
- * to a millisecond. */
+/* Of taking objects out, before it is the turn of others. */
 #define LEAVE_NS 500000u
 
 /* From now on the session's objects meet nothing, whoever steps before all of them are
@@ -143,14 +142,17 @@ static void unlist(struct srv_shared *shared)
 static void hide(const struct srv_seat *seat)
 {
     const struct srv_scene *scene = seat->shared->scene;
-    const struct eng_object_filter nothing = {.group = 0, .mask = 0, .self = false};
+    bool is_any = false;
     for (uint32_t i = 0; i < scene->placed_count; i++) {
         const struct srv_placed *placed = &scene->placed[i];
         if (placed->handle != 0 && placed->seat == seat) {
-            int status =
-                eng_scene_set_filter(scene->engine, placed->engine_idx, &nothing);
-            PCCD_ASSERT(status == ENG_OK);
+            int status = eng_scene_hide(scene->engine, placed->engine_idx);
+            PCCD_ASSERT(status == ENG_OK); /* it has every object that is placed */
+            is_any = true;
         }
+    }
+    if (is_any) {
+        eng_scene_forget_hidden(scene->engine);
     }
 }
 

@@ -146,12 +146,49 @@ static void pairset__of_a_scene_has_a_limit(void **state)
     eng_masks_deinit(&masks);
 }
 
+/* If it failed: pairs of objects that go would stay, or others' pairs go with them; or
+ * the counts of the others be wrong, whose pairs are looked for by these. */
+static void pairset__of_hidden_objects_goes_at_once(void **state)
+{
+    (void)state;
+    struct kit_random random = {6};
+    for (uint32_t round = 0; round < 200; round++) {
+        struct eng_masks masks;
+        bool ignored[NUMBERS][NUMBERS] = {{false}};
+        eng_masks_init(&masks);
+        assert_int_equal(eng_masks_reserve(&masks, NUMBERS), ENG_OK);
+        for (uint32_t i = 0; i < 1 + kit_below(&random, 300); i++) {
+            uint32_t a = kit_below(&random, NUMBERS);
+            uint32_t b = (a + 1 + kit_below(&random, NUMBERS - 1)) % NUMBERS;
+            assert_int_equal(eng_masks_ignore(&masks, a, b, true), ENG_OK);
+            ignored[a][b] = ignored[b][a] = true;
+        }
+        uint32_t hidden = kit_below(&random, NUMBERS + 1); /* the first ones */
+        for (uint32_t a = 0; a < hidden; a++) {
+            eng_masks_hide(&masks, a);
+        }
+        eng_masks_forget_hidden(&masks);
+        for (uint32_t a = 0; a < NUMBERS; a++) {
+            uint32_t count = 0;
+            for (uint32_t b = 0; b < NUMBERS; b++) {
+                bool stays = ignored[a][b] && a >= hidden && b >= hidden;
+                assert_true(a == b || eng_masks_ignores(&masks, a, b) == stays);
+                assert_true(a >= hidden || !eng_masks_allows(&masks, a, b));
+                count += stays;
+            }
+            assert_int_equal(masks.entries[a].ignored, count);
+        }
+        eng_masks_deinit(&masks);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pairset__holds_what_was_added),
         cmocka_unit_test(pairset__stays_as_it_was_without_memory),
         cmocka_unit_test(pairset__of_a_scene_has_a_limit),
+        cmocka_unit_test(pairset__of_hidden_objects_goes_at_once),
     };
     return cmocka_run_group_tests_name("eng_pairset", tests, NULL, NULL);
 }

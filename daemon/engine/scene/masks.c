@@ -85,6 +85,30 @@ int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignor
     return status;
 }
 
+void eng_masks_hide(struct eng_masks *masks, uint32_t object)
+{
+    const struct eng_object_filter nothing = {.group = 0, .mask = 0, .self = false};
+    eng_masks_set(masks, object, &nothing);
+    masks->entries[object].is_hidden = true;
+}
+
+static bool goes(void *context, uint32_t a, uint32_t b)
+{
+    const struct eng_masks *masks = context;
+    if (!masks->entries[a].is_hidden && !masks->entries[b].is_hidden) {
+        return false;
+    }
+    masks->entries[a].ignored--;
+    masks->entries[b].ignored--;
+    return true;
+}
+
+void eng_masks_forget_hidden(struct eng_masks *masks)
+{
+    eng_pairset_prune(&masks->ignored, goes, masks);
+    masks->version++;
+}
+
 void eng_masks_forget(struct eng_masks *masks, uint32_t object)
 {
     struct eng_masks_entry *entry = &masks->entries[object];

@@ -24,6 +24,7 @@ struct eng_masks_entry {
     uint32_t ignored; /* pairs that it is part of */
     bool self;
     bool is_changed; /* not as an object begins */
+    bool is_hidden;  /* about to go away */
 };
 
 struct eng_masks {
@@ -41,6 +42,11 @@ uint64_t eng_masks_bytes(const struct eng_masks *masks);
 /* Room for objects 0 .. capacity - 1; new ones are as objects begin. ENG_E_NOMEM. */
 int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity);
 
+/* The object is about to go away: it meets nothing any more. */
+void eng_masks_hide(struct eng_masks *masks, uint32_t object);
+/* The pairs of all that are hidden go, at once: to search for those of each takes up to a
+ * millisecond. */
+void eng_masks_forget_hidden(struct eng_masks *masks);
 /* The object went away: its pairs go, its place is as objects begin. */
 void eng_masks_forget(struct eng_masks *masks, uint32_t object);
 

@@ -151,3 +151,25 @@ bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pa
     }
     return false;
 }
+
+void eng_pairset_prune(struct eng_pairset *set,
+                       bool (*goes)(void *context, uint32_t a, uint32_t b), void *context)
+{
+    /* What moves up into a place that was emptied is asked about next. What goes round
+     * from the start was asked about there, and stays: up to the first gap, which nothing
+     * goes round, those are asked about last. */
+    uint32_t start = 0;
+    while (start < set->capacity && set->places[start] != ENG_PAIRSET_EMPTY) {
+        start++;
+    }
+    for (uint32_t i = 0, n = set->capacity; i < n && set->capacity > 0;) {
+        uint32_t at = (start + i) & (set->capacity - 1);
+        uint64_t key = set->places[at];
+        if (key != ENG_PAIRSET_EMPTY &&
+            goes(context, (uint32_t)(key >> 32), (uint32_t)key)) {
+            clear(set, at); /* without the last one, there are no places */
+        } else {
+            i++;
+        }
+    }
+}

@@ -42,4 +42,10 @@ bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pa
 bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
                       uint32_t *other);
 
+/* Take out every pair of which `goes` says so: it is asked once of each. One look at
+ * every place, however many go. */
+void eng_pairset_prune(struct eng_pairset *set,
+                       bool (*goes)(void *context, uint32_t a, uint32_t b),
+                       void *context);
+
 #endif

@@ -290,6 +290,20 @@ int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
     return ENG_OK;
 }
 
+int eng_scene_hide(struct eng_scene *scene, uint32_t object_idx)
+{
+    if (!eng_scene_object(scene, object_idx)) {
+        return ENG_E_INVAL;
+    }
+    eng_masks_hide(&scene->masks, object_idx);
+    return ENG_OK;
+}
+
+void eng_scene_forget_hidden(struct eng_scene *scene)
+{
+    eng_masks_forget_hidden(&scene->masks);
+}
+
 int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
                      bool ignored)
 {
