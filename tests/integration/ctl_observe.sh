@@ -117,6 +117,32 @@ print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][
     fails 2 'none of sessions, scenes' list things
 tap_result $? list__shows_what_there_is "$log"
 
+# If it failed, nobody could play into another session's scene, or see who takes part in
+# it; or a scene's name could control the terminal of whoever lists it; or who waits for a
+# step that nobody makes could not be ended.
+both=$'bo\033[2Jth'
+"$PCCDCTL" load --scene "$both" --hz 50 --seconds 120 a.obj b.obj >/dev/null 2>&1 &
+other=$!
+pids="$pids $other"
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    ctl list scenes && grep -q 'th"' out && break
+    sleep 0.2
+done
+ctl load --scene "$both" --hold --times 3 --json a.obj b.obj && json 'j["steps"] == 3' &&
+    ctl list scenes && says ' "bo\?\[2Jth" of .* rw-------, 1 take part, 0 held$' &&
+    ctl list scenes --json &&
+    json '[(s["seats"], s["rights"], s["writable"]) for s in j if s["name"] == "bo\u001b[2Jth"] == [(1, 384, True)]' &&
+    ctl load --scene alone --hold --seconds 0.3 a.obj && says '^steps +0 in 0' &&
+    timeout -s INT 1 "$PCCDCTL" load --scene alone --hold a.obj >out 2>err
+[ $? -eq 124 ] && says '^steps +0 in ' && fails 2 'only in a shared scene' load --hold a.obj
+tap_result $? load__plays_into_a_shared_scene "$log"
+kill "$other"
+wait "$other" 2>/dev/null
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    ctl list && [ "$(grep -c . out)" = 3 ] && break
+    sleep 0.2
+done
+
 # If it failed, who watches would not see the steps.
 ctl watch --count 3 && [ "$(grep -cE '^ +[0-9]+ s[0-9]+ 0x[0-9a-f]+ [0-9a-f]{32} +[0-9]+ ' out)" = 3 ] &&
     ctl watch --session "$session" --count 1 --json &&

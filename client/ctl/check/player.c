@@ -8,9 +8,12 @@
 #include "player.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "progress.h"
 #include "terminal.h"
+
+#define LOOK_MS 100 /* between looks at the clock and for an interrupt */
 
 /* ---- reading ----------------------------------------------------------------------- */
 
@@ -89,7 +92,10 @@ static int place(struct player *player, const struct ctl_mesh *mesh, uint32_t *o
 static int place_all(struct player *player, struct ctl_error *error)
 {
     uint32_t ignored = 0;
-    int status = pccd_scene_create(player->client, NULL, &player->scene);
+    const struct pccd_scene_settings shared = {.name = player->settings->scene,
+                                               .share = PCCD_SHARE_OPEN};
+    int status = pccd_scene_create(
+        player->client, player->settings->scene != NULL ? &shared : NULL, &player->scene);
     if (status != PCCD_OK) {
         return fail(player, status, "no scene", error);
     }
@@ -110,16 +116,65 @@ static uint32_t frame_after(uint64_t step, uint32_t frame_count)
     return (uint32_t)(turn % 2 == 0 ? at : frame_count - 1 - at);
 }
 
+static int submit(struct player *player, const struct ctl_mesh *frame, uint64_t *step)
+{
+    const struct player_settings *settings = player->settings;
+    const struct pccd_step_settings asked = {.threads = settings->threads,
+                                             .hold = settings->holds};
+    size_t bytes =
+        (size_t)frame->vertex_count *
+        (frame->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]));
+    struct pccd_frame out;
+    void *x1 = NULL;
+    int status = pccd_frame_begin(player->client, player->scene, 1, bytes, &out);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status =
+        pccd_frame_x1(&out, player->object, frame->format, 0, frame->vertex_count, &x1);
+    if (status != PCCD_OK) {
+        pccd_frame_abort(&out);
+        return status;
+    }
+    memcpy(x1, frame->x, bytes);
+    return pccd_frame_commit(&out, &asked, step);
+}
+
+static bool is_over(const struct player *player)
+{
+    const struct player_settings *settings = player->settings;
+    return terminal_was_interrupted() ||
+           (settings->seconds > 0 &&
+            terminal_now_s() - player->begin_s >= settings->seconds);
+}
+
+/* A frame that is held is answered when somebody else steps, which may be never. Returns
+ * PCCD_E_TIMEOUT when it is over before that. */
+static int await(struct player *player, uint64_t step, struct pccd_answer *answer)
+{
+    if (!player->settings->holds) {
+        return pccd_wait(player->client, step, -1, answer);
+    }
+    int status = PCCD_E_TIMEOUT;
+    while (status == PCCD_E_TIMEOUT && !is_over(player)) {
+        status = pccd_wait(player->client, step, LOOK_MS, answer);
+    }
+    return status;
+}
+
 static int play_step(struct player *player, struct ctl_error *error)
 {
     const struct player_settings *settings = player->settings;
     const struct ctl_mesh *frame =
         &player->frames[frame_after(player->steps, settings->frame_count)];
-    const struct pccd_step_settings asked = {.threads = settings->threads};
     struct pccd_answer answer;
+    uint64_t step = 0;
     double begin_s = terminal_now_s();
-    int status = pccd_step_x1(player->client, player->scene, player->object, frame->x,
-                              frame->format, frame->vertex_count, &asked, &answer);
+    int status = submit(player, frame, &step);
+    status = status == PCCD_OK ? await(player, step, &answer) : status;
+    if (status == PCCD_E_TIMEOUT && settings->holds) {
+        return PCCD_OK;
+    }
     if (status != PCCD_OK) {
         return fail(player, status, "a step failed", error);
     }
@@ -140,14 +195,13 @@ int player_play(struct player *player, struct ctl_error *error)
     uint64_t wanted = settings->seconds > 0 ? 0 : turn * settings->times;
     struct progress progress;
     int status = place_all(player, error);
-    double begin_s = terminal_now_s();
+    player->begin_s = terminal_now_s();
     progress_begin(&progress, wanted > 0 ? "steps" : "playing (ms)",
                    wanted > 0 ? wanted : (uint64_t)(settings->seconds * 1e3));
-    while (status == PCCD_OK && !terminal_was_interrupted() &&
-           (wanted > 0 ? player->steps < wanted
-                       : terminal_now_s() - begin_s < settings->seconds)) {
+    while (status == PCCD_OK && !is_over(player) &&
+           (wanted == 0 || player->steps < wanted)) {
         if (settings->hz > 0) {
-            double due_s = begin_s + (double)player->steps / settings->hz;
+            double due_s = player->begin_s + (double)player->steps / settings->hz;
             double left_s = due_s - terminal_now_s();
             if (left_s > 0) {
                 terminal_sleep(left_s);
@@ -156,12 +210,13 @@ int player_play(struct player *player, struct ctl_error *error)
             player->late += left_s < -1.0 / settings->hz;
         }
         status = play_step(player, error);
-        progress_update(&progress, wanted > 0
-                                       ? player->steps
-                                       : (uint64_t)((terminal_now_s() - begin_s) * 1e3));
+        progress_update(&progress,
+                        wanted > 0
+                            ? player->steps
+                            : (uint64_t)((terminal_now_s() - player->begin_s) * 1e3));
     }
     progress_clear(&progress);
-    player->seconds = terminal_now_s() - begin_s;
+    player->seconds = terminal_now_s() - player->begin_s;
     return status;
 }
 

@@ -26,7 +26,9 @@ struct player_settings {
     double hz;      /* 0: as fast as they are answered */
     double seconds; /* 0: `times` decides */
     uint32_t times;
-    uint32_t threads; /* 0: the daemon decides */
+    uint32_t threads;  /* 0: the daemon decides */
+    const char *scene; /* name of one that is shared, to take part in; NULL: a new one */
+    bool holds;        /* move with the steps of others there */
 };
 
 /* All zero before player_read. */
@@ -39,7 +41,8 @@ struct player {
     double *times_ms; /* ours: round trips; [kept] */
     uint32_t kept;
     uint64_t steps, contacts, incomplete, triangles;
-    uint64_t late; /* steps that began after their time */
+    uint64_t late;  /* steps that began after their time */
+    double begin_s; /* of the first step */
     double seconds;
 };
 

@@ -30,6 +30,8 @@ enum {
     OPTION_SECONDS,
     OPTION_WITH,
     OPTION_THREADS,
+    OPTION_SCENE,
+    OPTION_HOLD,
     OPTION_JSON
 };
 
@@ -53,6 +55,10 @@ static const struct argp_option option_list[] = {
      0},
     {"threads", OPTION_THREADS, "N", 0,
      "Use at most N threads (default: the daemon decides)", 0},
+    {"scene", OPTION_SCENE, "NAME", 0,
+     "Into the shared scene of that name, which is made unless there is one", 0},
+    {"hold", OPTION_HOLD, NULL, 0,
+     "With --scene: go along with the steps of others, a frame with each", 0},
     {"json", OPTION_JSON, NULL, 0, "One JSON object at the end", 0},
     {0},
 };
@@ -71,13 +77,21 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "a file at least: PLY or OBJ");
         return 0;
+    case OPTION_SCENE:
+        options->player.scene = text;
+        return 0;
+    case OPTION_HOLD:
+        options->player.holds = true;
+        return 0;
     case ARGP_KEY_END:
+        if (options->player.holds && options->player.scene == NULL) {
+            argp_error(state, "--hold: only in a shared scene, which --scene names");
+        }
         if (options->player.frame_count > FRAMES_MAX) {
             argp_error(state, "at most %u frames", FRAMES_MAX);
         }
         return 0;
     default:
-        (void)text;
         return ARGP_ERR_UNKNOWN;
     }
 }
@@ -119,8 +133,9 @@ const struct argp ctl_argp_load = {
     .parser = parse,
     .args_doc = "FRAME [FRAME...]",
     .doc =
-        "Put a mesh, or the frames of one, into a new scene of a daemon and play it "
-        "there; a single frame stands still.\v"
+        "Put a mesh, or the frames of one, into a new scene of a daemon, or into one "
+        "that "
+        "is shared there, and play it; a single frame stands still.\v"
         "Without --url and --socket the user's own daemon gets it, and is started if it "
         "does not run. All frames have the same faces. An interrupt (Ctrl-C) ends it.",
     .children = children};
