@@ -244,6 +244,7 @@ static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
     struct srv_scene *scene = request->plan.scene;
     struct proto_segment *table = request->session->loop->segments;
     int status = 0;
+    srv_shared_hide(scene);
     if (!submit->place) {
         srv_held_check(request);
     }

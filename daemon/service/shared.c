@@ -156,6 +156,33 @@ static void hide(const struct srv_seat *seat)
     }
 }
 
+void srv_shared_hide(struct srv_scene *scene)
+{
+    srv_assert_compute();
+    if (scene->shared == NULL) {
+        return;
+    }
+    struct srv_seat *seat =
+        atomic_exchange_explicit(&scene->shared->hiding, NULL, memory_order_acquire);
+    for (; seat != NULL; seat = seat->next_hiding) {
+        hide(seat);
+    }
+}
+
+/* What the session has in flight is still to be computed with its objects. */
+static void hide_soon(struct srv_seat *seat)
+{
+    struct srv_shared *shared = seat->shared;
+    if (seat->session->request_count > 0) {
+        return;
+    }
+    seat->next_hiding = atomic_load_explicit(&shared->hiding, memory_order_relaxed);
+    while (!atomic_compare_exchange_weak_explicit(&shared->hiding, &seat->next_hiding,
+                                                  seat, memory_order_release,
+                                                  memory_order_relaxed)) {
+    }
+}
+
 /* Take what it held and the session's objects out of the engine's scene. [compute] */
 static void run_leave(struct srv_job *job)
 {
@@ -167,6 +194,7 @@ static void run_leave(struct srv_job *job)
     if (seat->cursor == 0) { /* what it moves goes now */
         seat->left = srv_held_remove(scene, seat);
         srv_diary_end(scene, seat);
+        srv_shared_hide(scene);
         hide(seat);
     }
     uint64_t begin_ns = srv_now_ns();
@@ -213,6 +241,7 @@ void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
         unlist(shared); /* its name is free */
     }
     srv_scene_unlink_of(scene, seat);
+    hide_soon(seat);
     session->reap_count++;
     srv_job_init(&seat->leave, run_leave, done_leaving);
     srv_compute_push_reap(&session->loop->compute, &session->lane, &seat->leave);

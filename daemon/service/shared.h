@@ -14,6 +14,7 @@
 #ifndef SRV_SHARED_H
 #define SRV_SHARED_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -31,6 +32,7 @@ struct srv_shared;
 struct srv_seat {
     struct srv_job leave; /* first: runs when it leaves, behind its requests */
     struct srv_seat *next;
+    struct srv_seat *next_hiding; /* of shared->hiding */
     struct srv_shared *shared;
     struct srv_session *session;
     struct proto_error owed; /* [compute] of a step of its own that was answered before
@@ -50,6 +52,9 @@ struct srv_shared {
     struct srv_session *host;
     struct srv_scene *scene;
     struct srv_seat *seats;
+    /* Those that leave with nothing in flight, until their objects meet nothing: pushed
+     * by [loop], taken by [compute] */
+    _Atomic(struct srv_seat *) hiding;
     uint32_t seat_count; /* those that are leaving, too */
     uid_t uid;           /* who made it */
     gid_t gid;
@@ -66,6 +71,10 @@ int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *sett
 
 /* The session has given back its handle of a shared scene. */
 void srv_shared_leave(struct srv_session *session, struct srv_scene *scene);
+
+/* Before a step of the scene, shared or not: who has heard that it has left meets nothing
+ * in it, though it may be another's turn before what it had is taken out. [compute] */
+void srv_shared_hide(struct srv_scene *scene);
 
 /* The seat of a session that has a handle for the scene; NULL: it is the session's own.
  * One that leaves and comes back has another. */
