@@ -26,6 +26,7 @@
 #define PROTO_FEATURE_OBSERVE 4u /* list, stats.histogram, config, watch */
 #define PROTO_FEATURE_SHARED 8u /* scenes that sessions share */
 #define PROTO_FEATURE_JOURNAL 16u /* scene.journal */
+#define PROTO_FEATURE_HELD 32u /* scene.held is told */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u

@@ -51,6 +51,7 @@ struct cli_call {
     enum cli_call_state state;
     int method;      /* enum proto_method */
     bool held;       /* SENT, LOST: over a connection that is lost */
+    bool waits;      /* for another client's step (scene.held) */
     bool recovery;   /* sent by recover.c itself, which starts over when it fails */
     uint32_t id;     /* of the message */
     uint32_t slot;   /* that comes back with the reply, or CLI_SLOT_NONE */
@@ -175,8 +176,7 @@ struct pccd_client {
     struct cli_call calls[CLI_CALLS];
     uint32_t calls_end; /* of those that have ever been used; others are not looked at */
     struct cli_page pages[CLI_PAGES]; /* a ring: serial modulo CLI_PAGES */
-    uint64_t page_first;              /* serial of the oldest unreleased page */
-    uint64_t page_end;                /* serial of the next page */
+    uint64_t page_first, page_end; /* serials of the oldest unreleased page, the next */
     struct cli_direct direct;         /* in the place of the socket */
     char url[CLI_SOCKET_BYTES + 8];
     char dead_text[CLI_TEXT_BYTES];

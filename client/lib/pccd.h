@@ -483,6 +483,11 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer);
  * Returns the step's status: on failure of the step its code. */
 int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
               struct pccd_answer *answer);
+/* Wait until a frame that was committed with `hold` waits for another client's step: the
+ * next step of the scene takes it along. 0 as well when it has been answered; it is to be
+ * taken as ever. timeout_ms < 0: the client's default. Errors: E_AGAIN (timeout_ms = 0),
+ * E_TIMEOUT; E_INVAL: no such step; E_VERSION: the daemon is too old to tell. */
+int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms);
 /* The page that begins at `cursor`, of the answer to `step`, the last of `scene`. Release
  * the page at hand first when the region is full. E_STATE: the answer is gone, because
  * another step has run or an object was added or removed since. */

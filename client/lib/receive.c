@@ -205,6 +205,8 @@ static void take_notification(struct pccd_client *client,
         take_goaway(client, envelope);
     } else if (envelope->method == PROTO_NOTE_SCENE_STEP) {
         cli_shared_note(client, envelope);
+    } else if (envelope->method == PROTO_NOTE_SCENE_HELD) {
+        cli_shared_held(client, envelope);
     } else if (envelope->method == PROTO_NOTE_STEP) {
         cli_watch_take(client, envelope);
     } /* else of a newer protocol */

@@ -1,7 +1,7 @@
 /* recover.c - another connection when one is lost.
  *
  * Room:     client/lib. May include: recover.h, link.h, recorder_shared.h, restore.h,
- *           rpc.h.
+ *           rpc.h, shared.h.
  * Does:     the states of a link:
  *
  *     UP -- lost (rpc.c) --> DOWN --- try -----> RECOVERING
@@ -26,6 +26,7 @@
 #include "recorder_shared.h"
 #include "restore.h"
 #include "rpc.h"
+#include "shared.h"
 
 #define HELLO_NS 100000000u /* for an answer to hello at least, whatever the deadline */
 
@@ -132,6 +133,7 @@ static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *re
                         "the session is over, and nothing was kept to begin another");
     }
     cli_journal_lost(client);
+    cli_shared_lost(client);
     rc = cli_restore(client);
     if (rc != 0) {
         cli_link_forget(client); /* or the next try would go on with half of all */

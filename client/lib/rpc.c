@@ -395,6 +395,7 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
     /* The entry comes first: when the connection is lost, it is sent over the next. */
     made->state = CLI_CALL_SENT;
     made->held = false;
+    made->waits = false;
     made->recovery = link->is_recovering;
     made->method = method;
     made->serial = client->next_serial++;

@@ -65,6 +65,68 @@ void cli_shared_note(struct pccd_client *client, const struct proto_envelope *en
     };
 }
 
+/* The step's call, until its answer is taken; NULL: there is none. */
+static struct cli_call *find_call(struct pccd_client *client, uint64_t step)
+{
+    for (uint32_t i = 0; step != 0 && i < client->calls_end; i++) {
+        struct cli_call *call = &client->calls[i];
+
+        if (call->step == step && call->method == PROTO_METHOD_FRAME_SUBMIT &&
+            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE)) {
+            return call;
+        }
+    }
+    return NULL;
+}
+
+void cli_shared_held(struct pccd_client *client, const struct proto_envelope *envelope)
+{
+    struct proto_SCENE_HELD_request note;
+    struct proto_error error;
+    struct cli_call *call;
+
+    if (proto_decode_body(envelope, &proto_messages[PROTO_NOTE_SCENE_HELD].request, &note,
+                          &error) == 0 &&
+        (call = find_call(client, note.step)) != NULL) {
+        call->waits = true;
+    }
+}
+
+void cli_shared_lost(struct pccd_client *client)
+{
+    for (uint32_t i = 0; i < client->calls_end; i++) {
+        client->calls[i].waits = false;
+    }
+}
+
+int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
+{
+    uint64_t deadline_ns;
+    struct cli_call *call;
+    int rc = 0;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if ((client->link.features & PROTO_FEATURE_HELD) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "the daemon at %s is too old to tell what it holds", client->url);
+    }
+    deadline_ns = cli_deadline(client, timeout_ms);
+    cli_step_drain(client);
+    call = find_call(client, step);
+    if (call == NULL || !call->params.FRAME_SUBMIT.hold) {
+        return cli_fail(client, PCCD_E_INVAL, "step %llu is not pending, or not to hold",
+                        (unsigned long long)step);
+    }
+    while (rc == 0 && !call->waits && call->state == CLI_CALL_SENT) {
+        rc = timeout_ms == 0 ? cli_fail(client, PCCD_E_AGAIN, "step %llu is on its way",
+                                        (unsigned long long)step)
+                             : cli_progress(client, deadline_ns);
+    }
+    return rc;
+}
+
 void cli_shared_forget(struct pccd_client *client, uint32_t scene)
 {
     for (uint32_t i = 0; client->shared != NULL && i < PROTO_SCENES_PER_CLIENT; i++) {

@@ -18,6 +18,10 @@ struct cli_shared {
 
 /* scene.step has come. */
 void cli_shared_note(struct pccd_client *client, const struct proto_envelope *envelope);
+/* scene.held has come. */
+void cli_shared_held(struct pccd_client *client, const struct proto_envelope *envelope);
+/* Another daemon holds nothing yet. */
+void cli_shared_lost(struct pccd_client *client);
 /* The scene is no longer this client's; 0: none is. */
 void cli_shared_forget(struct pccd_client *client, uint32_t scene);
 

@@ -43,7 +43,7 @@ def main():
             way = np.float32([0, 0, step / STEPS])
             held = move(plate, plate_scene, plate_body, PLATE + way,
                         pccd.StepSettings(hold=True))
-            plate.object_get(plate_scene, plate_body)  # it waits when this is answered
+            plate.wait_held(held)
             with needle.wait(move(needle, needle_scene, needle_body, NEEDLE - way,
                                   pccd.StepSettings())) as answer:
                 assert plate.wait(held).hash == answer.hash

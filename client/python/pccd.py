@@ -46,11 +46,12 @@ from _pccd.scenes import ObjectSettings, SceneNews
 from _pccd.values import (SOCKET_BYTES, LinkInfo, MeshInfo, Options, PccdError,
                           StepCounters, StepSettings, StepTimes, default_socket_path,
                           failure, pack_vertices)
-from _pccd.wire import (BOX, CONTACT, EDGE, FEATURE_RESUME, PAIR, RESULT_BYTES_MIN,
-                        SEGMENT, SEGMENTS_MAX, SLOT_BYTES_MIN, SLOTS_MAX, TRACE_EVENT,
-                        ContactFlag, Format, HighLevel, HistogramKind, Incomplete, Kind,
-                        Method, Mode, ObjectWhat, Quality, Refit, Scheduler, Share,
-                        Status, TraceKind, Tree, Verdict)
+from _pccd.wire import (BOX, CONTACT, EDGE, FEATURE_HELD, FEATURE_RESUME, PAIR,
+                        RESULT_BYTES_MIN, SEGMENT, SEGMENTS_MAX, SLOT_BYTES_MIN,
+                        SLOTS_MAX, TRACE_EVENT, ContactFlag, Format, HighLevel,
+                        HistogramKind, Incomplete, Kind, Method, Mode, ObjectWhat,
+                        Quality, Refit, Scheduler, Share, Status, TraceKind, Tree,
+                        Verdict)
 
 __version__ = "0.1.0"
 
@@ -246,6 +247,16 @@ class Client(Observe):
             raise answer.error
         return answer
 
+    def wait_held(self, step: int, timeout: Optional[float] = None) -> None:
+        """Wait until a frame that was committed with hold=True waits for another client's
+        step: the next step of the scene takes it along. Returns as well when it has been
+        answered. E_TIMEOUT; E_VERSION: the daemon does not tell."""
+        self._check_feature(FEATURE_HELD, "word of what it holds")
+        call = self._find_step(step)
+        deadline = self._deadline(timeout)
+        while not call.is_done and step not in self._waiting:
+            self._progress(deadline)
+
     def fetch(self, scene: int, step: int, cursor: int) -> Answer:
         """The page that begins at `cursor`, of the answer to `step`, the last of `scene`.
         Release the page at hand first when the region is full. E_STATE: the answer is
@@ -373,6 +384,7 @@ class Client(Observe):
 
     def _take_answer(self, step: int) -> Answer:
         call = self._steps.pop(step)
+        self._waiting.discard(step)
         return Answer(step, call.result, call.error)
 
     def _finish_step(self, step: int) -> Answer:

@@ -88,7 +88,7 @@ int srv_on_HELLO(struct srv_call *call)
     call->result.HELLO = (struct proto_HELLO_result){
         .version = version,
         .features = PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE | PROTO_FEATURE_SHARED |
-                    PROTO_FEATURE_JOURNAL | PROTO_FEATURE_FILTERS,
+                    PROTO_FEATURE_JOURNAL | PROTO_FEATURE_HELD | PROTO_FEATURE_FILTERS,
         .epoch = loop->epoch,
         .session = call->session->id,
         .pid = (uint32_t)getpid(),

@@ -239,6 +239,7 @@ static void part(struct srv_request *request)
 {
     request->held->request = NULL;
     request->held = NULL;
+    request->plan.seat->held_step = 0;
     request->is_waiting = false;
 }
 
@@ -286,6 +287,7 @@ bool srv_held_waits(struct srv_request *request)
         say_nothing_yet(request, PCCD_INCOMPLETE_DEADLINE);
     } else {
         request->is_waiting = true;
+        srv_shared_waits(request->plan.seat, request->params.FRAME_SUBMIT.step);
     }
     return request->is_waiting;
 }

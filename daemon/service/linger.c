@@ -18,6 +18,7 @@
 #include "now.h"
 #include "replies.h"
 #include "session.h"
+#include "shared.h"
 
 #define TICK_MS 50u /* between looks at the sessions that wait */
 
@@ -214,5 +215,6 @@ void srv_linger_resume(struct srv_session *session, struct srv_session *fresh)
     srv_conn_adopt(conn, session);
     srv_conn_established(conn);
     loop->metrics.counters.sessions_resumed++;
+    srv_shared_resumed(session);
     srv_session_detach(fresh);
 }

@@ -411,14 +411,54 @@ int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *sett
 /* ---- news -------------------------------------------------------------------------- */
 
 /* Replies of its own come first: a client that does not read is not told more. */
+static bool can_tell(struct srv_session *session)
+{
+    bool can = session->state == SRV_SESSION_OPEN && session->conn != NULL &&
+               srv_conn_is_free(session->conn);
+    session->is_behind = session->is_behind || !can;
+    return can;
+}
+
+static void tell_held(struct srv_seat *seat)
+{
+    struct srv_loop *loop = seat->session->loop;
+    const struct proto_SCENE_HELD_request note = {.scene = seat->handle,
+                                                  .step = seat->held_step};
+    seat->owes_held = note.step != 0 && !can_tell(seat->session);
+    if (note.step == 0 || seat->owes_held) {
+        return; /* it has been answered, or is told later */
+    }
+    int status = proto_encode_notification(loop->encoder, PROTO_NOTE_SCENE_HELD, &note);
+    PCCD_ASSERT(status == 0);
+    srv_conn_send(seat->session->conn, loop->encoder, NULL, 0);
+}
+
+void srv_shared_waits(struct srv_seat *seat, uint64_t step)
+{
+    srv_assert_loop();
+    seat->held_step = step;
+    tell_held(seat);
+}
+
+void srv_shared_resumed(struct srv_session *session)
+{
+    srv_assert_loop();
+    uint32_t cursor = 0;
+    for (struct srv_scene *scene;
+         (scene = srv_handles_next(&session->scenes, &cursor)) != NULL;) {
+        struct srv_seat *seat = srv_shared_seat(scene, session);
+        if (seat != NULL && seat->held_step != 0) {
+            seat->owes_held = session->is_behind = true;
+        }
+    }
+}
+
 static void tell(struct srv_seat *seat)
 {
     struct srv_session *session = seat->session;
     struct srv_loop *loop = session->loop;
-    seat->is_behind = session->state != SRV_SESSION_OPEN || session->conn == NULL ||
-                      !srv_conn_is_free(session->conn);
+    seat->is_behind = !can_tell(session);
     if (seat->is_behind) {
-        session->is_behind = true;
         return;
     }
     struct proto_SCENE_STEP_request note = seat->shared->last;
@@ -460,6 +500,9 @@ void srv_shared_catch_up(struct srv_session *session)
     for (struct srv_scene *scene;
          (scene = srv_handles_next(&session->scenes, &cursor)) != NULL;) {
         struct srv_seat *seat = srv_shared_seat(scene, session);
+        if (seat != NULL && seat->owes_held) {
+            tell_held(seat);
+        }
         if (seat != NULL && seat->is_behind) {
             tell(seat);
         }

@@ -43,8 +43,10 @@ struct srv_seat {
     uint32_t handle;         /* of the scene, in the session's table */
     uint64_t journal_bytes;  /* SRV_QUOTA_SHM_BYTES, for its journal; 0: none */
     bool is_writer;
-    bool holds;     /* a frame for the scene's next step (held.h) */
-    bool is_behind; /* the last step could not be told yet */
+    bool holds;         /* a frame for the scene's next step (held.h) */
+    uint64_t held_step; /* the client's number of the frame that waits; 0: none does */
+    bool owes_held;     /* that it waits could not be told yet */
+    bool is_behind;     /* the last step could not be told yet */
 };
 
 struct srv_shared {
@@ -103,6 +105,10 @@ void srv_shared_refund_journal(struct srv_seat *seat);
 /* A session has stepped it: tell the others. */
 void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
                         const struct proto_FRAME_SUBMIT_result *answer);
+/* A frame of the session waits for the scene's next step: tell it. */
+void srv_shared_waits(struct srv_seat *seat, uint64_t step);
+/* The session goes on over another connection: that a frame waits may not have come. */
+void srv_shared_resumed(struct srv_session *session);
 /* Tell a session what could not be told before, if it can be now. */
 void srv_shared_catch_up(struct srv_session *session);
 

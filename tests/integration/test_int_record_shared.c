@@ -182,13 +182,9 @@ static void collect(struct member *member, uint64_t step)
 /* It holds a frame, which has been taken in when this returns. */
 static void hold(struct member *member)
 {
-    struct pccd_object_settings settings = {.what = 0};
-
     if (member->held == 0) {
         member->held = submit(member, true);
-        assert_int_equal(
-            pccd_object_get(member->client, member->scene, member->bodies[0], &settings),
-            0);
+        assert_int_equal(pccd_wait_held(member->client, member->held, -1), 0);
     }
 }
 

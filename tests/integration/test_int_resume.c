@@ -100,13 +100,15 @@ static void lose(struct fixture *f)
     f->raw.socket = -1;
 }
 
-static void open_scene(struct fixture *f)
+/* A name: it is shared; "": not. */
+static void open_named(struct fixture *f, const char *name)
 {
-    struct proto_SCENE_CREATE_request create = {0};
+    struct proto_SCENE_CREATE_request create = {.share = 0};
     struct proto_SCENE_CREATE_result scene;
     struct proto_SCENE_ADD_request add;
     struct proto_SCENE_ADD_result object;
     uint32_t floor = 0;
+    (void)snprintf(create.name, sizeof create.name, "%s", name);
     assert_true(test_raw_open(&f->raw, f->daemon.socket));
     assert_int_equal(say_hello(&f->raw, NULL, &f->session), 0);
     assert_false(f->session.resumed);
@@ -126,6 +128,11 @@ static void open_scene(struct fixture *f)
     add.mesh = f->mesh;
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
     f->object = object.object;
+}
+
+static void open_scene(struct fixture *f)
+{
+    open_named(f, "");
 }
 
 /* Write a turn of the triangle to height z into a slot. */
@@ -265,6 +272,57 @@ static void resume__answers_only_what_is_asked_again(void **state)
         assert_true(answers[1].release > answers[0].release);
         atomic_store(&test_raw_upload(&f->raw)->result_head.value, answers[1].release);
     }
+    test_raw_close(&f->raw);
+}
+
+/* The step that the daemon tells of as held. */
+static uint64_t await_held(struct fixture *f)
+{
+    struct proto_SCENE_HELD_request note = {.step = 0};
+    struct proto_error error;
+    do {
+        assert_int_equal(test_raw_receive(&f->raw), 0);
+    } while (f->raw.envelope.method != PROTO_NOTE_SCENE_HELD);
+    assert_int_equal(proto_decode_body(&f->raw.envelope,
+                                       &proto_messages[PROTO_NOTE_SCENE_HELD].request,
+                                       &note, &error),
+                     0);
+    assert_int_equal(note.scene, f->scene);
+    return note.step;
+}
+
+/* If it failed, who waits for a frame to be held would wait for ever when that was told
+ * over a connection that was lost. */
+static void resume__tells_again_what_is_held(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_FRAME_SUBMIT_request submit;
+    struct proto_FRAME_SUBMIT_result answer;
+    struct proto_FRAME_SUBMIT_request step = {.step = 8};
+    (void)state;
+    open_named(f, "held");
+    submit = turn(f, 0, -1);
+    submit.hold = true;
+    submit.step = 7;
+    assert_int_not_equal(test_raw_request(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &submit),
+                         0);
+    assert_int_equal(await_held(f), 7);
+    for (int i = 0; i < 2; i++) {
+        lose(f);
+        assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
+        assert_true(come_back(f));
+        assert_int_equal(await_held(f), 7);
+    }
+    step.scene = f->scene;
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, &answer),
+                     0);
+    assert_true(answer.total > 0); /* it went along, and is not told any more */
+    lose(f);
+    assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
+    assert_true(come_back(f));
+    test_raw_wait_ms = 200;
+    assert_int_equal(test_raw_receive(&f->raw), PCCD_E_TIMEOUT);
+    test_raw_wait_ms = 10000;
     test_raw_close(&f->raw);
 }
 
@@ -460,6 +518,7 @@ int main(void)
         WITH(resume__goes_on_with_everything, setup),
         WITH(resume__runs_what_is_said_twice_once, setup),
         WITH(resume__answers_only_what_is_asked_again, setup),
+        WITH(resume__tells_again_what_is_held, setup),
         WITH(resume__creates_once, setup),
         WITH(resume__needs_the_secret, setup),
         WITH(resume__takes_the_session_from_a_connection_that_stands, setup),

@@ -87,12 +87,10 @@ static int move(struct member *member, float up, struct pccd_answer *answer)
 static uint64_t hold(struct member *member, float up, uint64_t deadline_ns)
 {
     struct pccd_step_settings settings = {.hold = true, .deadline_ns = deadline_ns};
-    struct pccd_edge edges[3];
     uint64_t step = 0;
 
     assert_int_equal(submit(member, member->object, up, &settings, &step), 0);
-    /* Computed behind it: the frame waits now. */
-    assert_int_equal(pccd_mesh_edges(member->client, member->mesh, edges, 3), 0);
+    assert_int_equal(pccd_wait_held(member->client, step, -1), 0);
     return step;
 }
 
@@ -230,6 +228,36 @@ static void shared__a_held_frames_deadline_makes_readable(void **state)
     assert_int_equal(poll(&ready, 1, 0), 0);
     ready.fd = pccd_fd(cloth.client);
     assert_int_equal(poll(&ready, 1, 0), 0);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
+/* If it failed, nobody could wait for a frame to be held and know that the next step
+ * takes it along. */
+static void shared__a_held_frame_is_told(void **state)
+{
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_answer answer;
+    uint64_t step = 0;
+
+    (void)state;
+    open_member(&cloth, "told", test_triangle_x);
+    open_member(&obstacle, "told", test_floor_x);
+    assert_int_equal(submit(&cloth, cloth.object, 0, NULL, &step), 0);
+    assert_int_equal(pccd_wait_held(cloth.client, step, 0), PCCD_E_INVAL);
+    assert_int_equal(pccd_wait(cloth.client, step, -1, &answer), 0);
+    pccd_answer_release(cloth.client, &answer);
+    for (int i = 0; i < 2; i++) {
+        step = hold(&obstacle, 1, 0);
+        assert_int_equal(pccd_wait_held(obstacle.client, step, 0), 0); /* still */
+        assert_int_equal(pccd_wait_held(obstacle.client, step + 1, 0), PCCD_E_INVAL);
+        assert_int_equal(move(&cloth, 1, &answer), 0);
+        pccd_answer_release(cloth.client, &answer);
+        assert_int_equal(pccd_wait_held(obstacle.client, step, 0), 0);
+        assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+        assert_int_equal(pccd_wait_held(obstacle.client, step, 0), PCCD_E_INVAL);
+    }
     pccd_close(cloth.client);
     pccd_close(obstacle.client);
 }
@@ -541,6 +569,7 @@ int main(void)
         cmocka_unit_test(shared__an_object_has_one_writer),
         cmocka_unit_test(shared__a_held_frame_is_answered_at_its_deadline_and_cancel),
         cmocka_unit_test(shared__a_held_frames_deadline_makes_readable),
+        cmocka_unit_test(shared__a_held_frame_is_told),
         cmocka_unit_test(shared__is_listed),
         cmocka_unit_test(shared__leaving_ends_what_is_held),
         cmocka_unit_test(shared__readers_hear_of_every_last_step),

@@ -261,6 +261,7 @@ static void daemon__that_lacks_features_is_named(void **state)
     assert_too_old(client, pccd_pair_ignore(client, 1, 1, 2, true), "scene.ignore");
     assert_too_old(client, pccd_list_scenes(client, 0, ignore_scene, NULL), "list.scene");
     assert_too_old(client, pccd_watch_start(client, 0, 0), "watch");
+    assert_too_old(client, pccd_wait_held(client, 1, -1), "holds");
     assert_int_equal(pccd_ping(client, &ns), 0); /* the rest goes on */
     pccd_close(client);
     end_script(&script);

@@ -229,15 +229,12 @@ static void share(void *context, int number)
 {
     float z = number % 2 == 0 ? -1.0f : 1.0f;
     struct pair *pair = context;
-    struct pccd_object_settings settings;
     struct pccd_scene_news news;
     struct pccd_answer answer;
     uint64_t held = submit(pair, 0, z, true);
     uint64_t step;
 
-    assert_int_equal(
-        pccd_object_get(pair->client[0], pair->scene[0], pair->object[0], &settings),
-        0); /* computed behind it: the frame waits now */
+    assert_int_equal(pccd_wait_held(pair->client[0], held, -1), 0);
     step = submit(pair, 1, -z, false);
     assert_int_equal(pccd_wait(pair->client[1], step, -1, &answer), 0);
     read_contacts(&answer);

@@ -38,7 +38,7 @@ class Member:
     def hold(self, up):
         """The same for another client's step; it has been taken in at the end."""
         step = self.submit(up, HOLD)
-        self.client.object_get(self.scene, self.object)
+        self.client.wait_held(step)
         return step
 
 

@@ -108,7 +108,7 @@ class Wire(unittest.TestCase):
     # If this failed, this client would ask for what the daemon refuses, or too little.
     def test_limits__are_those_of_the_header(self):
         for name in ("VERSION_MIN", "VERSION_MAX", "FEATURE_RESUME", "FEATURE_OBSERVE",
-                     "FEATURE_FILTERS", "FEATURE_SHARED",
+                     "FEATURE_FILTERS", "FEATURE_SHARED", "FEATURE_HELD",
                      "MESSAGE_BYTES_MAX", "SLOTS_MAX", "INFLIGHT_MAX", "REPLIES_KEPT",
                      "SEGMENTS_MAX", "SLOT_BYTES_MIN", "RESULT_BYTES_MIN"):
             with self.subTest(name):

@@ -8,7 +8,7 @@ Source:   client/lib/scene.c, client/lib/filter.c, client/lib/shared.c.
 
 from __future__ import annotations
 
-from typing import Any, Dict, NamedTuple, Optional
+from typing import Any, Dict, NamedTuple, Optional, Set
 
 from .answer import Answer, hash_text
 from .restore import Restore
@@ -43,6 +43,7 @@ class Scenes(Restore):
     def __init__(self, options: Options) -> None:
         super().__init__(options)
         self._news: Dict[int, SceneNews] = {}  # that were not taken
+        self._waiting: Set[int] = set()  # steps that wait for another client's
 
     def _check_feature(self, feature: int, what: str) -> None:
         if not self._features & feature:
@@ -169,7 +170,14 @@ class Scenes(Restore):
         return Answer(0, self._call("frame.fetch", scene=scene, step=0, number=number,
                                     cursor=cursor))
 
+    def _restore(self) -> None:
+        self._waiting.clear()  # another daemon holds nothing yet
+        super()._restore()
+
     def _notified(self, method: str, params: Dict[str, Any]) -> None:
+        if method == "scene.held":
+            self._waiting.add(params["step"])
+            return
         if method != "scene.step":
             super()._notified(method, params)
             return

@@ -209,6 +209,7 @@ FEATURE_RESUME = 1
 FEATURE_FILTERS = 2  # object.set, scene.ignore
 FEATURE_OBSERVE = 4  # lists, histograms, settings, watching
 FEATURE_SHARED = 8  # scenes that clients share
+FEATURE_HELD = 32  # scene.held is told
 HISTOGRAM_BUCKETS = 27
 MESSAGE_BYTES_MAX = 65536
 SLOTS_MAX = 16
