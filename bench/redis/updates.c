@@ -4,13 +4,16 @@
  * Does:     a step of many vertices beside a copy of them into shared memory, and beside
  *           Redis's SET of the same bytes.
  *
- *           Row 4, publish to private checked copy: the client's copy into the slot, the
- *           message, the daemon's copy out of it with its checks, and the answer's way
- *           back, which is no part of it but cannot be told apart: all of an update but
- *           what is computed with the copy. Row 5 is the same beside SET, which computes
- *           nothing either. Told, too: the same where the client makes its positions in
- *           the slot, as it would in a buffer of its own before SET, which saves its
- *           copy; and the update with all that the step computes.
+ *           The client makes its positions in the slot, as pccd_frame_x1 has it, and as it
+ *           makes them in a buffer of its own before SET; what it takes to make them is on
+ *           neither side. Row 4, publish to private checked copy: the message, the
+ *           daemon's copy out of the slot with its checks, and the answer's way back,
+ *           which is no part of it but cannot be told apart: all of an update but what is
+ *           computed with the copy. A client that spins for 50 us is judged, as its
+ *           wake-up is not the copy's; one that waits in the kernel is told. Row 5 is the
+ *           same beside SET, which computes nothing either, the client waiting in the
+ *           kernel. Told, too: the same where the client has its positions elsewhere, and
+ *           copies them into the slot; and the update with all that the step computes.
  * Threads:  one.
  */
 #include <stdio.h>
@@ -30,8 +33,9 @@ struct size {
     double set;   /* of SET's time */
 };
 
-/* MOVED: an update without what is computed. */
-enum quantity { COPY, SET, MOVED, MOVED_IN_PLACE, WHOLE, QUANTITIES };
+/* Updates without what is computed, of positions made in the slot (SPINNING, WAITING) and
+ * of those copied into it; and one with it. */
+enum quantity { COPY, SET, SPINNING, WAITING, COPIED, WHOLE, QUANTITIES };
 
 /* Microseconds of the step, and of it what is computed. */
 static void take(struct bench_soup *soup, uint64_t begin_ns, uint64_t step, double *whole,
@@ -65,9 +69,11 @@ static void update(struct bench_soup *soup, const void *x, bool in_place, double
     take(soup, begin_ns, step, whole, moved);
 }
 
-static void take_turn(struct bench_soup *soup, unsigned i, unsigned char *shared,
+/* The blocking client's scene, and the other's. */
+static void take_turn(struct bench_soup soups[2], unsigned i, unsigned char *shared,
                       int redis_fd, double us[QUANTITIES])
 {
+    const struct bench_soup *soup = &soups[0];
     double whole;
     uint64_t t0 = bench_now_ns();
     memcpy(shared + i % BENCH_SLOTS * soup->bytes, soup->x[1], soup->bytes);
@@ -76,54 +82,74 @@ static void take_turn(struct bench_soup *soup, unsigned i, unsigned char *shared
     uint64_t t2 = bench_now_ns();
     us[COPY] = 1e-3 * (double)(t1 - t0);
     us[SET] = 1e-3 * (double)(t2 - t1);
-    update(soup, soup->x[1], false, &us[WHOLE], &us[MOVED]);
-    update(soup, soup->x[0], true, &whole, &us[MOVED_IN_PLACE]);
+    update(&soups[0], soup->x[1], false, &us[WHOLE], &us[COPIED]);
+    update(&soups[0], soup->x[0], true, &whole, &us[WAITING]);
+    update(&soups[1], soup->x[(i + 1) % 2], true, &whole, &us[SPINNING]);
 }
 
-static void print(const struct size *size, struct pairs pairs[5])
+/* Rows, in their order; of those of copies the unit is GB/s. */
+enum row {
+    PUBLISH,
+    PUBLISH_WAITING,
+    PUBLISH_COPIED,
+    UPDATE,
+    UPDATE_COPIED,
+    UPDATE_WHOLE
+};
+
+static void keep(struct pairs pairs[6], double kb, const double us[QUANTITIES])
+{
+    pairs_add(&pairs[PUBLISH], kb / us[SPINNING], kb / us[COPY]);
+    pairs_add(&pairs[PUBLISH_WAITING], kb / us[WAITING], kb / us[COPY]);
+    pairs_add(&pairs[PUBLISH_COPIED], kb / us[COPIED], kb / us[COPY]);
+    pairs_add(&pairs[UPDATE], us[WAITING], us[SET]);
+    pairs_add(&pairs[UPDATE_COPIED], us[COPIED], us[SET]);
+    pairs_add(&pairs[UPDATE_WHOLE], us[WHOLE], us[SET]);
+}
+
+static void tell(const char *what, const char *anchor, const char *unit,
+                 struct pairs *pairs)
+{
+    pairs_print(&(struct pairs_row){"", what, anchor, unit, PAIRS_TOLD, 0}, pairs);
+}
+
+static void print(const struct size *size, struct pairs pairs[6])
 {
     char name[64];
+    const char *copy = "memcpy into shared";
+    const char *set = "SET of the bytes";
     snprintf(name, sizeof name, "%s to a checked copy", size->name);
-    pairs_print(&(struct pairs_row){"4", name, "memcpy into shared", "GB/s",
-                                    PAIRS_AT_LEAST, size->share},
-                &pairs[0]);
-    pairs_print(&(struct pairs_row){"", "the same, made in the slot",
-                                    "memcpy into shared", "GB/s", PAIRS_TOLD, 0},
-                &pairs[1]);
+    pairs_print(&(struct pairs_row){"4", name, copy, "GB/s", PAIRS_AT_LEAST, size->share},
+                &pairs[PUBLISH]);
+    tell("the same, waiting in the kernel", copy, "GB/s", &pairs[PUBLISH_WAITING]);
+    tell("the same, copied into the slot", copy, "GB/s", &pairs[PUBLISH_COPIED]);
     snprintf(name, sizeof name, "%s, update", size->name);
-    pairs_print(&(struct pairs_row){"5", name, "SET of the bytes", "us", PAIRS_AT_MOST,
-                                    size->set},
-                &pairs[2]);
-    pairs_print(&(struct pairs_row){"", "the same, made in the slot", "SET of the bytes",
-                                    "us", PAIRS_TOLD, 0},
-                &pairs[3]);
-    pairs_print(&(struct pairs_row){"", "the same, with all that is computed",
-                                    "SET of the bytes", "us", PAIRS_TOLD, 0},
-                &pairs[4]);
+    pairs_print(&(struct pairs_row){"5", name, set, "us", PAIRS_AT_MOST, size->set},
+                &pairs[UPDATE]);
+    tell("the same, copied into the slot", set, "us", &pairs[UPDATE_COPIED]);
+    tell("the same, with all that is computed", set, "us", &pairs[UPDATE_WHOLE]);
 }
 
 static void measure(const struct rows *rows, const struct size *size, int redis_fd)
 {
-    struct pairs pairs[5] = {0};
-    struct bench_soup soup;
+    struct pairs pairs[6] = {0};
+    struct bench_soup soups[2];
     double us[QUANTITIES];
-    bench_soup_init(&soup, rows->blocking, PCCD_FORMAT_F32,
-                    rows->smoke ? 300 : size->vertex_count);
-    unsigned char *shared = bench_shared_new(BENCH_SLOTS * soup.bytes);
-    double kb = 1e-3 * (double)soup.bytes; /* KB a us are GB/s */
+    uint32_t vertices = rows->smoke ? 300 : size->vertex_count;
+    bench_soup_init(&soups[0], rows->blocking, PCCD_FORMAT_F32, vertices);
+    bench_soup_init(&soups[1], rows->spinning, PCCD_FORMAT_F32, vertices);
+    unsigned char *shared = bench_shared_new(BENCH_SLOTS * soups[0].bytes);
+    double kb = 1e-3 * (double)soups[0].bytes; /* KB a us are GB/s */
     for (unsigned i = 0, turns = rows->smoke ? 3 : size->turns; i < turns + 4; i++) {
-        take_turn(&soup, i, shared, redis_fd, us);
+        take_turn(soups, i, shared, redis_fd, us);
         if (i >= 4) { /* every slot has been written */
-            pairs_add(&pairs[0], kb / us[MOVED], kb / us[COPY]);
-            pairs_add(&pairs[1], kb / us[MOVED_IN_PLACE], kb / us[COPY]);
-            pairs_add(&pairs[2], us[MOVED], us[SET]);
-            pairs_add(&pairs[3], us[MOVED_IN_PLACE], us[SET]);
-            pairs_add(&pairs[4], us[WHOLE], us[SET]);
+            keep(pairs, kb, us);
         }
     }
     print(size, pairs);
-    munmap(shared, BENCH_SLOTS * soup.bytes);
-    bench_soup_deinit(&soup);
+    munmap(shared, BENCH_SLOTS * soups[0].bytes);
+    bench_soup_deinit(&soups[1]);
+    bench_soup_deinit(&soups[0]);
 }
 
 void rows_updates(const struct rows *rows)
