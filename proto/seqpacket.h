@@ -3,7 +3,7 @@
  * Room:     proto. May include: codec.h, the C library.
  * Does:     send and receive whole datagrams of an AF_UNIX SOCK_SEQPACKET socket, with at
  *           most two descriptors; surplus or unwanted descriptors are closed.
- * Does not: poll or wait: on a non-blocking socket it says PCCD_E_AGAIN.
+ * Does not: poll, or wait but in proto_await.
  * Threads:  [any], one per socket and direction at a time.
  */
 #ifndef PROTO_SEQPACKET_H
@@ -35,8 +35,15 @@ int proto_send(int socket, const void *message, size_t bytes, const int *fds,
 int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                   int *fd_count);
 
-/* The same, where every descriptor that came is the caller's, whatever is returned:
- * fds[0 .. *fd_count-1]. Closing one may block for as long as its sender likes. */
+/* The same, but waits for a message as long as the socket's SO_RCVTIMEO has it, 0 for
+ * ever, if the socket blocks (one call in the place of poll and proto_receive). Then
+ * PCCD_E_AGAIN. */
+int proto_await(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
+                int *fd_count);
+
+/* As proto_receive, where every descriptor that came is the caller's, whatever is
+ * returned: fds[0 .. *fd_count-1]. Closing one may block for as long as its sender
+ * likes. */
 int proto_receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
                       int fds[PROTO_FDS_RECEIVED_MAX], int *fd_count);
 

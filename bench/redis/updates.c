@@ -4,9 +4,9 @@
  * Does:     a step of many vertices beside a copy of them into shared memory, and beside
  *           Redis's SET of the same bytes.
  *
- *           The client makes its positions in the slot, as pccd_frame_x1 has it, and as it
- *           makes them in a buffer of its own before SET; what it takes to make them is on
- *           neither side. Row 4, publish to private checked copy: the message, the
+ *           The client makes its positions in the slot, as pccd_frame_x1 has it, and as
+ *           it makes them in a buffer of its own before SET; what it takes to make them
+ *           is on neither side. Row 4, publish to private checked copy: the message, the
  *           daemon's copy out of the slot with its checks, and the answer's way back,
  *           which is no part of it but cannot be told apart: all of an update but what is
  *           computed with the copy. A client that spins for 50 us is judged, as its

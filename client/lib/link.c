@@ -48,6 +48,16 @@ static int take_socket(struct pccd_client *client, int fd)
     return 0;
 }
 
+/* Have cli_await wait. All else that is done with the socket asks not to. */
+static bool make_awaited(int fd)
+{
+    const struct timeval timeout = {CLI_AWAIT_NS / 1000000000u, 0};
+    int flags = fcntl(fd, F_GETFL);
+
+    return flags >= 0 && fcntl(fd, F_SETFL, flags & ~O_NONBLOCK) == 0 &&
+           setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout)) == 0;
+}
+
 /* Connect the socket, waiting while the daemon's queue of connections is full.
  * PCCD_E_NODAEMON: nobody listens there. */
 static int open_socket(struct pccd_client *client, const char *path, uint64_t deadline_ns)
@@ -85,6 +95,10 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
         }
         return cli_fail(client, PCCD_E_SYSTEM, "connect to %s: %s", path,
                         strerror(reason));
+    }
+    if (!make_awaited(fd)) {
+        (void)close(fd);
+        return cli_fail(client, PCCD_E_SYSTEM, "socket: %s", strerror(errno));
     }
     return take_socket(client, fd);
 }

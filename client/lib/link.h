@@ -12,6 +12,7 @@
 
 #define CLI_RETRY_NS     1000000u
 #define CLI_RETRY_NS_MAX 50000000u
+#define CLI_AWAIT_NS     1000000000u /* whole seconds; a nearer deadline is polled for */
 
 /* The first connection. link->way and what it needs are set. */
 int cli_link_first(struct pccd_client *client, uint64_t deadline_ns);

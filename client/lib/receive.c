@@ -220,8 +220,8 @@ static int lost(struct pccd_client *client, const char *why)
     return client->link.is_down ? PCCD_E_AGAIN : rc;
 }
 
-/* One message into client->message, as proto_receive. */
-static int receive(struct pccd_client *client, size_t *bytes, int *fd_count)
+/* One message into client->message, as proto_receive; `waits`: as proto_await. */
+static int receive(struct pccd_client *client, bool waits, size_t *bytes, int *fd_count)
 {
     int rc;
 
@@ -229,8 +229,9 @@ static int receive(struct pccd_client *client, size_t *bytes, int *fd_count)
         return cli_direct_receive(client, bytes, fd_count);
     }
     errno = 0;
-    rc = proto_receive(client->socket, client->message, sizeof(client->message), bytes,
-                       client->fds, fd_count);
+    rc = (waits ? proto_await : proto_receive)(client->socket, client->message,
+                                               sizeof(client->message), bytes,
+                                               client->fds, fd_count);
     /* A peer that closed with our messages unread is a reset first; what it had said
      * before can still be read after it. */
     if (rc == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
@@ -240,7 +241,7 @@ static int receive(struct pccd_client *client, size_t *bytes, int *fd_count)
     return rc;
 }
 
-int cli_receive(struct pccd_client *client)
+static int take(struct pccd_client *client, bool waits)
 {
     struct proto_envelope envelope;
     struct proto_error error;
@@ -254,7 +255,7 @@ int cli_receive(struct pccd_client *client)
     if (client->link.is_down) {
         return PCCD_E_AGAIN;
     }
-    rc = receive(client, &bytes, &fd_count);
+    rc = receive(client, waits, &bytes, &fd_count);
     if (rc == PCCD_E_AGAIN) {
         return rc;
     }
@@ -286,4 +287,14 @@ int cli_receive(struct pccd_client *client)
         take_notification(client, &envelope);
     }
     return 0;
+}
+
+int cli_receive(struct pccd_client *client)
+{
+    return take(client, false);
+}
+
+int cli_await(struct pccd_client *client)
+{
+    return take(client, true);
 }

@@ -1,6 +1,6 @@
 /* rpc.c - requests, and waiting for their replies.
  *
- * Room:     client/lib. May include: rpc.h, page.h, recover.h, proto.
+ * Room:     client/lib. May include: rpc.h, link.h, page.h, recover.h, proto.
  * Does:     the only place that writes the socket. Every wait has a deadline; the end of
  *           the connection fails every call that is in flight, or holds it until there
  *           is another one.
@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "direct.h"
+#include "link.h"
 #include "page.h"
 #include "recover.h"
 
@@ -187,6 +188,20 @@ static int wait_socket(struct pccd_client *client, short events, uint64_t deadli
     }
 }
 
+/* Wait for a message and handle it, by one system call where the deadline is far. */
+static int wait_and_receive(struct pccd_client *client, uint64_t deadline_ns)
+{
+    uint64_t now_ns = cli_now_ns();
+    int rc;
+
+    if (client->link.way != CLI_WAY_DIRECT && now_ns < deadline_ns &&
+        deadline_ns - now_ns > CLI_AWAIT_NS) {
+        return cli_await(client);
+    }
+    rc = wait_socket(client, POLLIN, deadline_ns);
+    return rc == 0 ? cli_receive(client) : rc;
+}
+
 /* Spin until a message has come or the budget is spent. done_seq changes a little before
  * the reply comes; reading it costs no system call. */
 static int spin(struct pccd_client *client, struct proto_upload *upload,
@@ -231,15 +246,13 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     }
     /* Pairs with the daemon's store to done_seq and load of client_wait: one of the two
      * sides sees the other's, so a reply that is left out because nobody waits is never
-     * one that somebody waits for. One that was sent before is seen by poll. */
+     * one that somebody waits for. One that was sent before is there to be read. */
     if (upload != NULL) {
         atomic_store(&upload->client_wait.value, 1);
     }
     do {
-        rc = wait_socket(client, POLLIN, deadline_ns);
-        if (rc == 0) {
-            rc = cli_receive(client);
-        } else if (rc == PCCD_E_TIMEOUT) {
+        rc = wait_and_receive(client, deadline_ns);
+        if (rc == PCCD_E_TIMEOUT) {
             rc = cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s does not answer",
                           client->url);
         }

@@ -41,6 +41,10 @@ int cli_call_sync(struct pccd_client *client, int method, const void *request,
  * been lost and can be made again: link.is_down then) or PCCD_E_DISCONNECTED. */
 int cli_receive(struct pccd_client *client);
 
+/* The same, but waits for CLI_AWAIT_NS where no message is there. Not in the process
+ * (CLI_WAY_DIRECT). */
+int cli_await(struct pccd_client *client);
+
 /* Wait for a message and handle it, or for another connection where it is lost: 0,
  * PCCD_E_TIMEOUT or PCCD_E_DISCONNECTED. */
 int cli_progress(struct pccd_client *client, uint64_t deadline_ns);

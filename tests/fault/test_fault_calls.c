@@ -38,6 +38,7 @@ static const struct plausible all[] = {
     {FAULT_read, {EINTR, EAGAIN}},
     {FAULT_recvmsg, {EINTR, EAGAIN, ENOMEM, ENOBUFS, ECONNRESET}},
     {FAULT_sendmsg, {EINTR, EAGAIN, ENOMEM, ENOBUFS, EPIPE, ECONNRESET, ETOOMANYREFS}},
+    {FAULT_sendto, {EINTR, EAGAIN, ENOMEM, ENOBUFS, EPIPE, ECONNRESET}},
     {FAULT_shutdown, {ENOTCONN}},
     {FAULT_write, {EINTR}}, /* the wake-up of the loop is full only when it is awake */
 };

@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -214,6 +215,41 @@ static void empty__datagram_reads_as_the_end(void **state)
     assert_int_equal(count_open(), fixture->open_before);
 }
 
+static uint64_t now_ns(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+/* If this failed, a client that polls would be held up by its own socket, or one that
+ * waits would burn its processor, or never look at its deadline. */
+static void await__waits_and_nothing_else_does(void **state)
+{
+    struct fixture *fixture = *state;
+    const struct timeval timeout = {.tv_usec = 30000};
+    size_t bytes;
+    int fd_count;
+    int flags = fcntl(fixture->far, F_GETFL);
+    assert_int_equal(fcntl(fixture->far, F_SETFL, flags & ~O_NONBLOCK), 0);
+    assert_int_equal(
+        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout)), 0);
+    uint64_t begin_ns = now_ns();
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                   &bytes, NULL, &fd_count),
+                     PCCD_E_AGAIN);
+    assert_true(now_ns() - begin_ns < 20000000);
+    assert_int_equal(proto_await(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                 &bytes, NULL, &fd_count),
+                     PCCD_E_AGAIN);
+    assert_true(now_ns() - begin_ns >= 29000000);
+    assert_int_equal(proto_send(fixture->near, "x", 1, NULL, 0), 0);
+    assert_int_equal(proto_await(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+                                 &bytes, NULL, &fd_count),
+                     0);
+    assert_int_equal(bytes, 1);
+}
+
 /* If this failed, the loop would block, or close a client that is merely slow. */
 static void socket__that_would_block_says_again(void **state)
 {
@@ -312,6 +348,7 @@ int main(void)
         TEST(descriptors__surplus_ones_are_closed_and_counted),
         TEST(truncated__is_refused_and_its_descriptors_closed),
         TEST(empty__datagram_reads_as_the_end),
+        TEST(await__waits_and_nothing_else_does),
         TEST(socket__that_would_block_says_again),
         TEST(peer__that_is_gone_reads_as_disconnected),
         TEST(socket__that_is_none_is_a_system_error),
