@@ -5,6 +5,7 @@ noinst_LTLIBRARIES += libctl.la
 
 # Everything but main, so that tests can link what they test.
 libctl_la_SOURCES = \
+    client/ctl/array.c client/ctl/array.h \
     client/ctl/common.c client/ctl/ctl.h \
     client/ctl/completion.c client/ctl/completion.h \
     client/ctl/error.c client/ctl/error.h \

@@ -80,9 +80,11 @@ struct inspect {
     struct bytes data;
     struct pccd_box *boxes; /* [boxes_max] of a level; NULL: not needed yet */
     struct inspect_place *places;
-    uint32_t place_count, place_room;
+    uint32_t place_count;
+    size_t place_room;
     struct inspect_mesh *known;
-    uint32_t known_count, known_room;
+    uint32_t known_count;
+    size_t known_room;
     char no_lanes[STEP_TRACE_TEXT]; /* why there are none; "" */
 };
 

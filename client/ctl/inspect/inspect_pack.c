@@ -10,11 +10,12 @@
 #include "inspect_pack.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
+
+#include "array.h"
 
 #define LEVELS 65535.0 /* of a rounded coordinate */
 
@@ -31,22 +32,6 @@ static void hash_of(const void *bytes, size_t count, uint64_t hash[2])
     XXH128_hash_t sum = XXH3_128bits(bytes, count);
     hash[0] = sum.high64;
     hash[1] = sum.low64;
-}
-
-/* Room for one more of `bytes` each in a growing array. */
-static bool make_room(void **items, uint32_t count, uint32_t *room, size_t bytes)
-{
-    uint32_t larger = *room == 0 ? 16 : *room * 2;
-    if (count < *room) {
-        return true;
-    }
-    void *grown = realloc(*items, larger * bytes);
-    if (grown == NULL) {
-        return false;
-    }
-    *items = grown;
-    *room = larger;
-    return true;
 }
 
 /* ---- meshes ------------------------------------------------------------------------ */
@@ -87,8 +72,8 @@ static int64_t find_mesh(struct inspect *inspect, const struct world_mesh *mesh,
             return i;
         }
     }
-    if (!make_room((void **)&inspect->known, inspect->known_count, &inspect->known_room,
-                   sizeof(key)) ||
+    if (!array_reserve((void **)&inspect->known, inspect->known_count,
+                       &inspect->known_room, sizeof(key)) ||
         json_array_append_new(meshes, pack_triangles(inspect, mesh)) != 0) {
         return -1;
     }
@@ -151,8 +136,8 @@ static struct inspect_place *find_place(struct inspect *inspect, uint32_t scene,
             return &inspect->places[i];
         }
     }
-    if (!make_room((void **)&inspect->places, inspect->place_count, &inspect->place_room,
-                   sizeof(*inspect->places))) {
+    if (!array_reserve((void **)&inspect->places, inspect->place_count,
+                       &inspect->place_room, sizeof(*inspect->places))) {
         return NULL;
     }
     struct inspect_place *place = &inspect->places[inspect->place_count++];

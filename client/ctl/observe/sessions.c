@@ -10,31 +10,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define FIRST_COUNT 64u
-
-/* Room for one more of `bytes` bytes each. */
-static bool grow(void **rows, uint32_t count, uint32_t *capacity, size_t bytes)
-{
-    if (count < *capacity) {
-        return true;
-    }
-    uint32_t wanted = *capacity == 0 ? FIRST_COUNT : *capacity * 2;
-    void *more = realloc(*rows, wanted * bytes);
-    if (more == NULL) {
-        return false;
-    }
-    *rows = more;
-    *capacity = wanted;
-    return true;
-}
+#include "array.h"
 
 static void take_session(void *context, const struct pccd_session_info *info)
 {
     struct sessions *sessions = context;
     void *rows = sessions->rows;
     sessions->is_short =
-        sessions->is_short ||
-        !grow(&rows, sessions->count, &sessions->capacity, sizeof *sessions->rows);
+        sessions->is_short || !array_reserve(&rows, sessions->count, &sessions->capacity,
+                                             sizeof *sessions->rows);
     sessions->rows = rows;
     if (sessions->is_short) {
         return;
@@ -73,8 +57,9 @@ static void take_scene(void *context, const struct pccd_scene_info *info)
 {
     struct scenes *scenes = context;
     void *rows = scenes->rows;
-    scenes->is_short = scenes->is_short || !grow(&rows, scenes->count, &scenes->capacity,
-                                                 sizeof *scenes->rows);
+    scenes->is_short =
+        scenes->is_short ||
+        !array_reserve(&rows, scenes->count, &scenes->capacity, sizeof *scenes->rows);
     scenes->rows = rows;
     if (!scenes->is_short) {
         struct scene_row *row = &scenes->rows[scenes->count++];

@@ -9,6 +9,7 @@
 #define CTL_SESSIONS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "pccd.h"
@@ -24,7 +25,8 @@ struct session_row {
 /* All zero: nothing. The arrays are ours. */
 struct sessions {
     struct session_row *rows; /* the newest first */
-    uint32_t count, capacity;
+    uint32_t count;
+    size_t capacity;
     bool is_short; /* there was no memory for all of them */
 };
 
@@ -41,7 +43,8 @@ struct scene_row {
 
 struct scenes {
     struct scene_row *rows;
-    uint32_t count, capacity;
+    uint32_t count;
+    size_t capacity;
     bool is_short;
 };
 

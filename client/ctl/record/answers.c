@@ -12,25 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "array.h"
+
 static int no_memory(struct ctl_error *error)
 {
     return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what was answered");
-}
-
-/* Room for one more of `bytes` each. */
-static bool make_room(void **items, size_t count, size_t *room, size_t bytes)
-{
-    size_t larger = *room == 0 ? 256 : *room * 2;
-    if (count < *room) {
-        return true;
-    }
-    void *grown = realloc(*items, larger * bytes);
-    if (grown == NULL) {
-        return false;
-    }
-    *items = grown;
-    *room = larger;
-    return true;
 }
 
 static int compare_answers(const void *a, const void *b)
@@ -60,15 +46,15 @@ static bool take(struct answers *answers, const struct record_view *view)
         answers->last_step = frame.step;
         return true;
     case RECORD_ANSWER:
-        if (!make_room((void **)&answers->items, answers->count, &answers->room,
-                       sizeof(*answers->items))) {
+        if (!array_reserve((void **)&answers->items, answers->count, &answers->room,
+                           sizeof(*answers->items))) {
             return false;
         }
         memcpy(&answers->items[answers->count++], view->payload, sizeof(*answers->items));
         return true;
     case RECORD_RECORDS:
-        if (!make_room((void **)&answers->pages, answers->page_count, &answers->page_room,
-                       sizeof(*answers->pages))) {
+        if (!array_reserve((void **)&answers->pages, answers->page_count,
+                           &answers->page_room, sizeof(*answers->pages))) {
             return false;
         }
         memcpy(&head, view->payload, sizeof(head));
