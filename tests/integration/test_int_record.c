@@ -24,55 +24,28 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "recording.h"
 #include "run_ctl.h"
 
 static struct test_daemon daemon_;
-static char folder[] = "/tmp/pccd-test-record-XXXXXX";
-static char path[96];
 
 static int set_up(void **state)
 {
     static const char *const options[] = {"--supervise", "--crashes-max", "1000", NULL};
 
     (void)state;
-    if (mkdtemp(folder) == NULL || !test_daemon_start(&daemon_, options)) {
+    if (!test_recording_begin() || !test_daemon_start(&daemon_, options)) {
         return -1;
     }
-    (void)snprintf(path, sizeof(path), "%s/session.rec", folder);
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    char command[128];
-
     (void)state;
-    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
     (void)test_daemon_end(&daemon_, SIGTERM, 10000);
     (void)test_daemon_finish(&daemon_);
-    return system(command) == 0 ? 0 : -1;
-}
-
-static void remove_files(void)
-{
-    char command[128];
-
-    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
-    assert_int_equal(system(command), 0);
-}
-
-/* Replayed with every answer the same, `least` of them or more. */
-static void assert_repeats(const char *file, uint64_t least)
-{
-    char said[4096];
-    int status = test_ctl("replay", "--json", file, said, sizeof(said));
-
-    if (status != 0 || test_ctl_number(said, "same") < least) {
-        print_message("%s: %s\n", file, said);
-    }
-    assert_int_equal(status, 0);
-    assert_int_equal(test_ctl_number(said, "differ"), 0);
-    assert_in_range(test_ctl_number(said, "same"), least, 1000000);
+    return test_recording_end() ? 0 : -1;
 }
 
 static struct pccd_client *open_client(void)
@@ -205,8 +178,8 @@ static void record__holds_every_kind_of_request(void **state)
     struct stage stage;
 
     (void)state;
-    remove_files();
-    assert_int_equal(pccd_record_start(client, path, NULL), 0);
+    test_recording_clear();
+    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
     make_stage(client, &stage);
     move_stage(&stage, -1);
     fail_step(&stage);
@@ -218,7 +191,7 @@ static void record__holds_every_kind_of_request(void **state)
     assert_int_equal(info.answers, stage.steps);
     assert_int_equal(info.status, 0);
     pccd_close(client);
-    assert_repeats(path, stage.steps);
+    test_recording_repeats("--json", test_recording, stage.steps);
 }
 
 /* If this failed, a recording could only be made from the beginning: what was there
@@ -230,19 +203,19 @@ static void record__begins_with_what_there_is(void **state)
     uint64_t before;
 
     (void)state;
-    remove_files();
+    test_recording_clear();
     make_stage(client, &stage);
     move_stage(&stage, -1);
     change_stage(&stage);
     move_stage(&stage, 1);
     before = stage.steps;
-    assert_int_equal(pccd_record_start(client, path, NULL), 0);
+    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
     move_stage(&stage, -0.5f);
     move_stage(&stage, 0.25f);
     assert_int_equal(pccd_record_stop(client, NULL), 0);
     move_stage(&stage, 1);
     pccd_close(client);
-    assert_repeats(path, stage.steps - 3 - before);
+    test_recording_repeats("--json", test_recording, stage.steps - 3 - before);
 }
 
 /* If this failed, the death of a daemon would end a recording, or leave a gap in it. */
@@ -252,8 +225,8 @@ static void record__goes_on_when_the_daemon_is_killed(void **state)
     struct stage stage;
 
     (void)state;
-    remove_files();
-    assert_int_equal(pccd_record_start(client, path, NULL), 0);
+    test_recording_clear();
+    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
     make_stage(client, &stage);
     for (int round = 0; round < 3; round++) {
         move_stage(&stage, round % 2 == 0 ? -1.0f : 1.0f);
@@ -263,7 +236,7 @@ static void record__goes_on_when_the_daemon_is_killed(void **state)
     assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
     move_stage(&stage, 0.5f);
     pccd_close(client);
-    assert_repeats(path, stage.steps);
+    test_recording_repeats("--json", test_recording, stage.steps);
 }
 
 /* ---- a program that is killed ---------------------------------------------------- */
@@ -277,7 +250,7 @@ static void run_for_ever(int ready)
     uint64_t last = 0;
 
     test_end_with_parent();
-    if (client == NULL || pccd_record_start(client, path, &settings) != 0 ||
+    if (client == NULL || pccd_record_start(client, test_recording, &settings) != 0 ||
         test_grid_make(client, 12, &grid) != 0) {
         _exit(1);
     }
@@ -309,7 +282,7 @@ static void record__survives_its_program(void **state)
         char said[4096];
         pid_t child;
 
-        remove_files();
+        test_recording_clear();
         assert_int_equal(pipe(ready), 0);
         child = fork();
         assert_true(child >= 0);
@@ -322,7 +295,8 @@ static void record__survives_its_program(void **state)
         assert_int_equal(waitpid(child, NULL, 0), child);
         (void)close(ready[0]);
         (void)close(ready[1]);
-        assert_int_equal(test_ctl("replay", "--json", path, said, sizeof(said)), 0);
+        assert_int_equal(test_ctl("replay", "--json", test_recording, said, sizeof(said)),
+                         0);
         assert_in_range(test_ctl_number(said, "same"), 4, 1000000);
         assert_int_equal(test_ctl_number(said, "differ"), 0);
         assert_in_range(test_ctl_number(said, "unanswered"), 0, 2);
@@ -360,17 +334,17 @@ static void record__keeps_its_bound(void **state)
     struct test_grid grid;
 
     (void)state;
-    remove_files();
-    assert_int_equal(pccd_record_start(client, path, &settings), 0);
+    test_recording_clear();
+    assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
     assert_int_equal(test_grid_make(client, 16, &grid), 0);
     turn_grid(&grid, 40);
     assert_int_equal(pccd_record(client, &info), 0);
     assert_int_equal(info.status, PCCD_E_LIMIT);
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_LIMIT);
-    assert_in_range(bytes_of(path), 32768, 65536);
+    assert_in_range(bytes_of(test_recording), 32768, 65536);
     test_grid_free(&grid);
     pccd_close(client);
-    assert_repeats(path, 8);
+    test_recording_repeats("--json", test_recording, 8);
 }
 
 /* If this failed, the newest part of a long session could not be had without the rest. */
@@ -384,20 +358,20 @@ static void record__keeps_the_newest_segments(void **state)
     char name[128];
 
     (void)state;
-    remove_files();
-    assert_int_equal(pccd_record_start(client, path, &settings), 0);
+    test_recording_clear();
+    assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
     assert_int_equal(test_grid_make(client, 16, &grid), 0);
     turn_grid(&grid, 200);
     assert_int_equal(pccd_record_stop(client, &info), 0);
     assert_in_range(info.segments, 4, 100);
     assert_int_equal(info.frames, 200);
-    assert_repeats(path, 1);
+    test_recording_repeats("--json", test_recording, 1);
     for (int age = 1; age <= 2; age++) {
-        (void)snprintf(name, sizeof(name), "%s.%d", path, age);
+        (void)snprintf(name, sizeof(name), "%s.%d", test_recording, age);
         assert_in_range(bytes_of(name), 65536, 65536 + 8192);
-        assert_repeats(name, 8);
+        test_recording_repeats("--json", name, 8);
     }
-    (void)snprintf(name, sizeof(name), "%s.3", path);
+    (void)snprintf(name, sizeof(name), "%s.3", test_recording);
     assert_int_equal(bytes_of(name), 0);
     test_grid_free(&grid);
     pccd_close(client);
@@ -415,15 +389,15 @@ static void record__is_refused_where_it_could_not_be_whole(void **state)
     char beside[128];
 
     (void)state;
-    remove_files();
-    (void)snprintf(beside, sizeof(beside), "%s-beside", path);
+    test_recording_clear();
+    (void)snprintf(beside, sizeof(beside), "%s-beside", test_recording);
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_STATE);
-    assert_int_equal(pccd_record_start(client, path, &too_small), PCCD_E_INVAL);
-    assert_int_equal(pccd_record_start(client, path, &unbounded), PCCD_E_INVAL);
-    assert_int_equal(pccd_record_start(client, path, NULL), 0);
-    assert_int_equal(pccd_record_start(client, path, NULL), PCCD_E_STATE);
+    assert_int_equal(pccd_record_start(client, test_recording, &too_small), PCCD_E_INVAL);
+    assert_int_equal(pccd_record_start(client, test_recording, &unbounded), PCCD_E_INVAL);
+    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
+    assert_int_equal(pccd_record_start(client, test_recording, NULL), PCCD_E_STATE);
     assert_int_equal(pccd_record_stop(client, NULL), 0);
-    assert_int_equal(pccd_record_start(client, path, NULL), PCCD_E_SYSTEM);
+    assert_int_equal(pccd_record_start(client, test_recording, NULL), PCCD_E_SYSTEM);
     pccd_options_init(&options);
     options.url = daemon_.url;
     options.no_keep = true;
@@ -432,7 +406,7 @@ static void record__is_refused_where_it_could_not_be_whole(void **state)
     make_stage(careless, &stage);
     move_stage(&stage, -1);
     assert_int_equal(pccd_record_stop(careless, NULL), 0);
-    assert_repeats(beside, stage.steps);
+    test_recording_repeats("--json", beside, stage.steps);
     pccd_close(careless);
     assert_int_equal(pccd_connect(&options, &careless), 0);
     make_stage(careless, &stage);
@@ -452,11 +426,11 @@ static void environment__records_every_client(void **state)
     char name[128];
 
     (void)state;
-    remove_files();
+    test_recording_clear();
     pccd_options_init(&options);
     options.url = daemon_.url;
     options.no_keep = true; /* from the beginning on nothing else is needed */
-    assert_int_equal(setenv("PCCD_RECORD", path, 1), 0);
+    assert_int_equal(setenv("PCCD_RECORD", test_recording, 1), 0);
     assert_int_equal(setenv("PCCD_RECORD_OPTIONS", "level=-2", 1), 0);
     assert_int_equal(pccd_connect(&options, &clients[0]), PCCD_E_INVAL);
     assert_int_equal(setenv("PCCD_RECORD_OPTIONS", "contacts=1,level=3", 1), 0);
@@ -469,9 +443,9 @@ static void environment__records_every_client(void **state)
         move_stage(&stages[i], i == 0 ? -1.0f : 0.5f);
         pccd_close(clients[i]);
     }
-    (void)snprintf(name, sizeof(name), "%s-2", path);
-    assert_repeats(path, stages[0].steps);
-    assert_repeats(name, stages[1].steps);
+    (void)snprintf(name, sizeof(name), "%s-2", test_recording);
+    test_recording_repeats("--json", test_recording, stages[0].steps);
+    test_recording_repeats("--json", name, stages[1].steps);
 }
 
 int main(void)

@@ -10,19 +10,16 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
 #include "fixture.h"
+#include "recording.h"
 #include "run_ctl.h"
 
 #define BODIES 3u
-
-static char folder[] = "/tmp/pccd-test-filter-XXXXXX";
-static char path[96];
 
 /* Bodies that go through each other, and each through itself, in every step. */
 struct play {
@@ -36,27 +33,15 @@ struct play {
 
 static int set_up(void **state)
 {
-    if (mkdtemp(folder) == NULL || test_shared_start(state) != 0) {
+    if (!test_recording_begin() || test_shared_start(state) != 0) {
         return -1;
     }
-    (void)snprintf(path, sizeof(path), "%s/session.rec", folder);
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    char command[128];
-
-    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
-    return system(command) == 0 ? test_shared_stop(state) : -1;
-}
-
-static void remove_files(void)
-{
-    char command[128];
-
-    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
-    assert_int_equal(system(command), 0);
+    return test_recording_end() ? test_shared_stop(state) : -1;
 }
 
 /* Two triangles, one across the other, which change sides at half of the step. */
@@ -101,7 +86,7 @@ static void begin_play(struct play *play, const struct pccd_record_settings *set
 {
     *play = (struct play){.client = test_connect(test_shared.url), .z = 1};
     assert_non_null(play->client);
-    assert_int_equal(pccd_record_start(play->client, path, settings), 0);
+    assert_int_equal(pccd_record_start(play->client, test_recording, settings), 0);
     make_play(play);
 }
 
@@ -188,14 +173,7 @@ static void assert_repeats(const char *file, uint64_t steps)
     char said[4096];
 
     for (size_t i = 0; i < 2; i++) {
-        int status = test_ctl("replay", options[i], file, said, sizeof(said));
-
-        if (status != 0) {
-            print_message("%s: %s\n", options[i], said);
-        }
-        assert_int_equal(status, 0);
-        assert_int_equal(test_ctl_number(said, "same"), steps);
-        assert_int_equal(test_ctl_number(said, "differ"), 0);
+        assert_int_equal(test_recording_repeats(options[i], file, steps), steps);
     }
     for (size_t i = 0; i < 2; i++) {
         int status =
@@ -219,14 +197,14 @@ static void record__holds_masks_and_pairs(void **state)
     struct play play;
 
     (void)state;
-    remove_files();
+    test_recording_clear();
     begin_play(&play, &settings);
     change(&play);
     exchange(&play);
     assert_int_equal(pccd_record_stop(play.client, &info), 0);
     assert_int_equal(info.status, 0);
     pccd_close(play.client);
-    assert_repeats(path, play.steps);
+    assert_repeats(test_recording, play.steps);
 }
 
 /* If this failed, what held when a recording began would be missing in it; to begin it
@@ -238,21 +216,22 @@ static void record__begins_with_masks_and_pairs(void **state)
     uint64_t before;
 
     (void)state;
-    remove_files();
+    test_recording_clear();
     open_play(&play);
     change(&play);
     before = play.steps;
     if (test_is_direct()) { /* nothing was kept for another daemon */
-        assert_int_equal(pccd_record_start(play.client, path, &settings), PCCD_E_STATE);
+        assert_int_equal(pccd_record_start(play.client, test_recording, &settings),
+                         PCCD_E_STATE);
         pccd_close(play.client);
         return;
     }
-    assert_int_equal(pccd_record_start(play.client, path, &settings), 0);
+    assert_int_equal(pccd_record_start(play.client, test_recording, &settings), 0);
     step(&play);
     step(&play);
     exchange(&play);
     pccd_close(play.client);
-    assert_repeats(path, play.steps - before);
+    assert_repeats(test_recording, play.steps - before);
 }
 
 /* If this failed, the newest part of a long session would not stand by itself. */
@@ -264,8 +243,8 @@ static void record__segments_have_masks_and_pairs(void **state)
     struct play play;
 
     (void)state;
-    remove_files();
-    (void)snprintf(older, sizeof(older), "%s.1", path);
+    test_recording_clear();
+    (void)snprintf(older, sizeof(older), "%s.1", test_recording);
     begin_play(&play, &settings);
     change(&play);
     do {
@@ -276,7 +255,7 @@ static void record__segments_have_masks_and_pairs(void **state)
     step(&play);
     pccd_close(play.client);
     assert_int_equal(info.segments, 4);
-    assert_int_equal(test_ctl("replay", "--json", path, said, sizeof(said)), 0);
+    assert_int_equal(test_ctl("replay", "--json", test_recording, said, sizeof(said)), 0);
     assert_int_equal(test_ctl("replay", "--json", older, said, sizeof(said)), 0);
     assert_in_range(test_ctl_number(said, "same"), 5, 1000);
     assert_int_equal(test_ctl("verify", "--repeat", older, said, sizeof(said)), 0);

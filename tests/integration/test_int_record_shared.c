@@ -12,7 +12,6 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -20,12 +19,11 @@
 
 #include "fixture.h"
 #include "prng.h"
+#include "recording.h"
 #include "run_ctl.h"
 
 #define BODY 6u /* vertices: two triangles, one across the other */
 
-static char folder[] = "/tmp/pccd-test-both-XXXXXX";
-static char path[96];
 static struct prng prng;
 
 /* One client, and what it has in the scene. */
@@ -41,27 +39,15 @@ struct member {
 
 static int set_up(void **state)
 {
-    if (mkdtemp(folder) == NULL || test_shared_start(state) != 0) {
+    if (!test_recording_begin() || test_shared_start(state) != 0) {
         return -1;
     }
-    (void)snprintf(path, sizeof(path), "%s/session.rec", folder);
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    char command[128];
-
-    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
-    return system(command) == 0 ? test_shared_stop(state) : -1;
-}
-
-static void remove_files(void)
-{
-    char command[128];
-
-    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
-    assert_int_equal(system(command), 0);
+    return test_recording_end() ? test_shared_stop(state) : -1;
 }
 
 static uint64_t draw(uint64_t below)
@@ -290,16 +276,10 @@ static void assert_repeats(uint64_t least)
     char said[4096];
 
     for (size_t i = 0; i < sizeof(options) / sizeof(options[0]); i++) {
-        int status = test_ctl("replay", options[i], path, said, sizeof(said));
-
-        if (status != 0 || test_ctl_number(said, "same") < least) {
-            print_message("%s: %s\n", options[i], said);
-        }
-        assert_int_equal(status, 0);
-        assert_int_equal(test_ctl_number(said, "differ"), 0);
-        assert_in_range(test_ctl_number(said, "same"), least, 100000);
+        test_recording_repeats(options[i], test_recording, least);
     }
-    int status = test_ctl("verify", "--repeat --sample 20", path, said, sizeof(said));
+    int status =
+        test_ctl("verify", "--repeat --sample 20", test_recording, said, sizeof(said));
 
     if (status != 0) {
         print_message("%s\n", said);
@@ -319,10 +299,10 @@ static void record__holds_what_others_do(void **state)
         struct member a, b;
 
         prng.state = prng_seed() + (uint64_t)round;
-        remove_files();
+        test_recording_clear();
         connect_member(&a, 0);
         connect_member(&b, 1);
-        assert_int_equal(pccd_record_start(a.client, path, &settings), 0);
+        assert_int_equal(pccd_record_start(a.client, test_recording, &settings), 0);
         if (round % 2 == 0) {
             enter(&a, "both");
             enter(&b, "both");
@@ -362,7 +342,7 @@ static void record__begins_with_what_others_have_done(void **state)
         uint64_t before;
 
         prng.state = prng_seed() + 100 + (uint64_t)round;
-        remove_files();
+        test_recording_clear();
         connect_member(&a, 0);
         connect_member(&b, 1);
         enter(&b, "begun");
@@ -372,7 +352,7 @@ static void record__begins_with_what_others_have_done(void **state)
             hold(round == 1 ? &a : &b);
         }
         before = a.answered;
-        assert_int_equal(pccd_record_start(a.client, path, NULL), 0);
+        assert_int_equal(pccd_record_start(a.client, test_recording, NULL), 0);
         play(&a, &b, 60);
         assert_int_equal(pccd_record_stop(a.client, &info), 0);
         play(&a, &b, 5); /* the daemon keeps nothing more */
@@ -390,9 +370,9 @@ static void record__ends_where_it_would_not_be_whole(void **state)
     struct member a;
 
     (void)state;
-    remove_files();
+    test_recording_clear();
     connect_member(&a, 0);
-    assert_int_equal(pccd_record_start(a.client, path, &ring), 0);
+    assert_int_equal(pccd_record_start(a.client, test_recording, &ring), 0);
     enter(&a, "ring");
     assert_int_equal(pccd_record_stop(a.client, &info), PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(a.client), "ring of segments"));
@@ -412,12 +392,12 @@ static void record__ends_when_the_daemon_is_lost(void **state)
     if (test_is_direct()) {
         skip();
     }
-    remove_files();
+    test_recording_clear();
     prng.state = prng_seed();
     assert_true(test_daemon_start(&daemon, options));
     a = (struct member){.client = test_connect(daemon.url)};
     b = (struct member){.client = test_connect(daemon.url), .height = 1};
-    assert_int_equal(pccd_record_start(a.client, path, NULL), 0);
+    assert_int_equal(pccd_record_start(a.client, test_recording, NULL), 0);
     enter(&a, "lost");
     enter(&b, "lost");
     play(&a, &b, 20);

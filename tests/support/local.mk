@@ -5,6 +5,8 @@ check_LTLIBRARIES += libtestdaemon.la
 libtestdaemon_la_SOURCES = \
     tests/support/crossing.c \
     tests/support/crossing.h \
+    tests/support/recording.c \
+    tests/support/recording.h \
     tests/support/run_ctl.c \
     tests/support/run_ctl.h \
     tests/support/daemon.c \

@@ -1,0 +1,62 @@
+/* recording.c - where a test's recordings are, and whether they repeat.
+ *
+ * Room:     tests/support.
+ * Does:     see recording.h.
+ * Threads:  one test at a time.
+ */
+#include "recording.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "run_ctl.h"
+
+#define ANSWERS_MAX 1000000 /* of any test */
+
+char test_recording[96];
+
+static char folder[] = "/tmp/pccd-test-record-XXXXXX";
+
+bool test_recording_begin(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        return false;
+    }
+    (void)snprintf(test_recording, sizeof(test_recording), "%s/session.rec", folder);
+    return true;
+}
+
+bool test_recording_end(void)
+{
+    char command[128];
+
+    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
+    return system(command) == 0;
+}
+
+void test_recording_clear(void)
+{
+    char command[128];
+
+    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
+    assert_int_equal(system(command), 0);
+}
+
+uint64_t test_recording_repeats(const char *options, const char *file, uint64_t least)
+{
+    char said[4096];
+    int status = test_ctl("replay", options, file, said, sizeof(said));
+
+    if (status != 0 || test_ctl_number(said, "same") < least) {
+        print_message("%s, %s: %s\n", file, options, said);
+    }
+    assert_int_equal(status, 0);
+    assert_int_equal(test_ctl_number(said, "differ"), 0);
+    assert_in_range(test_ctl_number(said, "same"), least, ANSWERS_MAX);
+    return test_ctl_number(said, "same");
+}

@@ -1,0 +1,26 @@
+/* recording.h - where a test's recordings are, and whether they repeat.
+ *
+ * Room:     tests/support. May include: the C library, cmocka.
+ * Does:     a folder for each program, and the judgement of pccdctl.
+ * Threads:  one test at a time.
+ */
+#ifndef TEST_RECORDING_H
+#define TEST_RECORDING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* The file to record to, in a folder of its own. */
+extern char test_recording[96];
+
+/* Of a group: make the folder; remove it and all in it. */
+bool test_recording_begin(void);
+bool test_recording_end(void);
+/* Remove the files of the last test. */
+void test_recording_clear(void);
+
+/* `pccdctl replay OPTIONS FILE` ends well, `least` answers or more are the same, and none
+ * differs; options have --json. Returns how many there are. */
+uint64_t test_recording_repeats(const char *options, const char *file, uint64_t least);
+
+#endif
