@@ -75,6 +75,9 @@ void fuzz_peer_send(struct fuzz_peer *peer, const void *data, size_t bytes, int 
         } else {
             int status = proto_send(peer->socket, data, bytes, fds,
                                     fd_count < PROTO_FDS_MAX ? fd_count : PROTO_FDS_MAX);
+            if (status == PCCD_E_AGAIN) { /* there is room, but not for so much */
+                continue;
+            }
             FUZZ_CHECK(status == 0 || status == PCCD_E_DISCONNECTED);
             peer->is_over = status != 0;
             return;

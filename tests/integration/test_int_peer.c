@@ -70,8 +70,8 @@ static int next_request(void)
     size_t bytes = 0;
     int fd_count = 0;
 
-    if (proto_receive(peer.socket, peer.message, sizeof(peer.message), &bytes, NULL,
-                      &fd_count) != 0 ||
+    if (proto_await(peer.socket, peer.message, sizeof(peer.message), &bytes, NULL,
+                    &fd_count) != 0 ||
         proto_decode(peer.decoder, peer.message, bytes, &peer.envelope, &error) != 0) {
         _exit(0);
     }
