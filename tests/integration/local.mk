@@ -60,7 +60,8 @@ tests_integration_test_int_death_SOURCES = tests/integration/test_int_death.c
 tests_integration_test_int_death_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_death_LDADD = $(integration_libs)
 
-tests_integration_test_int_direct_SOURCES = tests/integration/test_int_direct.c
+tests_integration_test_int_direct_SOURCES = tests/integration/test_int_direct.c \
+    tests/support/allocations.c tests/support/allocations.h
 tests_integration_test_int_direct_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_direct_CFLAGS = $(AM_CFLAGS) -pthread
 tests_integration_test_int_direct_LDADD = $(integration_libs)
@@ -179,7 +180,8 @@ tests_integration_test_int_version_SOURCES = tests/integration/test_int_version.
 tests_integration_test_int_version_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_version_LDADD = $(integration_libs)
 
-tests_integration_test_int_warm_SOURCES = tests/integration/test_int_warm.c
+tests_integration_test_int_warm_SOURCES = tests/integration/test_int_warm.c \
+    tests/support/allocations.c tests/support/allocations.h
 tests_integration_test_int_warm_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_warm_LDADD = $(integration_libs)
 

@@ -8,7 +8,6 @@
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -23,6 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "allocations.h"
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
@@ -61,39 +61,6 @@ static uint32_t count_entries(const char *path)
     (void)closedir(entries);
     return count;
 }
-
-/* ---- what malloc is asked for ------------------------------------------------------ */
-
-static atomic_uint allocations;
-
-#if defined(PCCD_SANITIZED)
-#define CAN_COUNT false
-#else
-#define CAN_COUNT true
-#define EXPORTED  __attribute__((visibility("default"))) /* in the place of libc's */
-
-void *__libc_malloc(size_t bytes);
-void *__libc_calloc(size_t count, size_t bytes);
-void *__libc_realloc(void *old, size_t bytes);
-
-EXPORTED void *malloc(size_t bytes)
-{
-    (void)atomic_fetch_add(&allocations, 1);
-    return __libc_malloc(bytes);
-}
-
-EXPORTED void *calloc(size_t count, size_t bytes)
-{
-    (void)atomic_fetch_add(&allocations, 1);
-    return __libc_calloc(count, bytes);
-}
-
-EXPORTED void *realloc(void *old, size_t bytes)
-{
-    (void)atomic_fetch_add(&allocations, 1);
-    return __libc_realloc(old, bytes);
-}
-#endif
 
 /* ---- the same answers -------------------------------------------------------------- */
 
@@ -369,20 +336,20 @@ static void direct__warm_frames_allocate_nothing(void **state)
     unsigned before = 0;
 
     (void)state;
-    if (!CAN_COUNT) {
+    if (!TEST_COUNTS_ALLOCATIONS) {
         skip();
     }
     client = connect_direct();
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 50, &grid), 0);
     for (int i = 0; i < 20; i++) {
-        before = i == 10 ? atomic_load(&allocations) : before;
+        before = i == 10 ? test_allocations() : before;
         assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
         assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
         assert_int_equal(answer.total, 2500);
         pccd_answer_release(client, &answer);
     }
-    assert_int_equal(atomic_load(&allocations) - before, 0);
+    assert_int_equal(test_allocations() - before, 0);
     assert_true(before > 0); /* they are counted */
     test_grid_free(&grid);
     pccd_close(client);

@@ -7,7 +7,6 @@
  */
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -17,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "allocations.h"
 #include "fixture.h"
 #include "grid.h"
 
@@ -24,39 +24,6 @@
  * once. */
 #define WARM   256
 #define FRAMES 200
-
-/* ---- what malloc is asked for ------------------------------------------------------ */
-
-static atomic_uint allocations;
-
-#if defined(PCCD_SANITIZED)
-#define CAN_COUNT false
-#else
-#define CAN_COUNT true
-#define EXPORTED  __attribute__((visibility("default"))) /* in the place of libc's */
-
-void *__libc_malloc(size_t bytes);
-void *__libc_calloc(size_t count, size_t bytes);
-void *__libc_realloc(void *old, size_t bytes);
-
-EXPORTED void *malloc(size_t bytes)
-{
-    (void)atomic_fetch_add(&allocations, 1);
-    return __libc_malloc(bytes);
-}
-
-EXPORTED void *calloc(size_t count, size_t bytes)
-{
-    (void)atomic_fetch_add(&allocations, 1);
-    return __libc_calloc(count, bytes);
-}
-
-EXPORTED void *realloc(void *old, size_t bytes)
-{
-    (void)atomic_fetch_add(&allocations, 1);
-    return __libc_realloc(old, bytes);
-}
-#endif
 
 /* ---- frames ------------------------------------------------------------------------ */
 
@@ -70,19 +37,19 @@ static void assert_asks_for_nothing(frame_fn frame, void *context)
     for (int i = 0; i < WARM; i++) {
         frame(context, i);
     }
-    before = atomic_load(&allocations);
+    before = test_allocations();
     assert_true(before > 0); /* they are counted */
     for (int i = 0; i < FRAMES; i++) {
         frame(context, i);
     }
-    assert_int_equal(atomic_load(&allocations) - before, 0);
+    assert_int_equal(test_allocations() - before, 0);
 }
 
 static struct pccd_client *open_client(void)
 {
     struct pccd_client *client;
 
-    if (!CAN_COUNT) {
+    if (!TEST_COUNTS_ALLOCATIONS) {
         skip();
     }
     client = test_connect(test_shared.url);
