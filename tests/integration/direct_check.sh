@@ -18,6 +18,12 @@ for program in step flow choice deadline watch replace slot record_filter record
     PCCD_TEST_URL=direct: timeout 600 "$top_builddir/tests/integration/test_int_$program" \
         >"$work/out" 2>&1
     status=$?
+    # A sanitizer owns malloc: what counts its calls has nothing to say.
+    if [ "$status" -eq 0 ] && ! grep -q '^ok ' "$work/out" &&
+        grep -q -- -DPCCD_SANITIZED "$top_builddir/Makefile"; then
+        tap_skip "direct__test_int_${program}_passes" "skips all under a sanitizer"
+        continue
+    fi
     [ "$status" -ne 0 ] || grep -q '^ok 1 ' "$work/out" || status=1
     # cmocka says "not ok 3 # SKIP name" of a case that was skipped.
     grep -v '^not ok [0-9]* # SKIP' "$work/out" >"$work/log"
