@@ -151,7 +151,7 @@ static void box_all(struct bench *bench)
     count_part(bench, PART_MARKS, begin_ns, tree->slot_count);
     bench->outcome->sum += on_grid;
     begin_ns = bench_now_ns();
-    kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, tree->blocks,
+    kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, false, tree->blocks,
                       tree->boxes);
     count_part(bench, PART_FOLD, begin_ns, tree->slot_count);
     for (enum eng_wide_kind kind = ENG_WIDE_EDGES; kind <= ENG_WIDE_FACES; kind++) {
@@ -160,7 +160,7 @@ static void box_all(struct bench *bench)
                                            kind == ENG_WIDE_FACES ? tree->corner[2]
                                                                   : NULL};
         begin_ns = bench_now_ns();
-        kernels->box_unite(wide->point_boxes, corner, tree->slot_count / ENG_WIDE,
+        kernels->box_unite(wide->point_boxes, corner, tree->slot_count / ENG_WIDE, false,
                            tree->blocks, tree->boxes);
         count_part(bench, kind == ENG_WIDE_EDGES ? PART_EDGES : PART_FACES, begin_ns,
                    tree->slot_count);

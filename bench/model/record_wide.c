@@ -136,7 +136,7 @@ static void record_refit(struct model_record *record)
             time_chunks(record, kind, samples[kind]);
         }
         uint64_t begin_ns = eng_now_ns();
-        eng_wide_refit_above(scene_wide);
+        eng_wide_refit_above(scene_wide, false);
         bench_add(&above, (double)(eng_now_ns() - begin_ns));
     }
     wide->above_ns = bench_summarise(&above).p50;

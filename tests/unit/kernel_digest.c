@@ -137,12 +137,13 @@ static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
             points = digest_boxes(points, ground->boxes, count);
         }
         for (int k = 0; k < 2; k++) {
-            kernels->box_unite(ground->boxes, k ? corner : edge, BLOCKS, ground->blocks,
-                               ground->around);
+            kernels->box_unite(ground->boxes, k ? corner : edge, BLOCKS, swept == 1,
+                               ground->blocks, ground->around);
             unite = digest(unite, ground->blocks, sizeof ground->blocks);
             unite = digest_boxes(unite, ground->around, BLOCKS);
         }
-        kernels->box_fold(ground->boxes, BLOCKS, ground->blocks, ground->around);
+        kernels->box_fold(ground->boxes, BLOCKS, swept == 1, ground->blocks,
+                          ground->around);
         fold = digest(fold, ground->blocks, sizeof ground->blocks);
         fold = digest_boxes(fold, ground->around, BLOCKS);
     }

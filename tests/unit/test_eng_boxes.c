@@ -14,6 +14,9 @@
 #define ROUNDS  40u
 #define NOT_SET 0xdeadbeefu
 
+/* A bound of no box here. */
+#define UNTOUCHED 12345.0f
+
 struct fixture {
     struct eng_extents boxes[BOXES];
     struct eng_wide_block blocks[BLOCKS];
@@ -38,7 +41,8 @@ static struct eng_box plain(const struct eng_extents *box)
 static void fill(struct fixture *f, struct kit_random *random)
 {
     fill_boxes(f->boxes, f->corner, random);
-    eng_kernels_of(ENG_ISA_SCALAR)->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
+    eng_kernels_of(ENG_ISA_SCALAR)
+        ->box_fold(f->boxes, BLOCKS, false, f->blocks, f->around);
 }
 
 /* If a box were rounded inward by one set, it would miss contacts; outward by more, mode
@@ -88,6 +92,13 @@ static void boxes__of_points_are_rounded_as_everywhere(void **state)
     }
 }
 
+static void leave_untouched(struct eng_wide_block *blocks)
+{
+    for (uint32_t i = 0; i < 12 * BOXES; i++) {
+        blocks[i / 12 / ENG_WIDE].row[i % 4][i / 4 % 3][i / 12 % ENG_WIDE] = UNTOUCHED;
+    }
+}
+
 /* If a row were in another lane, or a union too small, a pair would be lost. */
 static void boxes__go_into_blocks_and_unions(void **state)
 {
@@ -99,13 +110,16 @@ static void boxes__go_into_blocks_and_unions(void **state)
     fill(&f, &random);
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
-        for (uint32_t arity = 1; kernels && arity <= 3; arity++) {
+        for (uint32_t way = 0; kernels && way < 6; way++) {
+            const uint32_t arity = 1 + way % 3;
+            const bool swept = way >= 3;
             const uint32_t *const corner[3] = {f.corner[0], f.corner[1],
                                                arity == 3 ? f.corner[2] : NULL};
+            leave_untouched(blocks);
             if (arity == 1) {
-                kernels->box_fold(f.boxes, BLOCKS, blocks, around);
+                kernels->box_fold(f.boxes, BLOCKS, swept, blocks, around);
             } else {
-                kernels->box_unite(f.boxes, corner, BLOCKS, blocks, around);
+                kernels->box_unite(f.boxes, corner, BLOCKS, swept, blocks, around);
             }
             for (uint32_t i = 0; i < 12 * BOXES; i++) {
                 uint32_t box = i / 12;
@@ -117,17 +131,18 @@ static void boxes__go_into_blocks_and_unions(void **state)
                     most = fmaxf(most, f.boxes[from].side[side][axis]);
                 }
                 float found = blocks[box / ENG_WIDE].row[side][axis][box % ENG_WIDE];
-                assert_true(found == most);
+                bool is_left = swept && (side == ENG_LOW1 || side == ENG_HIGH1);
+                assert_true(found == (is_left ? UNTOUCHED : most));
                 assert_true(around[box / ENG_WIDE].side[side][axis] >= most);
             }
             for (uint32_t i = 0; i < BLOCKS; i++) { /* no larger than need be */
                 for (int axis = 0; axis < 3; axis++) {
-                    const float *row = blocks[i].row[ENG_HIGH1][axis];
+                    const float *row = blocks[i].row[ENG_HIGH0][axis];
                     float most = row[0];
                     for (uint32_t lane = 1; lane < ENG_WIDE; lane++) {
                         most = fmaxf(most, row[lane]);
                     }
-                    assert_true(around[i].side[ENG_HIGH1][axis] == most);
+                    assert_true(around[i].side[ENG_HIGH0][axis] == most);
                 }
             }
         }
@@ -366,7 +381,7 @@ static void boxes__that_stand_still_are_joined_as_those_that_move(void **state)
             memcpy(f.boxes[i].side[ENG_HIGH1], f.boxes[i].side[ENG_HIGH0],
                    sizeof f.boxes[i].side[0]);
         }
-        eng_kernels()->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+        eng_kernels()->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             for (enum which which = NODES; kernels && which <= FACES; which++) {

@@ -43,7 +43,7 @@ static void fill(struct fixture *f, struct kit_random *random)
     struct eng_narrowing narrowing = narrowing_around(CELL, 0);
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
     fill_boxes(f->boxes, f->corner, random);
-    scalar->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
+    scalar->box_fold(f->boxes, BLOCKS, false, f->blocks, f->around);
     f->farthest = 0;
     assert_true(scalar->narrow_blocks(f->blocks, f->around, BLOCKS, &narrowing, f->narrow,
                                       f->narrow_around, &f->farthest));
@@ -111,7 +111,7 @@ static void narrow__numbers_are_no_less_than_the_bounds(void **state)
                     (float)(lo + 1000 * cell * kit_between(&random, 0, 1));
             }
         }
-        kernels->box_fold(boxes, 1, &block, &around);
+        kernels->box_fold(boxes, 1, false, &block, &around);
         assert_true(kernels->narrow_blocks(&block, &around, 1, &narrowing, &narrow,
                                            &narrow_around, &farthest));
         check_sums(&block, &narrow, cell, 2.125);
@@ -148,20 +148,20 @@ static void narrow__says_what_is_beyond_its_reach(void **state)
             struct fixture f = {0};
             bool fits;
             float *bound = &f.boxes[17].side[i % 4][i / 4];
-            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
             *bound = ENG_NARROW_REACH + 1;
-            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
             fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
                                           f.narrow, f.narrow_around, &f.farthest);
             assert_false(fits);
             *bound = 0x1p60f;
-            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
             fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
                                           f.narrow, f.narrow_around, &f.farthest);
             assert_false(fits);
             *bound = ENG_NARROW_REACH - 2;
             set_nowhere(&f.boxes[18]);
-            kernels->box_fold(f.boxes, BLOCKS, f.blocks, f.around);
+            kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
             fits = kernels->narrow_blocks(f.blocks, f.around, BLOCKS, &narrowing,
                                           f.narrow, f.narrow_around, &f.farthest);
             assert_true(fits);
@@ -266,7 +266,7 @@ static void all_pairs(const struct fixture *f, bool edges, uint32_t m, struct li
     meet = *f;
     memset(meet.boxes, 0, sizeof meet.boxes);
     eng_kernels_of(ENG_ISA_SCALAR)
-        ->box_fold(meet.boxes, BLOCKS, meet.blocks, meet.around);
+        ->box_fold(meet.boxes, BLOCKS, false, meet.blocks, meet.around);
     join(eng_kernels_of(ENG_ISA_SCALAR), &meet, edges, false, m, &job, all);
 }
 
@@ -330,7 +330,8 @@ static void set_approaching(struct fixture *f, int axis, double gap, double way)
             box->side[side][axis] = (float)(CELL * (side < ENG_HIGH0 ? -low : low + 1));
         }
     }
-    eng_kernels_of(ENG_ISA_SCALAR)->box_fold(f->boxes, BLOCKS, f->blocks, f->around);
+    eng_kernels_of(ENG_ISA_SCALAR)
+        ->box_fold(f->boxes, BLOCKS, false, f->blocks, f->around);
 }
 
 /* If what boxes grow by were left out of the comparison of those of t = 0, mode first

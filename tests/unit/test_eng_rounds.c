@@ -43,7 +43,7 @@ static void fill(struct fixture *f, struct kit_random *random)
     for (int k = 0; k < 3; k++) {
         eng_wide_narrow_set(&narrowing, k, 1 / CELL, 0);
     }
-    scalar->box_fold(f->boxes, ALL_BLOCKS, f->blocks, f->around);
+    scalar->box_fold(f->boxes, ALL_BLOCKS, false, f->blocks, f->around);
     f->farthest = 0;
     assert_true(scalar->narrow_blocks(f->blocks, f->around, ALL_BLOCKS, &narrowing,
                                       f->narrow, f->narrow_around, &f->farthest));

@@ -77,6 +77,13 @@ void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool
     }
 }
 
+/* From one side of a block that is written to the next: of swept boxes those at one end,
+ * half of the bytes. */
+ENG_INLINE int sides_apart(bool swept)
+{
+    return swept ? 2 : 1;
+}
+
 #if ENG_F_LANES == 16
 
 /* A box on its way, and those of a block: a register each. */
@@ -119,8 +126,8 @@ ENG_INLINE void split_sides(const struct sixteen *boxes, __m512 first[ENG_SIDES]
 
 /* The box around all, and all of them into rows: 60 shuffles, where four boxes at a time
  * (below) take 112 and three stores for one. */
-ENG_INLINE void fold(const struct sixteen *boxes, struct eng_wide_block *block,
-                     struct eng_extents *around)
+ENG_INLINE void fold(const struct sixteen *boxes, bool swept,
+                     struct eng_wide_block *block, struct eng_extents *around)
 {
     eng_f all[ENG_WIDE / 2];
     __m512 side[ENG_SIDES][4];
@@ -138,7 +145,7 @@ ENG_INLINE void fold(const struct sixteen *boxes, struct eng_wide_block *block,
     eng_f_store(&around->side[0][0], all[0]);
     split_sides(boxes, side);
 #pragma GCC unroll 4
-    for (int s = 0; s < ENG_SIDES; s++) {
+    for (int s = 0; s < ENG_SIDES; s += sides_apart(swept)) {
         __m512 xy01 = _mm512_unpacklo_ps(side[s][0], side[s][1]);
         __m512 xy23 = _mm512_unpacklo_ps(side[s][2], side[s][3]);
         __m512 z01 = _mm512_unpackhi_ps(side[s][0], side[s][1]);
@@ -203,15 +210,15 @@ ENG_INLINE void turn(const struct eng_extents *boxes, int side, uint32_t lane,
     }
 }
 
-ENG_INLINE void fold(const struct sixteen *boxes, struct eng_wide_block *block,
-                     struct eng_extents *around)
+ENG_INLINE void fold(const struct sixteen *boxes, bool swept,
+                     struct eng_wide_block *block, struct eng_extents *around)
 {
     struct eng_extents all = boxes->box[0];
     for (uint32_t i = 1; i < ENG_WIDE; i++) {
         all = larger(all, boxes->box[i]);
     }
     *around = all;
-    for (int side = 0; side < ENG_SIDES; side++) {
+    for (int side = 0; side < ENG_SIDES; side += sides_apart(swept)) {
         for (uint32_t lane = 0; lane < ENG_WIDE; lane += 4) {
             turn(boxes->box, side, lane, block);
         }
@@ -220,8 +227,9 @@ ENG_INLINE void fold(const struct sixteen *boxes, struct eng_wide_block *block,
 
 #endif
 
-void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
-                          struct eng_wide_block *blocks, struct eng_extents *around)
+ENG_INLINE void box_fold(const struct eng_extents *boxes, uint32_t block_count,
+                         bool swept, struct eng_wide_block *blocks,
+                         struct eng_extents *around)
 {
     for (uint32_t i = 0; i < block_count; i++) {
         struct sixteen sixteen;
@@ -229,12 +237,23 @@ void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
         for (uint32_t lane = 0; lane < ENG_WIDE; lane++) {
             put(&sixteen, lane, load(&boxes[i * ENG_WIDE + lane]));
         }
-        fold(&sixteen, &blocks[i], &around[i]);
+        fold(&sixteen, swept, &blocks[i], &around[i]);
+    }
+}
+
+void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
+                          bool swept, struct eng_wide_block *blocks,
+                          struct eng_extents *around)
+{
+    if (swept) {
+        box_fold(boxes, block_count, true, blocks, around);
+    } else {
+        box_fold(boxes, block_count, false, blocks, around);
     }
 }
 
 ENG_INLINE void box_unite(const struct eng_extents *points,
-                          const uint32_t *const corner[3], uint32_t corners,
+                          const uint32_t *const corner[3], uint32_t corners, bool swept,
                           uint32_t block_count, struct eng_wide_block *blocks,
                           struct eng_extents *around)
 {
@@ -250,17 +269,20 @@ ENG_INLINE void box_unite(const struct eng_extents *points,
             }
             put(&sixteen, lane, box);
         }
-        fold(&sixteen, &blocks[i], &around[i]);
+        fold(&sixteen, swept, &blocks[i], &around[i]);
     }
 }
 
 void ENG_KERNEL(box_unite)(const struct eng_extents *points,
                            const uint32_t *const corner[3], uint32_t block_count,
-                           struct eng_wide_block *blocks, struct eng_extents *around)
+                           bool swept, struct eng_wide_block *blocks,
+                           struct eng_extents *around)
 {
     if (corner[2]) {
-        box_unite(points, corner, 3, block_count, blocks, around);
+        swept ? box_unite(points, corner, 3, true, block_count, blocks, around)
+              : box_unite(points, corner, 3, false, block_count, blocks, around);
     } else {
-        box_unite(points, corner, 2, block_count, blocks, around);
+        swept ? box_unite(points, corner, 2, true, block_count, blocks, around)
+              : box_unite(points, corner, 2, false, block_count, blocks, around);
     }
 }

@@ -405,28 +405,39 @@ ENG_INLINE uint32_t lanes_of_held(const struct eng_join *job, uint32_t slot,
     return bits;
 }
 
+/* The boxes of block n of a that meet the box around block m of b: one bit each. */
+ENG_INLINE uint32_t boxes_met(const struct eng_join *job, uint32_t n, uint32_t m)
+{
+    return overlap((struct bounds){&job->b_boxes[m], 4, 1},
+                   rows_at((const void *)&job->a[n], RULE_SWEPT), RULE_SWEPT, (eng_f){0});
+}
+
 /* One pair of blocks after the other, without a list: where boxes have seven pairs or so
  * each, a wrong guess of how many boxes have any is less than what it is to read rows for
- * each of them. round->next: the boxes of the last pair of blocks that are still to be
- * tested, one bit each. */
+ * each of them. They are looked up a pair of blocks ahead, so that a wrong guess is known
+ * while there is still work to do. round->next: the boxes of the last pair of blocks that
+ * are still to be tested, one bit each; 0: they have not been looked up. */
 ENG_INLINE uint32_t join_swept(struct eng_join *job, struct eng_join_round *round,
                                bool may_be_self, struct wants wants, uint32_t *out_a,
                                uint32_t *out_b, uint32_t room)
 {
     const uint32_t after = wants.twins ? 0xffff : 0xfffe; /* those, of the first box */
+    uint32_t left = round->count;
     uint32_t count = 0;
-    while (round->count > 0 && count + ENG_WIDE <= room) {
-        uint32_t n = round->a[round->count - 1];
-        uint32_t m = round->b[round->count - 1];
+    uint32_t boxes = round->next;
+    if (boxes == 0 && left > 0) {
+        boxes = boxes_met(job, round->a[left - 1], round->b[left - 1]);
+    }
+    while (left > 0 && count + ENG_WIDE <= room) {
+        uint32_t n = round->a[left - 1];
+        uint32_t m = round->b[left - 1];
         bool self = may_be_self && job->a == job->b && n == m;
-        uint32_t boxes = round->next;
+        uint32_t ahead = 0;
         struct held held;
-        if (boxes == 0) {
-            boxes = overlap((struct bounds){&job->b_boxes[m], 4, 1},
-                            rows_at((const void *)&job->a[n], RULE_SWEPT), RULE_SWEPT,
-                            (eng_f){0});
-            job->tests += 1 + (uint32_t)__builtin_popcount(boxes);
+        if (left > 1) {
+            ahead = boxes_met(job, round->a[left - 2], round->b[left - 2]);
         }
+        job->tests += (uint32_t)__builtin_popcount(boxes);
         hold(job, m, wants, &held);
         for (; boxes != 0 && count + ENG_WIDE <= room; boxes &= boxes - 1) {
             uint32_t i = (uint32_t)__builtin_ctz(boxes);
@@ -436,10 +447,17 @@ ENG_INLINE uint32_t join_swept(struct eng_join *job, struct eng_join_round *roun
             eng_fill16(out_a + count, slot);
             count += eng_pack16(out_b + count, lanes, m * ENG_WIDE);
         }
-        round->next = boxes;
-        round->end = boxes;
-        round->count -= boxes == 0;
+        if (boxes != 0) {
+            job->tests -= (uint32_t)__builtin_popcount(boxes);
+            break;
+        }
+        job->tests++;
+        boxes = ahead;
+        left--;
     }
+    round->count = left;
+    round->next = boxes;
+    round->end = boxes;
     return count;
 }
 

@@ -66,13 +66,14 @@ struct eng_kernels {
     /* The marks of points. False: one was beyond the grid; then no sieve may use them. */
     bool (*place_points)(const struct eng_point *points, uint32_t count,
                          const struct eng_grid *grid, struct eng_mark *marks);
-    /* Blocks of boxes[block_count][ENG_WIDE], and the box around each block. */
-    void (*box_fold)(const struct eng_extents *boxes, uint32_t block_count,
+    /* Blocks of boxes[block_count][ENG_WIDE], and the box around each block; `swept`:
+     * the boxes are the same at both ends, and the rows at t = 1 are left as they are. */
+    void (*box_fold)(const struct eng_extents *boxes, uint32_t block_count, bool swept,
                      struct eng_wide_block *blocks, struct eng_extents *around);
     /* The same of features, each the union of points[corner[0 .. 2][feature]]; corner[2]
      * NULL: of two. */
     void (*box_unite)(const struct eng_extents *points, const uint32_t *const corner[3],
-                      uint32_t block_count, struct eng_wide_block *blocks,
+                      uint32_t block_count, bool swept, struct eng_wide_block *blocks,
                       struct eng_extents *around);
 
     /* Blocks, and the boxes around them, in whole numbers; *farthest is raised to the

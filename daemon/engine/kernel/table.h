@@ -25,10 +25,12 @@ bool ENG_KERNEL(place_points)(const struct eng_point *points, uint32_t count,
 void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool swept,
                             struct eng_extents *boxes);
 void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
-                          struct eng_wide_block *blocks, struct eng_extents *around);
+                          bool swept, struct eng_wide_block *blocks,
+                          struct eng_extents *around);
 void ENG_KERNEL(box_unite)(const struct eng_extents *points,
                            const uint32_t *const corner[3], uint32_t block_count,
-                           struct eng_wide_block *blocks, struct eng_extents *around);
+                           bool swept, struct eng_wide_block *blocks,
+                           struct eng_extents *around);
 bool ENG_KERNEL(narrow_blocks)(const struct eng_wide_block *blocks,
                                const struct eng_extents *around, uint32_t count,
                                const struct eng_narrowing *narrowing,

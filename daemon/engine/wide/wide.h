@@ -108,7 +108,7 @@ void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool s
 uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind kind);
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
                           enum eng_wide_kind kind, uint32_t chunk, bool swept);
-void eng_wide_refit_above(struct eng_wide *wide);
+void eng_wide_refit_above(struct eng_wide *wide, bool swept);
 
 static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree *tree,
                                                      uint32_t level)

@@ -253,7 +253,7 @@ static void refit(struct eng_worker *worker)
         }
     }
     if (!eng_stop_is_set(worker->stop)) {
-        eng_wide_refit_above(wide);
+        eng_wide_refit_above(wide, false);
     }
 }
 

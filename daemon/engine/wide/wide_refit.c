@@ -80,13 +80,13 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
     uint32_t slot = block * ENG_WIDE;
     if (kind == ENG_WIDE_VERTICES) {
         refit_points(wide, scene, slot, slot + count * ENG_WIDE, swept);
-        kernels->box_fold(wide->point_boxes + slot, count, tree->blocks + block,
+        kernels->box_fold(wide->point_boxes + slot, count, swept, tree->blocks + block,
                           tree->boxes + block);
     } else {
         const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
                                            kind == ENG_WIDE_FACES ? tree->corner[2] + slot
                                                                   : NULL};
-        kernels->box_unite(wide->point_boxes, corner, count, tree->blocks + block,
+        kernels->box_unite(wide->point_boxes, corner, count, swept, tree->blocks + block,
                            tree->boxes + block);
     }
     if (wide->makes_narrow && !swept) {
@@ -95,19 +95,19 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
     if (wide->level_count > 1) {
         uint32_t node = chunk * CHUNK_NODES;
         kernels->box_fold(
-            tree->boxes + block, smaller(CHUNK_NODES, tree->block_count[1] - node),
+            tree->boxes + block, smaller(CHUNK_NODES, tree->block_count[1] - node), swept,
             eng_wide_blocks(tree, 1) + node, eng_wide_boxes(tree, 1) + node);
     }
 }
 
-void eng_wide_refit_above(struct eng_wide *wide)
+void eng_wide_refit_above(struct eng_wide *wide, bool swept)
 {
     wide->boxes_are_old = false;
     for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         for (uint32_t level = 2; level < wide->level_count; level++) {
             wide->kernels->box_fold(
-                eng_wide_boxes(tree, level - 1), tree->block_count[level],
+                eng_wide_boxes(tree, level - 1), tree->block_count[level], swept,
                 eng_wide_blocks(tree, level), eng_wide_boxes(tree, level));
         }
     }
@@ -121,5 +121,5 @@ void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool s
             eng_wide_refit_chunk(wide, scene, kind, i, swept);
         }
     }
-    eng_wide_refit_above(wide);
+    eng_wide_refit_above(wide, swept);
 }

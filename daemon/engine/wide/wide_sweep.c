@@ -148,7 +148,7 @@ static void refit(struct eng_wide *wide, const struct eng_scene *scene, uint32_t
             eng_wide_refit_chunk(wide, scene, kind, i, true);
         }
     }
-    eng_wide_refit_above(wide);
+    eng_wide_refit_above(wide, true);
 }
 
 static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,

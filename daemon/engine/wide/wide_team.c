@@ -62,7 +62,7 @@ bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker)
         is_last = before + done == all;
     }
     if (is_last && !eng_stop_is_set(worker->stop)) {
-        eng_wide_refit_above(wide);
+        eng_wide_refit_above(wide, false);
     }
     record(worker, begin_ns);
     return is_last;
