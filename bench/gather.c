@@ -14,7 +14,7 @@
 
 static const struct eng_object *object_of_id(const struct bench_world *world, uint32_t id)
 {
-    return eng_scene_object(world->scene, world->object_idx[id - 1]);
+    return eng_scene_object(world->scene, world->object_idx[BENCH_OBJECT_OF(id)]);
 }
 
 /* Every `stride`-th pair of one kind, so that all parts of the scene have their share. */

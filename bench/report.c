@@ -24,9 +24,17 @@ static struct {
     char cpu[128];
 } report;
 
-static void read_cpu(void)
+const char *bench_compiler(void)
+{
+    return COMPILER;
+}
+
+const char *bench_cpu(void)
 {
     char line[512];
+    if (report.cpu[0]) {
+        return report.cpu;
+    }
     FILE *file = fopen("/proc/cpuinfo", "r");
     strcpy(report.cpu, "unknown");
     while (file && fgets(line, sizeof line, file)) {
@@ -42,6 +50,12 @@ static void read_cpu(void)
     if (file) {
         fclose(file);
     }
+    return report.cpu;
+}
+
+void bench_name(const char *program)
+{
+    report.program = program;
 }
 
 static bool usage(const char *program, unsigned takes, bool is_wrong)
@@ -83,7 +97,7 @@ bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv
                       struct bench_options *options, int *exit_status)
 {
     memset(options, 0, sizeof *options);
-    report.program = program;
+    bench_name(program);
     if (argc == 2 && strcmp(argv[1], "--help") == 0) {
         *exit_status = 0;
         return usage(program, takes, false);
@@ -93,9 +107,8 @@ bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv
         return usage(program, takes, true);
     }
     report.json = options->json;
-    read_cpu();
     if (!report.json) {
-        printf("%s: %s; %s; %s\n", program, COMPILER, BENCH_FLAGS, report.cpu);
+        printf("%s: %s; %s; %s\n", program, COMPILER, BENCH_FLAGS, bench_cpu());
     }
     return true;
 }
@@ -241,7 +254,7 @@ static void print_json(const struct bench_row *row, const struct bench_summary *
     }
     print_text("compiler", COMPILER);
     print_text("flags", BENCH_FLAGS);
-    print_text("cpu", report.cpu);
+    print_text("cpu", bench_cpu());
     printf("\"threads\":%u}\n", row->threads ? row->threads : 1);
 }
 

@@ -58,8 +58,14 @@ bool bench_begin(const char *program, int argc, char **argv,
 enum { BENCH_TAKES_THREADS = 1, BENCH_TAKES_CSV = 2 };
 bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv,
                       struct bench_options *options, int *exit_status);
+/* For a program with options of its own: whose checks they are. */
+void bench_name(const char *program);
 /* The exit status: 1 when a check failed. */
 int bench_end(void);
+
+/* With its version, and the model of the processor. */
+const char *bench_compiler(void);
+const char *bench_cpu(void);
 
 bool bench_is_wanted(const struct bench_options *options, const char *scene);
 

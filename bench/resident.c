@@ -55,7 +55,7 @@ void bench_world_init(struct bench_world *world, const struct bench_frames *fram
     must(eng_scene_new(settings, &world->scene), "eng_scene_new");
     for (uint32_t i = 0; i < frames->scene->object_count; i++) {
         struct eng_mesh *mesh = make_mesh(frames, i);
-        must(eng_scene_add(world->scene, mesh, i + 1, &world->object_idx[i]),
+        must(eng_scene_add(world->scene, mesh, BENCH_OBJECT_ID(i), &world->object_idx[i]),
              "eng_scene_add");
         eng_mesh_release(mesh);
     }

@@ -23,8 +23,9 @@ struct bench_world {
     uint32_t frame;       /* where it stands */
 };
 
-/* Register and add everything at the start positions of `frames`; objects get ids 1, 2,
- * ... `settings` NULL: the defaults. Exits with 2 when the engine refuses: there is
+/* Register and add everything at the start positions of `frames`; objects get the ids
+ * BENCH_OBJECT_ID(0), .. `settings` NULL: the
+ * defaults. Exits with 2 when the engine refuses: there is
  * nothing to measure then. */
 void bench_world_init(struct bench_world *world, const struct bench_frames *frames,
                       const struct eng_scene_settings *settings);

@@ -1,7 +1,7 @@
 /* bench/workload.h - the scenes that are measured.
  *
  * Room:     bench. May include: report.h, scenes/bench_scene.h.
- * Does:     list them by name.
+ * Does:     list them by name; say what their objects are called.
  * Does not: know the engine.
  * Threads:  one.
  */
@@ -10,6 +10,11 @@
 
 #include "bench_scene.h"
 #include "report.h"
+
+/* What object `i` of a scene is called in records: as a daemon's first handles are, so
+ * that hashes can be compared, whoever has computed them. And back. */
+#define BENCH_OBJECT_ID(i)  ((1u << 20) + (i))
+#define BENCH_OBJECT_OF(id) ((id) - (1u << 20))
 
 /* Scenes 0 .. bench_scene_total() - 1. */
 unsigned bench_scene_total(void);

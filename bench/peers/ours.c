@@ -30,12 +30,12 @@ void peers_ours_scene(const struct bench_world *world)
     next_world = world;
 }
 
-/* Ids are 1, 2, ..; features of the libraries have the scene's indices. */
+/* Keys begin with an object's id; features of the libraries have the scene's indices. */
 static uint32_t index_of(const struct bench_world *world, enum eng_wide_kind kind,
                          uint64_t key)
 {
-    const struct eng_object *object =
-        &world->scene->objects[world->object_idx[(key >> 32) - 1]];
+    uint32_t i = BENCH_OBJECT_OF((uint32_t)(key >> 32));
+    const struct eng_object *object = &world->scene->objects[world->object_idx[i]];
     uint32_t first = kind == ENG_WIDE_VERTICES ? object->vertices.first
                      : kind == ENG_WIDE_EDGES  ? object->edges.first
                                                : object->triangles.first;

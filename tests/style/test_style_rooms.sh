@@ -34,6 +34,7 @@ bench               proto daemon/engine client/lib+ tests/support bench/scenes
 bench/model         bench daemon/engine bench/scenes
 bench/peers         bench daemon/engine bench/scenes
 bench/redis         bench proto client/lib+
+bench/run           bench daemon/engine client/lib+ bench/scenes
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/support       proto client/lib+ client/oracle
@@ -62,6 +63,7 @@ bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/conf
 bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
 bench/peers         CGAL/Box_intersection_d/Box_d.h CGAL/box_intersection_d.h CGAL/version.h
 bench/peers         atomic cstdio cstdlib memory string vector
+bench/run           jansson.h xxhash.h
 tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 '
 

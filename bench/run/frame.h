@@ -1,0 +1,64 @@
+/* bench/run/frame.h - what is kept of one step.
+ *
+ * Room:     bench/run. May include: the C library.
+ * Does:     name the times and the counts of a step, for every way to ask for one and for
+ *           every form of output.
+ * Threads:  any.
+ */
+#ifndef RUN_FRAME_H
+#define RUN_FRAME_H
+
+#include <stdint.h>
+
+#define RUN_UNKNOWN UINT64_MAX /* this way to ask does not tell */
+
+enum run_time {
+    RUN_STEP, /* as who computes it says: ingest to the finished result */
+    RUN_INGEST,
+    RUN_REFIT,
+    RUN_TRAVERSAL,
+    RUN_TESTS, /* elementary tests */
+    RUN_MERGE,
+    RUN_REST,    /* of the step: what is none of the five */
+    RUN_LOW,     /* traversal and tests once more, by low-level nodes */
+    RUN_HIGH,    /* and by high-level ones (the paper's scheduler, several threads) */
+    RUN_REBUILD, /* within these, the sum over the threads: reconstruction */
+    RUN_WALL,    /* by the clock of who asks: from the first position handed over */
+    RUN_TIMES
+};
+
+enum run_count {
+    RUN_TASK_UNITS,
+    RUN_BOX_TESTS,
+    RUN_LEAF_PAIRS,
+    RUN_CANDIDATES, /* pairs of features whose boxes overlap */
+    RUN_ELEMENTARY, /* of these, given to the elementary tests */
+    RUN_SURVIVORS,  /* of these, not rejected by filters */
+    RUN_EXACT,      /* of these, decided by exact arithmetic */
+    RUN_RECONSTRUCTIONS,
+    RUN_RECONSTRUCTED_TRIANGLES,
+    RUN_CONTACTS, /* records: pairs in mode pairs, none in mode any */
+    RUN_ALLOCS,
+    RUN_SCENE_BYTES,   /* resident: the scene and its meshes; from here on no sums */
+    RUN_PROCESS_BYTES, /* resident: the process that computes */
+    RUN_COUNTS
+};
+
+extern const char *const run_time_names[RUN_TIMES];
+extern const char *const run_count_names[RUN_COUNTS];
+
+struct run_frame {
+    uint32_t number;  /* the step goes from frame `number` to the next */
+    uint32_t threads; /* that took part */
+    uint64_t ns[RUN_TIMES];
+    uint64_t counts[RUN_COUNTS];
+    uint64_t hash[2]; /* of the answer: high, low */
+};
+
+/* The five phases are known: the rest of the step. */
+void run_frame_set_rest(struct run_frame *frame);
+
+/* XXH3-128 of all numbers and hashes, as 32 digits. */
+void run_frames_hash(const struct run_frame *frames, uint32_t count, char text[33]);
+
+#endif

@@ -1,0 +1,47 @@
+# bench/run/local.mk - pccd-bench: one scene, one way to compute it, every step.
+#
+# bench/pccd-bench --help      what it takes
+# bench/pccd-bench --list      the scenes
+
+check_PROGRAMS += bench/pccd-bench
+
+bench_pccd_bench_SOURCES = \
+    bench/asker.c \
+    bench/asker.h \
+    bench/run/frame.c \
+    bench/run/frame.h \
+    bench/run/output.c \
+    bench/run/output.h \
+    bench/run/output_json.c \
+    bench/run/pccd_bench.c \
+    bench/run/play.c \
+    bench/run/play.h \
+    bench/run/settings.c \
+    bench/run/settings.h \
+    bench/run/setup.c \
+    bench/run/setup.h \
+    bench/run/way.h \
+    bench/run/way_client.c \
+    bench/run/way_engine.c \
+    $(bench_engine_sources)
+nodist_bench_pccd_bench_SOURCES = bench/run/commit.c
+bench_pccd_bench_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/run \
+    -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto \
+    -DBENCH_DAEMON='"$(abs_top_builddir)/pccdd"' $(XXHASH_CFLAGS) $(JANSSON_CFLAGS)
+bench_pccd_bench_LDADD = $(bench_engine_libs) libpccd.la $(XXHASH_LIBS) $(JANSSON_LIBS)
+
+TESTS += bench/run/smoke.sh
+dist_check_SCRIPTS += bench/run/smoke.sh
+
+# Which sources these are; written anew only when that has changed.
+bench/run/commit.c: bench-commit
+.PHONY: bench-commit
+bench-commit:
+	@$(MKDIR_P) bench/run; \
+	commit=; [ ! -e $(top_srcdir)/.git ] || commit=`git -C $(top_srcdir) describe \
+	    --always --dirty --abbrev=12 '--exclude=*' 2>/dev/null`; \
+	{ echo 'extern const char run_commit[];'; \
+	    echo "const char run_commit[] = \"$${commit:-unknown}\";"; } >bench/run/commit.new; \
+	if cmp -s bench/run/commit.new bench/run/commit.c; then rm bench/run/commit.new; \
+	else mv bench/run/commit.new bench/run/commit.c; fi
+CLEANFILES += bench/run/commit.c

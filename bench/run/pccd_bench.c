@@ -1,0 +1,109 @@
+/* bench/run/pccd_bench.c - pccd-bench: one scene, one way to compute it, every step.
+ *
+ * Room:     bench/run.
+ * Does:     read the command line, make the scene, play it, write what was measured.
+ * Does not: compare: bench/compare does, with two builds by turns; programs such as
+ *           bench/step with two ways to compute the same step.
+ * Threads:  one; steps have as many as asked for.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernel.h"
+#include "output.h"
+#include "resident.h"
+#include "workload.h"
+
+enum { EXIT_DIFFERENT = 1, EXIT_CANNOT = 2, EXIT_SKIPPED = 77 };
+
+static int fail(const char *what, const char *name, const char *why)
+{
+    fprintf(stderr, "pccd-bench: %s: \"%s\" %s\n", what, name, why);
+    return EXIT_CANNOT;
+}
+
+static int print_list(void)
+{
+    for (unsigned i = 0; i < bench_scene_total(); i++) {
+        puts(bench_scene_name(i));
+    }
+    return 0;
+}
+
+/* Choose it for whoever computes: this process, or the daemon that it starts. */
+static bool choose_cpu(const char *name)
+{
+    return !name || (eng_kernels_named(name) && setenv("PCCD_CPU", name, 1) == 0);
+}
+
+static int write_out(FILE *to, const struct run_play *play)
+{
+    static bool (*const writers[RUN_FORMATS])(FILE *, const struct run_play *) = {
+        [RUN_TEXT] = run_write_text,
+        [RUN_CSV] = run_write_csv,
+        [RUN_JSON] = run_write_json,
+    };
+    const char *path = play->settings->path;
+    bool is_written = writers[play->settings->format](to, play);
+    is_written = fflush(to) == 0 && is_written;
+    if (!is_written) {
+        return fail("--output", path ? path : "-", "cannot be written");
+    }
+    return 0;
+}
+
+static int run(struct run_settings *settings, struct bench_scene *scene)
+{
+    struct run_play play;
+    char steps[64];
+    if (!run_settings_fit(settings, scene->frame_count - 1)) {
+        (void)snprintf(steps, sizeof steps, "%u-%u", settings->first, settings->last);
+        fprintf(stderr, "pccd-bench: --frames: \"%s\": %s has steps 0-%u\n", steps,
+                scene->name, scene->frame_count - 2);
+        return EXIT_CANNOT;
+    }
+    FILE *to = settings->path ? fopen(settings->path, "w") : stdout;
+    if (!to) {
+        return fail("--output", settings->path, "cannot be opened");
+    }
+    bool is_good = run_play(&play, settings, scene);
+    int status = is_good ? write_out(to, &play) : EXIT_DIFFERENT;
+    run_play_deinit(&play);
+    if (settings->path && fclose(to) != 0) {
+        status = fail("--output", settings->path, "cannot be written");
+    }
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct run_settings settings;
+    struct bench_scene scene;
+    unsigned index = 0;
+    bench_team_environment(argv);
+    run_settings_read(&settings, argc, argv);
+    if (settings.wants_list) {
+        return print_list();
+    }
+    while (index < bench_scene_total() &&
+           strcmp(bench_scene_name(index), settings.scene) != 0) {
+        index++;
+    }
+    if (index == bench_scene_total()) {
+        return fail("SCENE", settings.scene, "is not known; see --list");
+    }
+    if (!choose_cpu(settings.cpu)) {
+        return fail("--cpu", settings.cpu, "is none of this processor, or of this build");
+    }
+    bench_name("pccd-bench");
+    if (!bench_scene_make(index, settings.is_small, &scene)) {
+        (void)fail("SCENE", settings.scene,
+                   settings.is_small ? "is recorded: there is no small one"
+                                     : "is recorded: its frames are not in $PCCD_DATA");
+        return EXIT_SKIPPED;
+    }
+    int status = run(&settings, &scene);
+    bench_scene_free(&scene);
+    return status;
+}

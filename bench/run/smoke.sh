@@ -1,0 +1,98 @@
+#!/bin/bash
+# smoke.sh - pccd-bench measures the same by all ways, and writes what can be read (TAP).
+#
+# With a tiny scene; its times mean nothing here.
+
+set -u -o pipefail
+: "${top_srcdir:?is set by make check}" "${top_builddir:?is set by make check}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+log=$work/log
+
+run() {
+    "$top_builddir/bench/pccd-bench" --small "$@"
+}
+
+# The value of one setting in the head of a CSV.
+item() {
+    sed -n "s/^# $1: //p" "$2"
+}
+
+# If this failed, times of the engine and of a daemon would be of different work.
+: >"$log"
+for via in engine daemon direct; do
+    for method in paper wide; do
+        run --via $via --method $method --format csv -o "$work/$via.csv" cloth-20k 2>>"$log" &&
+            [ "$(item via "$work/$via.csv")" = $via ] &&
+            [ "$(item method "$work/$via.csv")" = $method ] &&
+            item hash "$work/$via.csv" || echo "$via $method failed"
+    done
+done >"$work/hashes"
+cat "$work/hashes" >>"$log"
+[ "$(wc -l <"$work/hashes")" -eq 6 ] && [ "$(sort -u "$work/hashes" | grep -cE '^[0-9a-f]{32}$')" -eq 1 ] &&
+    [ "$(sort -u "$work/hashes" | wc -l)" -eq 1 ]
+tap_result $? pccd_bench__has_one_hash_by_all_ways "$log"
+
+# If this failed, steps would be missing from a figure, or stand under another heading.
+run --frames 3-7 --format csv cloth-20k >"$work/steps.csv" 2>"$log" &&
+    awk -F, '/^#/ { next }
+        !columns { columns = NF; heading = $1 "," $NF; next }
+        { rows++; bad += NF != columns || $1 != rows + 2 || $NF !~ /^[0-9a-f]+$/ }
+        END { exit heading != "frame,hash" || rows != 5 || bad }' "$work/steps.csv"
+tap_result $? pccd_bench__writes_a_line_for_each_step "$work/steps.csv"
+
+# If this failed, a script could not read the result, or warming up and repeating would change
+# which steps it is of.
+if command -v python3 >/dev/null; then
+    run --frames 3-7 --warm-up 0 --repeat 2 --format json -o "$work/steps.json" cloth-20k \
+        2>"$log" && python3 - "$work/steps.json" "$(item hash "$work/steps.csv")" \
+        "$(item input "$work/steps.csv")" >>"$log" 2>&1 <<'END'
+import json, sys
+result = json.load(open(sys.argv[1]))
+settings, frames = result["settings"], result["frames"]
+assert settings["hash"] == sys.argv[2] and settings["input"] == sys.argv[3], settings
+assert [frame["frame"] for frame in frames] == [3, 4, 5, 6, 7], frames
+counts = result["summary"]["counts"]
+assert counts["contacts"]["all"] == sum(frame["counts"]["contacts"] for frame in frames) > 0
+assert result["summary"]["ms"]["step"]["max"] == max(frame["ms"]["step"] for frame in frames)
+for name in "commit", "compiler", "flags", "cpu", "simd", "method":
+    assert settings[name], name
+END
+    tap_result $? pccd_bench__writes_json_that_adds_up "$log"
+else
+    tap_skip pccd_bench__writes_json_that_adds_up "no python3"
+fi
+
+# If this failed, who mistypes an option would be measuring something else, or not be told which.
+: >"$log"
+while read -r name options; do
+    # shellcheck disable=SC2086 # words
+    run $options >"$work/out" 2>"$work/error"
+    status=$?
+    [ $status -eq 2 ] && grep -q -- "$name" "$work/error" && [ ! -s "$work/out" ] || {
+        echo "$options: status $status"
+        cat "$work/error"
+    } >>"$log"
+done <<'END'
+--threads --threads 0 cloth-20k
+--frames --frames 5-3 cloth-20k
+--frames --frames 0-99 cloth-20k
+--warm-up --warm-up -1 cloth-20k
+--repeat --repeat 0 cloth-20k
+--cpu --cpu neon512 cloth-20k
+--via --via network cloth-20k
+--mode --mode none cloth-20k
+--method --method narrow cloth-20k
+--scheduler --scheduler serial cloth-20k
+--format --format xml cloth-20k
+--output --output /nowhere/file cloth-20k
+cloth-21k cloth-21k
+--list
+END
+[ ! -s "$log" ]
+tap_result $? pccd_bench__names_the_option_that_is_wrong "$log"
+
+tap_end

@@ -1,0 +1,210 @@
+/* bench/run/way_client.c - libpccd: a private daemon, or none.
+ *
+ * Room:     bench/run; the public header of the client library.
+ * Does:     see way.h. Positions are copied into the frame's memory within the timed
+ *           part, as a client does that has them elsewhere.
+ * Threads:  one, and with direct: those of a step.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "asker.h"
+#include "report.h"
+#include "way.h"
+#include "workload.h"
+
+#define TIMEOUT_MS 3600000 /* a step of millions of triangles, on one thread */
+
+struct run_asked {
+    struct pccd_client *client;
+    struct pccd_step_settings settings;
+    const struct bench_scene *source;
+    uint32_t scene;
+    uint32_t *objects; /* [source->object_count] */
+    uint32_t frame;    /* where it stands */
+    enum pccd_method method;
+};
+
+static struct pccd_client *connect_via(enum run_via via)
+{
+    struct pccd_options options;
+    struct pccd_client *client;
+    pccd_options_init(&options);
+    options.timeout_ms = TIMEOUT_MS;
+    options.private_daemon = via == RUN_VIA_DAEMON;
+    options.url = via == RUN_VIA_DIRECT ? "direct:" : NULL;
+    options.daemons_max = 1; /* a second one would be measured cold */
+    if (access(BENCH_DAEMON, X_OK) == 0 && !getenv("PCCD_DAEMON")) {
+        options.daemon = BENCH_DAEMON;
+    }
+    bench_must(pccd_connect(&options, &client), "connect", NULL);
+    return client;
+}
+
+static void add_object(struct run_asked *asked, const struct bench_frames *frames,
+                       uint32_t i)
+{
+    const struct bench_object *object = &frames->scene->objects[i];
+    uint32_t mesh;
+    bench_must(pccd_mesh_create(asked->client, bench_frames_x(frames, 0, i),
+                                PCCD_FORMAT_F64, object->vertex_count,
+                                (const uint32_t(*)[3])object->triangles,
+                                object->triangle_count, &mesh, NULL),
+               "mesh", asked->client);
+    bench_must(pccd_want(asked->client, BENCH_OBJECT_ID(i)), "want", asked->client);
+    bench_must(pccd_scene_add(asked->client, asked->scene, mesh, &asked->objects[i]),
+               "add", asked->client);
+}
+
+static struct run_asked *open_client(const struct run_settings *settings,
+                                     const struct bench_frames *frames)
+{
+    struct run_asked *asked = bench_alloc(1, sizeof *asked);
+    *asked = (struct run_asked){.client = connect_via(settings->via),
+                                .settings = settings->step,
+                                .source = frames->scene,
+                                .frame = frames->from};
+    asked->objects = bench_alloc(frames->scene->object_count, sizeof *asked->objects);
+    bench_must(pccd_scene_create(asked->client, NULL, &asked->scene), "scene",
+               asked->client);
+    for (uint32_t i = 0; i < frames->scene->object_count; i++) {
+        add_object(asked, frames, i);
+    }
+    return asked;
+}
+
+static void close_client(struct run_asked *asked)
+{
+    pccd_close(asked->client);
+    free(asked->objects);
+    free(asked);
+}
+
+/* ---- a step ------------------------------------------------------------------------ */
+
+/* The positions of one object, one end or both. */
+static void write_object(struct run_asked *asked, const struct bench_frames *frames,
+                         struct pccd_frame *slot, uint32_t i)
+{
+    uint32_t count = asked->source->objects[i].vertex_count;
+    size_t bytes = count * sizeof(double[3]);
+    void *x[2];
+    if (asked->frame == frames->from) {
+        bench_must(
+            pccd_frame_x1(slot, asked->objects[i], PCCD_FORMAT_F64, 0, count, &x[1]),
+            "segment", asked->client);
+    } else {
+        bench_must(pccd_frame_x0x1(slot, asked->objects[i], PCCD_FORMAT_F64, 0, count,
+                                   &x[0], &x[1]),
+                   "segment", asked->client);
+        memcpy(x[0], bench_frames_x(frames, 0, i), bytes);
+    }
+    memcpy(x[1], bench_frames_x(frames, 1, i), bytes);
+}
+
+static void ask(struct run_asked *asked, const struct bench_frames *frames,
+                struct pccd_answer *answer)
+{
+    struct pccd_frame slot;
+    uint64_t step;
+    bench_must(pccd_frame_begin(asked->client, asked->scene, asked->source->object_count,
+                                2ull * asked->source->vertex_count * sizeof(double[3]),
+                                &slot),
+               "frame", asked->client);
+    for (uint32_t i = 0; i < asked->source->object_count; i++) {
+        write_object(asked, frames, &slot, i);
+    }
+    bench_must(pccd_frame_commit(&slot, &asked->settings, &step), "commit",
+               asked->client);
+    bench_must(pccd_wait(asked->client, step, -1, answer), "wait", asked->client);
+    asked->frame = frames->from + 1;
+}
+
+static void keep_times(const struct pccd_step_times *times, struct run_frame *frame)
+{
+    frame->ns[RUN_STEP] = times->step;
+    frame->ns[RUN_INGEST] = times->ingest;
+    frame->ns[RUN_REFIT] = times->refit;
+    frame->ns[RUN_TRAVERSAL] = times->traversal;
+    frame->ns[RUN_TESTS] = times->tests;
+    frame->ns[RUN_MERGE] = times->merge;
+    frame->ns[RUN_LOW] = times->low;
+    frame->ns[RUN_HIGH] = times->high;
+    frame->ns[RUN_REBUILD] = times->rebuild;
+    run_frame_set_rest(frame);
+}
+
+static void keep_counts(const struct pccd_answer *answer, struct run_frame *frame)
+{
+    const struct pccd_step_counters *counters = &answer->counters;
+    frame->counts[RUN_TASK_UNITS] = counters->task_units;
+    frame->counts[RUN_BOX_TESTS] = counters->box_tests;
+    frame->counts[RUN_LEAF_PAIRS] = counters->leaf_pairs;
+    frame->counts[RUN_CANDIDATES] = counters->candidates_vf + counters->candidates_ee;
+    frame->counts[RUN_SURVIVORS] = counters->survivors;
+    frame->counts[RUN_EXACT] = counters->exact;
+    frame->counts[RUN_RECONSTRUCTIONS] = counters->rebuilds + counters->swaps;
+    frame->counts[RUN_RECONSTRUCTED_TRIANGLES] =
+        counters->rebuilt_triangles + counters->swapped_triangles;
+    frame->counts[RUN_CONTACTS] = answer->total;
+    frame->counts[RUN_ALLOCS] = counters->allocs;
+    frame->counts[RUN_SCENE_BYTES] = RUN_UNKNOWN;
+}
+
+static void add_tests(void *context, const char *name, uint64_t value, const char *text)
+{
+    (void)text;
+    if (strcmp(name, "tests") == 0) {
+        *(uint64_t *)context += value;
+    }
+}
+
+/* What the answer does not tell, but each thread of the last step does. */
+static uint64_t elementary_tests(struct run_asked *asked, uint32_t threads)
+{
+    uint64_t tests = 0;
+    for (uint32_t i = 0; i < threads; i++) {
+        bench_must(pccd_stats_thread(asked->client, false, i, add_tests, &tests), "stats",
+                   asked->client);
+    }
+    return tests;
+}
+
+static bool step_client(struct run_asked *asked, const struct bench_frames *frames,
+                        struct run_frame *frame)
+{
+    struct pccd_answer answer;
+    uint64_t begin_ns = bench_now_ns();
+    ask(asked, frames, &answer);
+    frame->ns[RUN_WALL] = bench_now_ns() - begin_ns;
+    keep_times(&answer.times, frame);
+    keep_counts(&answer, frame);
+    frame->counts[RUN_ELEMENTARY] = elementary_tests(asked, answer.threads);
+    frame->counts[RUN_PROCESS_BYTES] = run_resident_bytes(pccd_daemon_pid(asked->client));
+    frame->threads = answer.threads;
+    memcpy(frame->hash, answer.hash, sizeof frame->hash);
+    asked->method = answer.method;
+    /* A page that is full is no loss: the hash and the counts are of all records. */
+    bool is_whole = answer.incomplete == PCCD_COMPLETE ||
+                    answer.incomplete == PCCD_INCOMPLETE_RESULT_FULL;
+    pccd_answer_release(asked->client, &answer);
+    return is_whole;
+}
+
+static const char *method_of(const struct run_asked *asked)
+{
+    return asked->method == PCCD_METHOD_DEFAULT ? "" : run_method_name(asked->method);
+}
+
+/* The library's text goes with the client. */
+static const char *cpu_of(const struct run_asked *asked)
+{
+    static char name[16];
+    (void)snprintf(name, sizeof name, "%s", pccd_daemon_cpu(asked->client));
+    return name;
+}
+
+const struct run_way run_way_client = {open_client, step_client, method_of, cpu_of,
+                                       close_client};
