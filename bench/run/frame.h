@@ -35,8 +35,10 @@ enum run_count {
     RUN_ELEMENTARY, /* of these, given to the elementary tests */
     RUN_SURVIVORS,  /* of these, not rejected by filters */
     RUN_EXACT,      /* of these, decided by exact arithmetic */
-    RUN_RECONSTRUCTIONS,
+    RUN_RECONSTRUCTIONS, /* of subtrees, while traversing */
     RUN_RECONSTRUCTED_TRIANGLES,
+    RUN_SWAPS, /* made aside, as far as time allows, and put in place: depends on it */
+    RUN_SWAPPED_TRIANGLES,
     RUN_CONTACTS, /* records: pairs in mode pairs, none in mode any */
     RUN_ALLOCS,
     RUN_SCENE_BYTES,   /* resident: the scene and its meshes; from here on no sums */

@@ -145,9 +145,10 @@ static void keep_counts(const struct pccd_answer *answer, struct run_frame *fram
     frame->counts[RUN_CANDIDATES] = counters->candidates_vf + counters->candidates_ee;
     frame->counts[RUN_SURVIVORS] = counters->survivors;
     frame->counts[RUN_EXACT] = counters->exact;
-    frame->counts[RUN_RECONSTRUCTIONS] = counters->rebuilds + counters->swaps;
-    frame->counts[RUN_RECONSTRUCTED_TRIANGLES] =
-        counters->rebuilt_triangles + counters->swapped_triangles;
+    frame->counts[RUN_RECONSTRUCTIONS] = counters->rebuilds;
+    frame->counts[RUN_RECONSTRUCTED_TRIANGLES] = counters->rebuilt_triangles;
+    frame->counts[RUN_SWAPS] = counters->swaps;
+    frame->counts[RUN_SWAPPED_TRIANGLES] = counters->swapped_triangles;
     frame->counts[RUN_CONTACTS] = answer->total;
     frame->counts[RUN_ALLOCS] = counters->allocs;
     frame->counts[RUN_SCENE_BYTES] = RUN_UNKNOWN;

@@ -105,9 +105,10 @@ static void keep_counts(const struct eng_step_result *result, struct run_frame *
     frame->counts[RUN_ELEMENTARY] = elementary;
     frame->counts[RUN_SURVIVORS] = counters->survivors;
     frame->counts[RUN_EXACT] = counters->exact;
-    frame->counts[RUN_RECONSTRUCTIONS] = counters->rebuilds + counters->swaps;
-    frame->counts[RUN_RECONSTRUCTED_TRIANGLES] =
-        counters->rebuilt_triangles + counters->swapped_triangles;
+    frame->counts[RUN_RECONSTRUCTIONS] = counters->rebuilds;
+    frame->counts[RUN_RECONSTRUCTED_TRIANGLES] = counters->rebuilt_triangles;
+    frame->counts[RUN_SWAPS] = counters->swaps;
+    frame->counts[RUN_SWAPPED_TRIANGLES] = counters->swapped_triangles;
     frame->counts[RUN_CONTACTS] = result->count;
     frame->counts[RUN_ALLOCS] = counters->allocs;
 }

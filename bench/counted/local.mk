@@ -1,0 +1,14 @@
+# bench/counted/local.mk - regressions, noticed by counted work.
+#
+# make bench-quick       every scene against the baseline, and instructions; a minute
+# make bench-baseline    write the baseline anew: commit it with what has changed it
+
+EXTRA_DIST += bench/counted/baseline.csv
+TESTS += bench/counted/counted.sh
+dist_check_SCRIPTS += bench/counted/counted.sh
+
+.PHONY: bench-quick bench-baseline
+bench-quick: bench/pccd-bench$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/bench/counted/counted.sh quick
+bench-baseline: bench/pccd-bench$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/bench/counted/counted.sh baseline
