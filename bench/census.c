@@ -7,6 +7,7 @@
  * Threads:  one.
  */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "report.h"
@@ -72,6 +73,19 @@ static void check_frames(const struct bench_frames *frames, const char *name)
     bench_frames_deinit(&again);
 }
 
+/* An early frame once more after the last one: those that are made one by one, such as a
+ * simulation's, have to begin anew. */
+#define EARLY 12u
+
+static void check_early(struct bench_frames *frames, const double (*early)[3],
+                        uint32_t from, const char *name)
+{
+    size_t bytes = frames->scene->vertex_count * sizeof *early;
+    bench_frames_seek(frames, from);
+    bench_check(memcmp(frames->x[0], early, bytes) == 0, name,
+                "an early frame differs after the last one");
+}
+
 /* Frames `begin` to `end`, or every few of them. */
 static void take(const struct bench_scene *scene, const char *name, uint32_t begin,
                  uint32_t end)
@@ -82,12 +96,17 @@ static void take(const struct bench_scene *scene, const char *name, uint32_t beg
     struct bench_frames frames;
     struct bench_world world;
     struct eng_step_result result;
+    uint32_t early_from = end - begin > EARLY ? begin + EARLY : begin;
+    double(*early)[3] = bench_alloc(scene->vertex_count, sizeof *early);
     uint32_t stride = (end - begin + STEPS_MAX - 1) / STEPS_MAX;
     memset(samples, 0, sizeof samples);
     bench_frames_init(&frames, scene, begin);
     bench_world_init(&world, &frames, NULL);
     for (uint32_t from = begin; from < end; from++) {
         bench_frames_seek(&frames, from);
+        if (from == early_from) {
+            memcpy(early, frames.x[0], scene->vertex_count * sizeof *early);
+        }
         bench_world_step(&world, &frames, &settings, &result);
         bench_check(result.incomplete == ENG_COMPLETE, name, "incomplete");
         if ((from - begin) % stride == 0) {
@@ -95,6 +114,8 @@ static void take(const struct bench_scene *scene, const char *name, uint32_t beg
             count_step(&world, &swept, &result, samples);
         }
     }
+    check_early(&frames, (const double(*)[3])early, early_from, name);
+    free(early);
     for (int q = 0; q < QUANTITIES; q++) {
         bench_row(&(struct bench_row){.scene = name,
                                       .what = quantities[q].what,

@@ -216,8 +216,7 @@ static void run_scene(struct side sides[SIDES], const struct bench_scene *scene,
 
 int main(int argc, char **argv)
 {
-    static const char *const names[] = {"cloth-20k", "cloth-100k", "cloth-ball-fifth",
-                                        NULL};
+    static const char *const names[] = {"cloth-20k", "cloth", "cloth-ball-fifth", NULL};
     struct bench_options options;
     int exit_status;
     if (!bench_begin_with("direct", BENCH_TAKES_THREADS, argc, argv, &options,

@@ -439,6 +439,11 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     struct eng_exact exact;
     bench_heading(scene->name);
     bench_work_init(&work, scene, smoke ? 500 : QUERY_MAX, smoke ? 5000 : TRACE_MAX);
+    if (work.found.count == 0) {
+        bench_skip(scene->name, "there are no candidates");
+        bench_work_deinit(&work);
+        return;
+    }
     eng_exact_init(&exact);
     measure_tests(&work, &work.vf, &exact);
     measure_tests(&work, &work.ee, &exact);

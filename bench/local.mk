@@ -18,8 +18,11 @@ bench_scenes_sources = \
     bench/scenes/bodies.c \
     bench/scenes/breaking.c \
     bench/scenes/cloth.c \
+    bench/scenes/drape.c \
+    bench/scenes/drape.h \
     bench/scenes/exploding.c \
     bench/scenes/families.h \
+    bench/scenes/layers.c \
     bench/scenes/overlap.c \
     bench/scenes/recorded.c \
     bench/scenes/shards.c \

@@ -24,26 +24,30 @@ static const struct {
     const char *name;
     void (*make)(struct bench_scene *scene, bool small); /* NULL: recorded */
     const char *frames[2];
-    uint32_t steps; /* between the frames; the paper goes in five (section 7) */
+    uint32_t steps;    /* between the frames; the paper goes in five (section 7) */
+    bool only_by_name; /* it takes gigabytes */
 } catalogue[] = {
-    {"cloth-20k", bench_make_cloth_20k, {NULL, NULL}, 0},
-    {"cloth-100k", bench_make_cloth_100k, {NULL, NULL}, 0},
-    {"crumpled", bench_make_crumpled, {NULL, NULL}, 0},
-    {"fast-sheet", bench_make_fast, {NULL, NULL}, 0},
-    {"all-overlap", bench_make_all_overlap, {NULL, NULL}, 0},
-    {"nothing-moves", bench_make_still, {NULL, NULL}, 0},
-    {"teleport", bench_make_teleport, {NULL, NULL}, 0},
-    {"breaking", bench_make_breaking, {NULL, NULL}, 0},
-    {"bodies", bench_make_bodies, {NULL, NULL}, 0},
-    {"exploding", bench_make_exploding, {NULL, NULL}, 0},
-    {"cloth-ball", NULL, CLOTH_BALL, 1},
-    {"cloth-ball-fifth", NULL, CLOTH_BALL, 5},
+    {"cloth-20k", bench_make_cloth_20k, {NULL, NULL}, 0, false},
+    {"cloth", bench_make_cloth, {NULL, NULL}, 0, false},
+    {"crumpled", bench_make_crumpled, {NULL, NULL}, 0, false},
+    {"fast-sheet", bench_make_fast, {NULL, NULL}, 0, false},
+    {"all-overlap", bench_make_all_overlap, {NULL, NULL}, 0, false},
+    {"nothing-moves", bench_make_still, {NULL, NULL}, 0, false},
+    {"teleport", bench_make_teleport, {NULL, NULL}, 0, false},
+    {"one-triangle", bench_make_one_triangle, {NULL, NULL}, 0, false},
+    {"layers-10m", bench_make_layers_10m, {NULL, NULL}, 0, true},
+    {"breaking", bench_make_breaking, {NULL, NULL}, 0, false},
+    {"bodies", bench_make_bodies, {NULL, NULL}, 0, false},
+    {"exploding", bench_make_exploding, {NULL, NULL}, 0, false},
+    {"cloth-ball", NULL, CLOTH_BALL, 1, false},
+    {"cloth-ball-fifth", NULL, CLOTH_BALL, 5, false},
     {"cloth-funnel",
      NULL,
      {"cloth-funnel/frames/227.ply", "cloth-funnel/frames/228.ply"},
-     1},
-    {"n-body", NULL, N_BODY, 1},
-    {"n-body-fifth", NULL, N_BODY, 5},
+     1,
+     false},
+    {"n-body", NULL, N_BODY, 1, false},
+    {"n-body-fifth", NULL, N_BODY, 5, false},
 };
 
 unsigned bench_scene_total(void)
@@ -82,7 +86,8 @@ bool bench_next_scene(const struct bench_options *options, const char *const *na
     while (*index < bench_scene_total()) {
         unsigned i = (*index)++;
         const char *name = bench_scene_name(i);
-        if (!bench_is_wanted(options, name) || (names && !is_listed(names, name))) {
+        if (!bench_is_wanted(options, name) || (names && !is_listed(names, name)) ||
+            (catalogue[i].only_by_name && !options->wanted && !options->smoke)) {
             continue;
         }
         if (bench_scene_make(i, options->smoke, scene)) {

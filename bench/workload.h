@@ -25,7 +25,8 @@ const char *bench_scene_name(unsigned index);
 bool bench_scene_make(unsigned index, bool small, struct bench_scene *scene);
 
 /* Make the next scene from *index on that `options` want and, unless it is NULL, the list
- * `names`, which NULL ends; small ones in a smoke run. The caller frees it. Those that
+ * `names`, which NULL ends; small ones in a smoke run, and those of gigabytes only where
+ * a name is wanted. The caller frees it. Those that
  * cannot be made are reported as skipped. False: there are no more. */
 bool bench_next_scene(const struct bench_options *options, const char *const *names,
                       unsigned *index, struct bench_scene *scene);

@@ -10,9 +10,10 @@
 
 #include "bench_scene.h"
 
-/* cloth.c: a sheet on a turning ball; the same, standing still. */
+/* cloth.c: a cloth that falls over a ball, which spins and winds it up; the
+ * same of fewer triangles, for programs that want little; that one, fallen and still. */
+void bench_make_cloth(struct bench_scene *scene, bool small);
 void bench_make_cloth_20k(struct bench_scene *scene, bool small);
-void bench_make_cloth_100k(struct bench_scene *scene, bool small);
 void bench_make_still(struct bench_scene *scene, bool small);
 
 /* sheets.c: a crushed sheet, two that pass through each other, one that jumps. */
@@ -20,8 +21,9 @@ void bench_make_crumpled(struct bench_scene *scene, bool small);
 void bench_make_fast(struct bench_scene *scene, bool small);
 void bench_make_teleport(struct bench_scene *scene, bool small);
 
-/* overlap.c: triangles that all fill the same cube. */
+/* overlap.c: triangles that all fill the same cube; a single one. */
 void bench_make_all_overlap(struct bench_scene *scene, bool small);
+void bench_make_one_triangle(struct bench_scene *scene, bool small);
 
 /* breaking.c: a body (object 0) hits another (object 1), which breaks into pieces that
  * fly, tumble and fall on the ground (object 2). The pieces are separate from the first
@@ -35,6 +37,11 @@ void bench_make_exploding(struct bench_scene *scene, bool small);
 
 /* bodies.c: hundreds of rigid and deforming bodies fall together. */
 void bench_make_bodies(struct bench_scene *scene, bool small);
+
+/* layers.c: a stack of `layer_count` waving sheets of side x side vertices, each an
+ * object; as many contacts a triangle in any size. The other one has 10 million. */
+void bench_make_layers(struct bench_scene *scene, uint32_t layer_count, uint32_t side);
+void bench_make_layers_10m(struct bench_scene *scene, bool small);
 
 /* recorded.c: from one frame of $PCCD_DATA to another with the same faces, in `steps` of
  * equal length. False: they are not there. */

@@ -1,7 +1,8 @@
-/* overlap.c - triangles that all fill the same cube.
+/* overlap.c - triangles that all fill the same cube; one alone.
  *
  * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     make a soup in which no box test rejects anything.
+ * Does:     make a soup in which no box test rejects anything, and a scene in which
+ *           there is none: what is left is what any step takes.
  * Threads:  one.
  */
 #include "families.h"
@@ -23,6 +24,19 @@ void bench_make_all_overlap(struct bench_scene *scene, bool small)
         for (unsigned k = 0; k < 3; k++) {
             double low = (i % 3 + k) % 3 == 0 ? 0.8 : (i % 3 + k) % 3 == 1 ? 0 : 0.4;
             x[i][k] = low + prng_between(&prng, 0, 0.2);
+        }
+    }
+}
+
+void bench_make_one_triangle(struct bench_scene *scene, bool small)
+{
+    const uint32_t triangle[1][3] = {{0, 1, 2}};
+    (void)small;
+    bench_scene_add_mesh(scene, 3, 1, triangle);
+    double(*x)[3] = bench_scene_store(scene, FRAMES);
+    for (uint32_t i = 0; i < FRAMES * 3; i++) {
+        for (unsigned k = 0; k < 3; k++) {
+            x[i][k] = (i % 3 == k) + 0.1 * (i / 3 % 2);
         }
     }
 }
