@@ -27,15 +27,15 @@ worse=0
 
 # Set, scene, steps. The first set takes a second or two; the recorded scenes need $PCCD_DATA.
 scenes='
-check cloth-20k 0-3
+check cloth-20k 60-63
 check crumpled 0-3
 check fast-sheet 0-3
 check all-overlap 0-3
 check nothing-moves 0-3
 check teleport 0-3
-quick cloth-100k 0-3
-quick breaking 75-78
-quick bodies 45-48
+quick cloth 150-153
+quick breaking 240-243
+quick bodies 280-283
 quick exploding 40-43
 quick cloth-ball 0-0
 quick cloth-ball-fifth 0-4
