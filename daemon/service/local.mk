@@ -13,6 +13,7 @@ libservice_la_SOURCES = \
     daemon/service/handlers_admin.c \
     daemon/service/handlers_config.c \
     daemon/service/handlers_boxes.c \
+    daemon/service/handlers_fetch.c \
     daemon/service/handlers_filter.c \
     daemon/service/handlers_frame.c \
     daemon/service/handlers_hello.c \
