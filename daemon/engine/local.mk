@@ -85,6 +85,8 @@ libengine_la_SOURCES = \
     daemon/engine/scene/world.h \
     daemon/engine/schedule/assignment.c \
     daemon/engine/schedule/assignment.h \
+    daemon/engine/schedule/brief.c \
+    daemon/engine/schedule/brief.h \
     daemon/engine/schedule/deque.c \
     daemon/engine/schedule/deque.h \
     daemon/engine/schedule/effort.c \

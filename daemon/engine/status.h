@@ -14,7 +14,8 @@ enum eng_status {
     ENG_E_INDEX = -4,     /* a triangle names a vertex that does not exist */
     ENG_E_NOTFINITE = -5, /* a coordinate is NaN, infinite or beyond 1e18 */
     ENG_E_STATE = -6,     /* mesh not committed, or data missing */
-    ENG_E_OVERLAP = -7    /* two segments of one step write the same vertex */
+    ENG_E_OVERLAP = -7,   /* two segments of one step write the same vertex */
+    ENG_E_LONG = -8       /* a step that was to be brief is not (step.h) */
 };
 
 #endif

@@ -10,6 +10,7 @@
 #include <omp.h>
 
 #include "answer.h"
+#include "brief.h"
 #include "build.h"
 #include "clock.h"
 #include "memory.h"
@@ -34,7 +35,7 @@ static bool settings_are_valid(const struct eng_step_settings *settings)
            settings->tolerance >= 1e-12 && settings->tolerance <= 1;
 }
 
-static enum eng_method method_of(const struct eng_step_settings *settings)
+enum eng_method eng_step_method(const struct eng_step_settings *settings)
 {
     if (settings->method != ENG_METHOD_DEFAULT) {
         return settings->method;
@@ -53,12 +54,12 @@ static uint32_t size_of(const struct eng_scene *scene)
 static uint32_t threads_for(const struct eng_scene *scene,
                             const struct eng_step_settings *settings)
 {
-    if (settings->threads == 1 || scene->object_count == 0) {
+    if (settings->threads == 1 || settings->brief || scene->object_count == 0) {
         return 1;
     }
     if (!settings->team_always &&
-        !eng_effort_pays(&scene->memory->effort[method_of(settings)], settings->mode,
-                         size_of(scene))) {
+        !eng_effort_pays(&scene->memory->effort[eng_step_method(settings)],
+                         settings->mode, size_of(scene))) {
         return 1;
     }
     return settings->threads < ENG_THREADS_MAX ? settings->threads : ENG_THREADS_MAX;
@@ -69,7 +70,7 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
                    struct eng_stop *stop, struct eng_team *team)
 {
     struct eng_step_memory *memory = scene->memory;
-    enum eng_method method = method_of(settings);
+    enum eng_method method = eng_step_method(settings);
     if (method == ENG_METHOD_WIDE ? scene->wide.is_stale : scene->top_is_stale) {
         eng_effort_forget(&memory->effort[method]);
     }
@@ -252,7 +253,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     struct eng_stop stop;
     struct eng_team team;
     int status = ENG_E_INVAL;
-    if (settings_are_valid(settings)) {
+    if (settings_are_valid(settings) && (!settings->brief || eng_brief_fits(settings))) {
         eng_stop_init(&stop, settings);
         status = prepare(scene, settings, &stop, &team);
     }
@@ -260,13 +261,15 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
         eng_stage_abort(scene);
         return status;
     }
-    uint64_t staged_ns = scene->staging ? scene->stage_ns : 0; /* without the commit */
-    status = eng_stage_commit(scene);
+    bool is_owed = scene->is_owed && !scene->staging;
+    /* Without the commit. */
+    uint64_t staged_ns = scene->staging || is_owed ? scene->stage_ns : 0;
+    status = is_owed ? ENG_OK : eng_stage_commit(scene);
     if (status != ENG_OK) {
         return status;
     }
     struct eng_step_result r = {.mode = settings->mode,
-                                .method = method_of(settings),
+                                .method = eng_step_method(settings),
                                 .verdict = ENG_VERDICT_NONE,
                                 .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};
@@ -275,6 +278,10 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     team.method->start(&team, settings);
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
+    scene->is_owed = stop.gave_up;
+    if (stop.gave_up) {
+        return ENG_E_LONG;
+    }
     assert(!PCCD_VALIDATE || r.method != ENG_METHOD_PAPER || eng_tree_validate(scene));
     r.incomplete =
         (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
@@ -293,7 +300,7 @@ void eng_step_nothing(const struct eng_step_settings *settings,
                       struct eng_step_result *result)
 {
     *result = (struct eng_step_result){.mode = settings->mode,
-                                       .method = method_of(settings),
+                                       .method = eng_step_method(settings),
                                        .incomplete = ENG_INCOMPLETE_DEADLINE,
                                        .verdict = ENG_VERDICT_NONE,
                                        .toi_first = 2};

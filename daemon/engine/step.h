@@ -103,13 +103,14 @@ struct eng_step_settings {
     /* Instruction set of refit, traversal and tests (kernel.h); NULL: eng_kernels(). */
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
+    bool brief;       /* end soon or not at all (brief.h) */
 };
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
         ENG_MODE_ALL, ENG_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                   \
             ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, NULL, NULL, NULL, \
-            false                                                                        \
+            false, false                                                                 \
     }
 
 /* What one thread of a step did. Times in nanoseconds of that thread. */
@@ -186,8 +187,8 @@ struct eng_step_result {
 };
 
 /* Run the step that was staged on `scene` (without staging: everything stands still).
- * Returns ENG_OK with *result, also when incomplete: the positions have moved on either
- * way. ENG_E_INVAL for settings out of range and ENG_E_NOMEM: positions are as before. */
+ * Returns ENG_OK with *result, also when incomplete; or ENG_E_LONG (brief.h): positions
+ * have moved on. Settings out of range (ENG_E_INVAL), ENG_E_NOMEM: as before. */
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result);
 

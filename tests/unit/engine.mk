@@ -57,6 +57,7 @@ ENG_TESTS = \
     tests/unit/test_eng_record \
     tests/unit/test_eng_trace \
     tests/unit/test_eng_subtree \
+    tests/unit/test_eng_brief \
     tests/unit/test_eng_effort \
     tests/unit/test_eng_place \
     tests/unit/test_eng_refit_plan \
@@ -225,6 +226,10 @@ tests_unit_test_eng_place_SOURCES = tests/unit/test_eng_place.c
 tests_unit_test_eng_place_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_place_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_unit_test_eng_place_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_brief_SOURCES = tests/unit/test_eng_brief.c
+tests_unit_test_eng_brief_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_brief_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_effort_SOURCES = tests/unit/test_eng_effort.c
 tests_unit_test_eng_effort_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

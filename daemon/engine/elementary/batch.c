@@ -47,7 +47,7 @@ uint32_t eng_batch_test(const struct eng_kernels *kernels, enum eng_kind kind,
     kernels->bracket(kind, points, quads, batch->left, batch->survivors, tolerance, t_end,
                      &out);
     batch->unsure_count = out.unsure_count;
-    for (uint32_t i = 0; i < out.unsure_count; i++) {
+    for (uint32_t i = 0; exact && i < out.unsure_count; i++) {
         struct eng_query query;
         uint64_t exact_queries = exact->queries;
         load(kind, points, quads[batch->unsure[i]], &query);

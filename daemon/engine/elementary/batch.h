@@ -38,7 +38,8 @@ struct eng_batch {
 };
 
 /* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`; VF: vertex,
- * corners 0 1 2; EE: a0 a1 b0 b1. `tolerance` and `t_end` as for eng_solve. Returns how
+ * corners 0 1 2; EE: a0 a1 b0 b1. `tolerance` and `t_end` as for eng_solve. `exact`
+ * NULL: pairs that take a search are left out, batch->unsure_count of them. Returns how
  * many pairs have a contact that begins before or at t_end: batch->index[i] is the pair,
  * batch->hits[i] its hit. */
 uint32_t eng_batch_test(const struct eng_kernels *kernels, enum eng_kind kind,

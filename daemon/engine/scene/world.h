@@ -165,7 +165,7 @@ struct eng_scene {
     struct eng_masks masks;
 
     /* Staging. */
-    bool staging;
+    bool staging, is_owed; /* owed: the last step has moved it, and given up */
     uint64_t stage;
     uint64_t stage_ns;
     struct eng_copiers copiers; /* of its writes */

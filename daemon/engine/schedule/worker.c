@@ -101,6 +101,7 @@ void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settin
     stop->deadline_ns = settings->deadline_ns;
     atomic_init(&stop->reason, ENG_COMPLETE);
     atomic_init(&stop->stopped, false);
+    stop->gave_up = false;
     atomic_init(&stop->time_bound, bits);
 }
 
@@ -161,6 +162,12 @@ bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns)
         look_for_reason(stop, ns);
     }
     return atomic_load_explicit(&stop->reason, memory_order_relaxed) != ENG_COMPLETE;
+}
+
+void eng_worker_give_up(struct eng_worker *worker)
+{
+    worker->stop->gave_up = true;
+    atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
 }
 
 void eng_worker_tighten(struct eng_worker *worker, double time)

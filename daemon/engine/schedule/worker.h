@@ -63,6 +63,7 @@ struct eng_stop {
     uint64_t deadline_ns;
     atomic_int reason;   /* enum eng_incomplete, set by the worker that saw it */
     atomic_bool stopped; /* by deadline, cancel or a proved contact in mode any */
+    bool gave_up;        /* of a brief step, by the one thread that it has */
     /* Mode first: no contact after this time is wanted; else 1. The bits of a double: for
      * positive numbers they have the order of the numbers, so a minimum is
      * an integer's. */
@@ -158,6 +159,9 @@ static inline void eng_worker_trace(const struct eng_worker *worker,
 
 /* The worker was without work since `begin_ns`. */
 void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns);
+
+/* The step is to be brief, and is not. */
+void eng_worker_give_up(struct eng_worker *worker);
 
 /* Mode first: a proved contact has certainly begun at `time`. */
 void eng_worker_tighten(struct eng_worker *worker, double time);

@@ -6,6 +6,7 @@
  */
 #include "wide_test.h"
 
+#include "brief.h"
 #include "memory.h"
 #include "test.h"
 #include "wide_grid.h"
@@ -137,10 +138,13 @@ static void test(struct eng_worker *worker, enum eng_kind kind,
     worker->record.tests += chunk->count;
     batch->from = sift(worker, kind, chunk);
     make_quads(wide, kind, chunk, work->quads);
-    uint32_t hits = eng_batch_test(work->join.kernels, kind, wide->points,
-                                   (const uint32_t(*)[4])work->quads, chunk->count,
-                                   worker->settings->tolerance, worker->time_bound,
-                                   &worker->exact, batch);
+    uint32_t hits = eng_batch_test(
+        work->join.kernels, kind, wide->points, (const uint32_t(*)[4])work->quads,
+        chunk->count, worker->settings->tolerance, worker->time_bound,
+        worker->settings->brief ? NULL : &worker->exact, batch);
+    if (worker->settings->brief && batch->unsure_count > 0) {
+        eng_worker_give_up(worker);
+    }
     if (batch->from == ENG_FROM_FILTER) {
         work->filters[kind].chunks_without_filter =
             chunks_without(chunk->count, batch->survivors);
@@ -195,6 +199,9 @@ static void flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
     uint32_t count = chunk->count;
     worker->wide->sieves[kind].in_time = worker->wide->join.jobs[kind][0].in_time;
     eng_test_count(worker, kind, count + left_out_in_time(worker->wide, kind, count));
+    if (worker->settings->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
+        eng_worker_give_up(worker);
+    }
     if (worker->settings->mode == ENG_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else if (!eng_stop_is_set(worker->stop)) {

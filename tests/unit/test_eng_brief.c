@@ -1,0 +1,279 @@
+/* tests/unit/test_eng_brief.c - steps that are certain to end soon.
+ *
+ * Room:     engine (brief.h, step.h, world.h).
+ * Does:     what they answer beside other steps, what they give up and what becomes of
+ *           it, and which steps may be asked for as brief ones.
+ * Threads:  one, but for a team of two.
+ * Source:   daemon/engine/schedule/brief.h.
+ */
+#include "eng_kit.h"
+
+#include <string.h>
+
+#include "brief.h"
+#include "step_memory.h"
+#include "world.h"
+
+#define ROUNDS    400u
+#define TRIANGLES 8u
+#define V         (3 * TRIANGLES)
+
+static struct eng_step_settings settings_of(enum eng_mode mode, bool brief)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    settings.brief = brief;
+    return settings;
+}
+
+/* A scene of one soup. */
+static struct eng_scene *soup_new(struct kit_random *random, uint32_t triangles)
+{
+    struct eng_scene *scene;
+    uint32_t idx;
+    struct eng_mesh *mesh = kit_soup(random, triangles);
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 7, &idx), ENG_OK);
+    eng_mesh_release(mesh);
+    return scene;
+}
+
+static void move(struct eng_scene *scene, const double (*x)[3], uint32_t count)
+{
+    eng_stage_begin(scene);
+    assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, count, x), ENG_OK);
+}
+
+static void check_same(const struct eng_step_result *a, const struct eng_step_result *b)
+{
+    assert_int_equal(a->incomplete, ENG_COMPLETE);
+    assert_int_equal(a->verdict, b->verdict);
+    assert_int_equal(a->count, b->count);
+    assert_int_equal(a->hash_hi, b->hash_hi);
+    assert_int_equal(a->hash_lo, b->hash_lo);
+    assert_true(a->count == 0 ||
+                memcmp(a->records, b->records, a->count * a->record_bytes) == 0);
+}
+
+/* Where the triangles of a soup go: two by two to places apart, or, in a crowd, all to
+ * one. */
+static void choose_positions(struct kit_random *random, bool crowd, double (*x)[3])
+{
+    for (uint32_t i = 0; i < V; i++) {
+        for (int k = 0; k < 3; k++) {
+            x[i][k] = kit_between(random, 0, crowd ? 1 : 0.3);
+        }
+        x[i][0] += crowd ? 0 : i / 6;
+    }
+}
+
+/* If it failed: an answer would depend on which thread was awake. */
+static void brief__answers_are_those_of_other_steps(void **state)
+{
+    struct kit_random random = {20261122};
+    struct kit_random same = random;
+    struct eng_scene *brief = soup_new(&random, TRIANGLES);
+    struct eng_scene *other = soup_new(&same, TRIANGLES);
+    uint32_t done = 0;
+    uint32_t given_up = 0;
+    uint64_t contacts = 0;
+    (void)state;
+    for (uint32_t i = 0; i < ROUNDS; i++) {
+        double x[V][3];
+        struct eng_step_result a;
+        struct eng_step_result b;
+        enum eng_mode mode = (enum eng_mode)(i / 4 % 3);
+        choose_positions(&random, kit_below(&random, 3) == 0, x);
+        move(brief, (const double(*)[3])x, V);
+        move(other, (const double(*)[3])x, V);
+        struct eng_step_settings settings = settings_of(mode, true);
+        int status = eng_step(brief, &settings, &a);
+        settings.brief = false;
+        if (status == ENG_E_LONG) {
+            given_up++;
+            status = eng_step(brief, &settings, &a);
+        } else {
+            done++;
+            contacts += a.count;
+            assert_int_equal(a.threads, 1);
+            assert_int_equal(a.counters.exact, 0);
+        }
+        assert_int_equal(status, ENG_OK);
+        assert_int_equal(eng_step(other, &settings, &b), ENG_OK);
+        check_same(&a, &b);
+    }
+    assert_true(done >= ROUNDS / 10 && given_up >= ROUNDS / 10 && contacts > 0);
+    eng_scene_free(brief);
+    eng_scene_free(other);
+}
+
+/* If it failed: a client could hold up all others, for 0.3 s with a query that needs
+ * exact arithmetic, or with as many as there are pairs of triangles. */
+static void brief__ends_before_more_tests_than_it_may_do(void **state)
+{
+    /* A corner on a face from beginning to end, along a slanted way. */
+    static const double x[6][3] = {{0, 0, 0},          {1, 0, 0.25},
+                                   {0, 1, 0.75},       {0.25, 0.25, 0.25},
+                                   {0.25, 0.25, 1.25}, {0.75, 0.25, 1.25}};
+    static const uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
+    struct kit_random random = {20261122};
+    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, true);
+    struct eng_step_result result;
+    struct eng_scene *crowd = soup_new(&random, TRIANGLES);
+    struct eng_scene *touch;
+    double at[V][3];
+    uint32_t idx;
+    (void)state;
+    struct eng_mesh *mesh = kit_mesh(x, 6, faces, 2);
+    assert_int_equal(eng_scene_new(NULL, &touch), ENG_OK);
+    assert_int_equal(eng_scene_add(touch, mesh, 1, &idx), ENG_OK);
+    eng_mesh_release(mesh);
+    assert_int_equal(eng_step(touch, &settings, &result), ENG_E_LONG);
+    assert_int_equal(touch->memory->workers[0]->exact.queries, 0);
+    assert_true(touch->memory->workers[0]->tally.survivors > 0);
+    choose_positions(&random, true, at);
+    move(crowd, (const double(*)[3])at, V);
+    assert_int_equal(eng_step(crowd, &settings, &result), ENG_E_LONG);
+    assert_int_equal(crowd->memory->workers[0]->exact.queries, 0);
+    assert_true(crowd->memory->workers[0]->record.tests <= ENG_BRIEF_TESTS);
+    settings.brief = false;
+    assert_int_equal(eng_step(touch, &settings, &result), ENG_OK);
+    assert_int_equal(result.count, 1);
+    assert_true(result.counters.exact > 0);
+    assert_int_equal(eng_step(crowd, &settings, &result), ENG_OK);
+    assert_true(result.counters.candidates_vf + result.counters.candidates_ee >
+                ENG_BRIEF_TESTS);
+    eng_scene_free(touch);
+    eng_scene_free(crowd);
+}
+
+/* If it failed: what a step has given up would be moved twice, or meet nothing. */
+static void brief__given_up_has_moved_once(void **state)
+{
+    struct kit_random random = {20261122};
+    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, true);
+    struct eng_step_result result;
+    struct eng_scene *scene = soup_new(&random, TRIANGLES);
+    double before[V][3];
+    double x[V][3];
+    (void)state;
+    memcpy(before, eng_scene_positions(scene, 0, 1), sizeof before);
+    choose_positions(&random, true, x);
+    move(scene, (const double(*)[3])x, V);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_LONG);
+    assert_memory_equal(eng_scene_positions(scene, 0, 1), x, sizeof x);
+    settings.brief = false;
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    uint64_t count = result.count;
+    assert_true(count > 0);
+    assert_memory_equal(eng_scene_positions(scene, 0, 0), before, sizeof before);
+    assert_memory_equal(eng_scene_positions(scene, 0, 1), x, sizeof x);
+    /* The one after it stands still; and one that is staged is not the one given up. */
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_memory_equal(eng_scene_positions(scene, 0, 0), x, sizeof x);
+    settings.brief = true;
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_LONG);
+    move(scene, (const double(*)[3])before, V);
+    settings.brief = false;
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.count, count);
+    assert_memory_equal(eng_scene_positions(scene, 0, 0), x, sizeof x);
+    assert_memory_equal(eng_scene_positions(scene, 0, 1), before, sizeof before);
+    eng_scene_free(scene);
+}
+
+static bool can(const struct eng_scene *scene)
+{
+    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    return eng_step_can_be_brief(scene, &settings);
+}
+
+/* Run two steps of it. */
+static void warm(struct eng_scene *scene)
+{
+    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    struct eng_step_result result;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    }
+    /* Whatever else the machine did meanwhile. */
+    scene->memory->effort[ENG_METHOD_WIDE].work_ns[ENG_MODE_ALL] = 1000;
+}
+
+/* If it failed: the loop would build hierarchies, or make boxes of thousands. */
+static void brief__only_small_scenes_that_are_warm_can_be(void **state)
+{
+    struct kit_random random = {20261122};
+    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    struct eng_step_result result;
+    struct eng_scene *scene = soup_new(&random, TRIANGLES);
+    struct eng_scene *large = soup_new(&random, 65);
+    uint32_t idx;
+    (void)state;
+    assert_false(can(scene)); /* its trees are not there */
+    warm(scene);
+    warm(large);
+    assert_true(can(scene));
+    assert_false(can(large));
+    scene->memory->effort[ENG_METHOD_WIDE].work_ns[ENG_MODE_ALL] = 1000000;
+    assert_false(can(scene));
+    warm(scene);
+    settings.mode = ENG_MODE_FIRST; /* nothing is known of it */
+    assert_false(eng_step_can_be_brief(scene, &settings));
+    settings = settings_of(ENG_MODE_PAIRS, true);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_INVAL);
+    settings = settings_of(ENG_MODE_ALL, true);
+    settings.method = ENG_METHOD_PAPER;
+    assert_false(eng_step_can_be_brief(scene, &settings));
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_INVAL);
+    struct eng_mesh *mesh = kit_sheet(1, 9);
+    assert_int_equal(eng_scene_add(scene, mesh, 8, &idx), ENG_OK);
+    assert_false(can(scene)); /* its trees are to be put together */
+    warm(scene);
+    assert_true(can(scene));
+    for (uint32_t id = 9; id < 80; id++) {
+        assert_int_equal(eng_scene_add(scene, mesh, id, &idx), ENG_OK);
+    }
+    for (uint32_t i = 1; i <= idx; i++) {
+        assert_int_equal(eng_scene_remove(scene, i), ENG_OK);
+    }
+    warm(scene);
+    assert_false(can(scene)); /* the places of 72 objects are looked at */
+    eng_mesh_release(mesh);
+    eng_scene_free(scene);
+    eng_scene_free(large);
+}
+
+/* If it failed: some later step would free what a team has left, a millisecond of it. */
+static void brief__scenes_that_had_a_team_cannot_be(void **state)
+{
+    struct kit_random random = {20261122};
+    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    struct eng_step_result result;
+    struct eng_scene *scene = soup_new(&random, TRIANGLES);
+    (void)state;
+    warm(scene);
+    assert_true(can(scene));
+    settings.threads = 2;
+    settings.team_always = true;
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.threads, 2);
+    warm(scene);
+    assert_false(can(scene));
+    settings.brief = true;
+    int status = eng_step(scene, &settings, &result);
+    assert_true(status == ENG_E_LONG || (status == ENG_OK && result.threads == 1));
+    eng_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(brief__answers_are_those_of_other_steps),
+        cmocka_unit_test(brief__ends_before_more_tests_than_it_may_do),
+        cmocka_unit_test(brief__given_up_has_moved_once),
+        cmocka_unit_test(brief__only_small_scenes_that_are_warm_can_be),
+        cmocka_unit_test(brief__scenes_that_had_a_team_cannot_be),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
