@@ -367,6 +367,7 @@ int srv_reactor_run(const struct srv_options *options)
     reactor->listener.fd = -1;
     int status = srv_loop_init(&reactor->loop, options);
     choose_places(reactor);
+    reactor->loop.does_brief = true;
     if (status == 0) {
         status = init_buffers(reactor);
     }

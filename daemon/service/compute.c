@@ -120,6 +120,7 @@ static void put_back(struct srv_compute *compute, struct srv_job *job)
 static bool run_one(struct srv_compute *compute)
 {
     struct srv_job *job = take(compute);
+    compute->is_running = true;
     unlock(compute);
     job->goes_on = false;
     uint64_t begin_ns = srv_now_thread_ns();
@@ -131,6 +132,7 @@ static bool run_one(struct srv_compute *compute)
         put_back(compute, job);
     }
     settle(compute, job, cost_ns);
+    compute->is_running = false;
     return !goes_on && finish(compute, job);
 }
 
@@ -352,6 +354,15 @@ uint32_t srv_compute_drain(struct srv_compute *compute)
         count++;
     }
     return count;
+}
+
+bool srv_compute_is_idle(struct srv_compute *compute)
+{
+    lock(compute);
+    bool is_idle =
+        compute->queued == 0 && !compute->is_running && compute->done_first == NULL;
+    unlock(compute);
+    return is_idle;
 }
 
 uint32_t srv_compute_queued(struct srv_compute *compute)

@@ -75,6 +75,7 @@ struct srv_compute {
     bool stop;
     struct srv_fairqueue groups;
     uint32_t queued;   /* jobs in lanes */
+    bool is_running;   /* one of those taken from them */
     uint32_t capacity; /* of those pushed by srv_compute_push */
     struct srv_job *done_first;
     struct srv_job *done_last;
@@ -127,6 +128,10 @@ uint32_t srv_compute_drain(struct srv_compute *compute);
 
 /* Let so many jobs wait from now on; those that do stay. [loop] */
 void srv_compute_resize(struct srv_compute *compute, uint32_t capacity);
+
+/* Nothing waits or runs, and all that has run was drained: until the next push nobody but
+ * the caller touches what jobs do. [loop] */
+bool srv_compute_is_idle(struct srv_compute *compute);
 
 /* Jobs that wait now. [any] */
 uint32_t srv_compute_queued(struct srv_compute *compute);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "brief.h"
 #include "call.h"
 #include "diary.h"
 #include "frame.h"
@@ -130,6 +131,7 @@ static struct eng_step_settings settings_of(struct srv_request *request)
     settings.cancel = &request->job.cancel;
     settings.contact_max = options->contacts_max;
     settings.trace = request->session->loop->step_trace;
+    settings.brief = request->is_brief;
     settings.places =
         request->session->loop->is_pinned ? &request->session->loop->places : NULL;
     return settings;
@@ -140,7 +142,9 @@ static void begin_staging(struct srv_request *request, struct eng_scene *engine)
 {
     struct eng_step_settings settings = settings_of(request);
     eng_stage_begin(engine);
-    eng_stage_share(engine, settings.threads, settings.places);
+    if (!request->is_brief) {
+        eng_stage_share(engine, settings.threads, settings.places);
+    }
 }
 
 /* Run the staged step and keep its result in the scene. [compute] */
@@ -150,7 +154,13 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     struct eng_step_settings settings = settings_of(request);
     scene->has_answer = false; /* the step takes the memory of the last one's records */
     struct eng_step_result step;
-    int status = srv_wire_status(eng_step(engine, &settings, &step));
+    int engine_status = eng_step(engine, &settings, &step);
+    if (engine_status == ENG_E_LONG) {
+        request->has_moved = true;
+        request->job.goes_on = true;
+        return 0;
+    }
+    int status = srv_wire_status(engine_status);
     if (status != 0) {
         return proto_error_set(&request->error, status, "the step: %s",
                                proto_status_text(status));
@@ -180,8 +190,8 @@ static int check_head(struct srv_request *request)
 }
 
 /* Stage what others hold for this step, and what the step itself moves, out of its slot
- * or of the copy of it; then run it. [compute] */
-static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
+ * or of the copy of it. [compute] */
+static int stage(struct srv_request *request, struct eng_scene *engine)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_scene *scene = request->plan.scene;
@@ -205,12 +215,22 @@ static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
                                  table, &request->upload_bytes, &request->error);
     }
     srv_request_return_slot(request);
+    return status;
+}
+
+/* One that goes on was staged before. [compute] */
+static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
+{
+    int status = request->has_moved ? 0 : stage(request, engine);
     if (status == 0) {
         status = compute_step(request, engine);
     }
     if (status != 0) {
         eng_stage_abort(engine);
         return status;
+    }
+    if (request->job.goes_on) {
+        return 0;
     }
     srv_held_take(request);
     srv_diary_step(request);
@@ -257,6 +277,7 @@ static int take_owed(struct srv_request *request)
     return code;
 }
 
+/* [compute] */
 static int work_submit(struct srv_request *request)
 {
     struct srv_scene *scene = request->plan.scene;
@@ -265,8 +286,8 @@ static int work_submit(struct srv_request *request)
     if (request->is_answered) {
         return move_early(request);
     }
-    int status = take_owed(request);
-    if (status == 0) {
+    int status = request->has_moved ? 0 : take_owed(request);
+    if (status == 0 && !request->has_moved) {
         status = check_head(request);
     }
     if (status != 0) {
@@ -277,7 +298,7 @@ static int work_submit(struct srv_request *request)
         return proto_error_set(&request->error, status, "no memory for the scene");
     }
     status = stage_and_step(request, engine);
-    if (status != 0) {
+    if (status != 0 || request->job.goes_on) {
         return status;
     }
     struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
@@ -300,6 +321,22 @@ void srv_frame_nothing(const struct proto_FRAME_SUBMIT_request *submit,
     describe(&nothing, answer);
     answer->incomplete = why;
     answer->step = submit->step;
+}
+
+/* Each is a write to all vertices of an object, at most. */
+#define BRIEF_SEGMENTS 4u
+
+/* A scene that others share is not: who takes part leaves, and hears of steps, in lists
+ * that may be long. [loop] while nothing is computed */
+static bool can_be_brief(struct srv_request *request)
+{
+    const struct srv_scene *scene = request->plan.scene;
+    if (scene->shared != NULL || scene->engine == NULL ||
+        request->params.FRAME_SUBMIT.segments > BRIEF_SEGMENTS) {
+        return false;
+    }
+    struct eng_step_settings settings = settings_of(request);
+    return eng_step_can_be_brief(scene->engine, &settings);
 }
 
 /* It is to end, and others are still before it: the answer is known. [loop] */
@@ -475,6 +512,7 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
                             .seat = srv_shared_seat(scene, session),
                             .takes_slot = submit->segments > 0,
                             .answer_early = answer_submit_early,
+                            .can_be_brief = submit->hold ? NULL : can_be_brief,
                             .deadline_ns =
                                 deadline_of(submit->deadline_ns, call->arrival_ns)};
     return submit->hold ? srv_held_start(call, &plan) : srv_request_start(call, &plan);

@@ -41,6 +41,8 @@ struct srv_loop {
     struct srv_compute compute;
     struct srv_compute pages; /* makes and frees rings: 2 us a page */
     struct eng_places places; /* processors that may be used; constant in the daemon */
+    bool does_brief;          /* what is brief is done on [loop]; constant */
+    uint64_t brief_from_ns;   /* not before */
     bool is_pinned;           /* threads of steps are put on them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;

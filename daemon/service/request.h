@@ -47,6 +47,10 @@ struct srv_plan {
     /* [loop] It still waits for its turn, and its deadline has come or it was cancelled:
      * answer it (srv_request_answer_early), or leave it to its turn. NULL: it is left. */
     void (*answer_early)(struct srv_request *request, enum pccd_incomplete why);
+    /* [loop] while nothing is computed: whether the work is certain to take no longer
+     * than some tens of microseconds, or else to set job.goes_on, if `is_brief` is set.
+     * NULL: it is not. */
+    bool (*can_be_brief)(struct srv_request *request);
     uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0: none */
 };
 
@@ -65,6 +69,8 @@ struct srv_request {
     int status;
     bool is_held; /* its connection was lost: not answered until it comes again */
     uint64_t upload_bytes;          /* copied out of slots */
+    bool is_brief;                  /* whoever runs it must not be held up */
+    bool has_moved;                 /* [compute] a step that goes on: it was staged */
     uint32_t items_done;            /* [compute] of a request that runs in parts */
     const uint8_t *payload;         /* [compute] likewise, in its slot */
     bool has_stepped;               /* [compute] then [loop]: its scene has moved on */

@@ -3,6 +3,7 @@
 integration_names = \
     tests/integration/test_int_allow \
     tests/integration/test_int_boxes \
+    tests/integration/test_int_brief \
     tests/integration/test_int_choice \
     tests/integration/test_int_deadline \
     tests/integration/test_int_death \
@@ -47,6 +48,10 @@ integration_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
 tests_integration_test_int_allow_SOURCES = tests/integration/test_int_allow.c
 tests_integration_test_int_allow_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_allow_LDADD = $(integration_libs)
+
+tests_integration_test_int_brief_SOURCES = tests/integration/test_int_brief.c
+tests_integration_test_int_brief_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_brief_LDADD = $(integration_libs)
 
 tests_integration_test_int_choice_SOURCES = tests/integration/test_int_choice.c
 tests_integration_test_int_choice_CPPFLAGS = $(integration_cppflags)

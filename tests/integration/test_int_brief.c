@@ -1,0 +1,212 @@
+/* test_int_brief.c - steps that the loop computes itself.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     which steps those are, that they are answered as any other, and that what
+ *           ends a step ends them.
+ * Does not: look at times (bench/redis).
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "fixture.h"
+#include "grid.h"
+
+#define TURNS 200
+
+static uint64_t brief(const struct test_crossing *crossing)
+{
+    return test_stat(crossing->client, "steps_brief");
+}
+
+/* Long enough for the loop to have had its break after the last one. */
+static void rest(void)
+{
+    test_sleep_ms(1);
+}
+
+static struct pccd_step_settings by(enum pccd_method method)
+{
+    return (struct pccd_step_settings){.method = method};
+}
+
+/* What a step says that takes the triangle to a height; its answer is released. */
+static struct pccd_answer move(struct test_crossing *crossing, float z,
+                               const struct pccd_step_settings *settings)
+{
+    struct pccd_answer answer;
+    float x[3][3];
+
+    crossing->z = z;
+    test_crossing_positions(x, z);
+    assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
+                                  PCCD_FORMAT_F32, 3, settings, &answer),
+                     0);
+    pccd_answer_release(crossing->client, &answer);
+    rest();
+    return answer;
+}
+
+/* The same way by both methods, of which the loop has one; back each time. */
+static struct pccd_answer move_by_both(struct test_crossing *crossing, float z)
+{
+    struct pccd_step_settings wide = by(PCCD_METHOD_WIDE);
+    struct pccd_step_settings paper = by(PCCD_METHOD_PAPER);
+    float from = crossing->z;
+    struct pccd_answer a = move(crossing, z, &wide);
+    struct pccd_answer b;
+
+    move(crossing, from, &wide);
+    b = move(crossing, z, &paper);
+    assert_int_equal(a.incomplete, PCCD_COMPLETE);
+    assert_int_equal(b.incomplete, PCCD_COMPLETE);
+    assert_true(a.total == b.total);
+    assert_memory_equal(a.hash, b.hash, sizeof(a.hash));
+    return a;
+}
+
+/* If it failed: a small step would wait for processors to wake; or its answer would
+ * depend on who has computed it. */
+static void brief__small_steps_are_answered_by_the_loop(void **state)
+{
+    struct test_crossing *crossing = *state;
+    uint64_t before = brief(crossing);
+    uint64_t there;
+
+    for (int i = 0; i < TURNS; i++) {
+        assert_true(move_by_both(crossing, -crossing->z).total > 0);
+    }
+    there = brief(crossing) - before;
+    if (test_is_direct()) {
+        assert_int_equal(there, 0);
+    } else {
+        assert_true(there > TURNS / 4 && there <= 2 * TURNS);
+    }
+}
+
+/* If it failed: what the loop must not do, and leaves to the compute thread, would be
+ * lost, or moved twice. Triangles in one plane take exact arithmetic. */
+static void brief__what_takes_longer_goes_on_elsewhere(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_step_settings wide = by(PCCD_METHOD_WIDE);
+
+    for (int i = 0; i < TURNS / 10; i++) {
+        uint64_t before;
+        struct pccd_answer rests;
+
+        for (int k = 0; k < 8; k++) { /* known to be short once more */
+            move(crossing, 1 + (float)(k % 2), &wide);
+        }
+        before = brief(crossing);
+        assert_true(move_by_both(crossing, 0).total > 0);
+        rests = move_by_both(crossing, 0);
+        assert_true(rests.initial > 0 && rests.initial == rests.total);
+        assert_true(rests.counters.exact > 0);
+        assert_true(brief(crossing) - before <= 1); /* the one way back */
+    }
+}
+
+/* If it failed: everybody would wait while the loop computes. */
+static void brief__large_scenes_are_never_the_loops(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_step_settings still = by(PCCD_METHOD_WIDE);
+    struct test_grid grid;
+    uint64_t before = brief(crossing);
+
+    assert_int_equal(test_grid_make(crossing->client, 12, &grid), 0);
+    for (int i = 0; i < TURNS; i++) {
+        struct pccd_answer answer;
+        uint64_t step;
+
+        assert_int_equal(pccd_submit_still(grid.client, grid.scene, &still, &step), 0);
+        assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+        pccd_answer_release(grid.client, &answer);
+        rest();
+    }
+    assert_int_equal(brief(crossing), before);
+    test_grid_free(&grid);
+}
+
+/* If it failed: two threads would compute at once with what there is one of. */
+static void brief__nothing_is_the_loops_while_another_step_runs(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_step_settings wide = by(PCCD_METHOD_WIDE);
+    struct pccd_client *other = test_connect(test_shared.url);
+    struct test_grid grid;
+    uint32_t behind = 0;
+    uint64_t step;
+
+    assert_non_null(other);
+    assert_int_equal(test_grid_make(other, 200, &grid), 0);
+    for (int i = 0; i < 10; i++) {
+        move(crossing, -crossing->z, &wide);
+    }
+    for (int i = 0; i < 5; i++) {
+        uint64_t before = brief(crossing);
+        struct pccd_answer answer;
+
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        answer = move(crossing, -crossing->z, &wide);
+        assert_true(answer.total > 0);
+        /* Unless we were not let run before the large step had ended. */
+        if (brief(crossing) == before) {
+            behind += answer.times.queue > 100000;
+        }
+        assert_int_equal(test_grid_await(&grid, step), 0);
+    }
+    assert_true(behind > 0 || test_is_direct());
+    test_grid_free(&grid);
+    pccd_close(other);
+}
+
+/* If it failed: a deadline that has passed, or a cancel, would be ignored by the loop, or
+ * the step after it would be wrong. */
+static void brief__deadlines_and_cancels_end_them(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_step_settings late = by(PCCD_METHOD_WIDE);
+    struct pccd_step_settings wide = late;
+    struct pccd_answer answer;
+    uint64_t step;
+
+    late.deadline_ns = 1;
+    for (int i = 0; i < TURNS / 10; i++) {
+        answer = move(crossing, -crossing->z, &late);
+        assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+        assert_true(move(crossing, -crossing->z, &wide).total > 0);
+        assert_int_equal(
+            pccd_submit_still(crossing->client, crossing->scene, &wide, &step), 0);
+        (void)pccd_cancel(crossing->client, step); /* or it was answered before */
+        assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+        assert_true(answer.incomplete == PCCD_COMPLETE ||
+                    answer.incomplete == PCCD_INCOMPLETE_CANCELLED);
+        pccd_answer_release(crossing->client, &answer);
+        assert_true(move(crossing, -crossing->z, &wide).total > 0);
+    }
+}
+
+#define CASE(name)                                                                       \
+    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        CASE(brief__small_steps_are_answered_by_the_loop),
+        CASE(brief__what_takes_longer_goes_on_elsewhere),
+        CASE(brief__large_scenes_are_never_the_loops),
+        CASE(brief__nothing_is_the_loops_while_another_step_runs),
+        CASE(brief__deadlines_and_cancels_end_them),
+    };
+
+    return cmocka_run_group_tests(tests, test_shared_start, test_shared_stop);
+}
