@@ -16,7 +16,7 @@
 #include "families.h"
 #include "place.h"
 #include "report.h"
-#include "resident.h"
+#include "story.h"
 #include "workload.h"
 #include "world.h"
 
@@ -28,14 +28,6 @@ enum way { NEVER, LAZY, ALWAYS, WAYS };
 
 static const char *const ways[WAYS] = {"refit only", "lazy", "every step"};
 
-/* A sequence. With `before`, that scene is played up to the break, when its object 1 is
- * replaced by the one of `scene`: another topology. */
-struct play {
-    const char *name;
-    const struct bench_scene *scene;
-    const struct bench_scene *before;
-};
-
 /* One step in one way. Of the repeats, the least times: the rest is always the same. */
 struct record {
     double step_ms;    /* with building anew */
@@ -45,9 +37,8 @@ struct record {
 };
 
 struct run {
-    const struct play *play;
-    const struct bench_scene *source; /* that is played at the moment */
-    struct bench_frames frames;
+    const struct bench_story *story;
+    struct bench_telling telling;
     struct bench_world worlds[WAYS];
     struct eng_step_settings settings;
     uint32_t steps;
@@ -72,18 +63,12 @@ static uint64_t build_anew(struct eng_scene *scene)
     return bench_now_ns() - begin_ns;
 }
 
-static void begin(struct run *run, const struct bench_scene *source, uint32_t from)
-{
-    run->source = source;
-    bench_frames_init(&run->frames, source, from);
-}
-
 static void step(struct run *run, enum way way, struct record *record, bool is_first,
                  struct eng_step_result *result)
 {
     struct bench_world *world = &run->worlds[way];
     uint64_t anew_ns = way == ALWAYS ? build_anew(world->scene) : 0;
-    bench_world_step(world, &run->frames, &run->settings, result);
+    bench_world_step(world, &run->telling.frames, &run->settings, result);
     double step_ms = 1e-6 * (double)(result->times.step + anew_ns);
     if (is_first || step_ms < record->step_ms) {
         record->step_ms = step_ms;
@@ -93,26 +78,13 @@ static void step(struct run *run, enum way way, struct record *record, bool is_f
     record->contacts = result->count;
 }
 
-/* The whole object gives way to its pieces, in all worlds. */
-static void change_topology(struct run *run, uint32_t from)
-{
-    bench_frames_deinit(&run->frames);
-    begin(run, run->play->scene, from);
-    for (int way = 0; way < WAYS; way++) {
-        bench_world_replace(&run->worlds[way], &run->frames, 1);
-    }
-}
-
 static bool play_steps(struct run *run, bool is_first)
 {
-    const char *name = run->play->name;
+    const char *name = run->story->name;
     bool good = true;
     for (uint32_t from = 0; from < run->steps && good; from++) {
         struct eng_step_result results[WAYS];
-        if (run->source != run->play->scene && from == run->play->scene->break_frame) {
-            change_topology(run, from);
-        }
-        bench_frames_seek(&run->frames, from);
+        bench_telling_seek(&run->telling, from);
         for (unsigned i = 0; i < WAYS; i++) {
             enum way way = (enum way)((from + i) % WAYS);
             step(run, way, &run->records[from][way], is_first, &results[way]);
@@ -131,17 +103,16 @@ static bool play_steps(struct run *run, bool is_first)
 
 static bool play_once(struct run *run, bool is_first)
 {
-    begin(run, run->play->before ? run->play->before : run->play->scene, 0);
+    struct eng_scene_settings settings[WAYS];
     for (int way = 0; way < WAYS; way++) {
-        struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
-        settings.rebuild_ratio = way == LAZY ? settings.rebuild_ratio : 0;
-        bench_world_init(&run->worlds[way], &run->frames, &settings);
+        settings[way] = (struct eng_scene_settings)ENG_SCENE_SETTINGS_DEFAULT;
+        if (way != LAZY) {
+            settings[way].rebuild_ratio = 0;
+        }
     }
+    bench_telling_init(&run->telling, run->story, run->worlds, settings, WAYS);
     bool good = play_steps(run, is_first);
-    for (int way = 0; way < WAYS; way++) {
-        bench_world_deinit(&run->worlds[way]);
-    }
-    bench_frames_deinit(&run->frames);
+    bench_telling_deinit(&run->telling);
     return good;
 }
 
@@ -285,15 +256,15 @@ static void report_part(const struct run *run, const char *part, uint32_t first,
 /* Before the break there is hardly anything to rebuild: the parts are told apart. */
 static void report(const struct run *run, bool json)
 {
-    uint32_t at = run->play->scene->break_frame;
+    uint32_t at = run->story->scene->break_frame;
     if (at == 0) {
-        report_part(run, run->play->name, 0, run->steps, json);
+        report_part(run, run->story->name, 0, run->steps, json);
         return;
     }
     char part[64];
-    snprintf(part, sizeof part, "%s, whole", run->play->name);
+    snprintf(part, sizeof part, "%s, whole", run->story->name);
     report_part(run, part, 0, at, json);
-    snprintf(part, sizeof part, "%s, in pieces", run->play->name);
+    snprintf(part, sizeof part, "%s, in pieces", run->story->name);
     report_part(run, part, at, run->steps, json);
 }
 
@@ -306,7 +277,7 @@ static void write_csv(const struct run *run, FILE *csv)
             const struct eng_step_counters *counters = &record->counters;
             fprintf(
                 csv, "%s,%u,%s,%u,%.6f,%.6f,%llu,%llu,%llu,%llu,%llu,%llu,%llu\n",
-                run->play->name, i, ways[way], run->settings.threads, record->step_ms,
+                run->story->name, i, ways[way], run->settings.threads, record->step_ms,
                 record->rebuild_ms, (unsigned long long)counters->box_tests,
                 (unsigned long long)(counters->candidates_vf + counters->candidates_ee),
                 (unsigned long long)record->contacts,
@@ -321,17 +292,17 @@ static void write_csv(const struct run *run, FILE *csv)
 
 /* ---- scenes --------------------------------------------------------------------- */
 
-static void measure(const struct play *play, const struct eng_places *places,
+static void measure(const struct bench_story *story, const struct eng_places *places,
                     uint32_t threads, const struct bench_options *options, FILE *csv)
 {
     struct run run;
     uint64_t begin_ns = bench_now_ns();
     memset(&run, 0, sizeof run);
-    run.play = play;
+    run.story = story;
     run.settings = bench_step_settings(ENG_MODE_ALL);
     run.settings.threads = threads;
     run.settings.places = places;
-    run.steps = play->scene->frame_count - 1;
+    run.steps = bench_story_steps(story);
     run.records = bench_alloc(run.steps, sizeof *run.records);
     bool good = play_once(&run, true);
     for (uint32_t i = 1; i < REPEATS && good && !options->smoke; i++) {
@@ -353,15 +324,15 @@ static void measure_scene(const struct bench_scene *scene,
                           const struct eng_places *places, uint32_t threads,
                           const struct bench_options *options, FILE *csv)
 {
-    struct play play = {scene->name, scene, NULL};
-    measure(&play, places, threads, options, csv);
+    struct bench_story story = {scene->name, scene, NULL};
+    measure(&story, places, threads, options, csv);
     if (strcmp(scene->name, "breaking") == 0) {
         struct bench_scene whole;
         memset(&whole, 0, sizeof whole);
         whole.name = scene->name;
         bench_make_breaking_whole(&whole, options->smoke);
-        play = (struct play){"breaking-replaced", scene, &whole};
-        measure(&play, places, threads, options, csv);
+        story = (struct bench_story){"breaking-replaced", scene, &whole};
+        measure(&story, places, threads, options, csv);
         bench_scene_free(&whole);
     }
 }

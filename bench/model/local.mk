@@ -36,9 +36,6 @@ bench_model_model_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/mode
 bench_model_model_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_model_model_LDADD = $(bench_engine_libs)
 
-model_figures = bench/model/speedup.gp bench/model/components.gp bench/model/shares.gp
-EXTRA_DIST += bench/model/common.gp $(model_figures)
-
 TESTS += bench/model/smoke.sh
 dist_check_SCRIPTS += bench/model/smoke.sh
 
@@ -47,9 +44,10 @@ bench-model: bench/model/model
 	@$(MKDIR_P) bench/model/results
 	@$(AM_TESTS_ENVIRONMENT) \
 	bench/model/model --into=bench/model/results $(MODEL_ARGS)
-	@for figure in $(model_figures); do for kind in svg png; do \
+	@for figure in speedup components shares; do for kind in svg png; do \
 	    gnuplot -e "folder='bench/model/results'; kind='$$kind'" \
-	        -e "scripts='$(srcdir)/bench/model'" $(srcdir)/$$figure || exit 1; \
+	        -e "scripts='$(srcdir)/bench/paper'" \
+	        $(srcdir)/bench/paper/$$figure.gp || exit 1; \
 	done; done
 
 clean-local: clean-bench-model

@@ -26,9 +26,10 @@
 struct options {
     bool smoke;
     bool fifth_only;
-    bool wide_only;     /* not the method paper, which takes most of the time */
-    const char *wanted; /* part of a scene's name; NULL: all of `modelled` */
-    const char *folder; /* where the CSV files go */
+    bool sequences_only; /* `sequences`, whose steps are the paper's as they are */
+    bool wide_only;      /* not the method paper, which takes most of the time */
+    const char *wanted;  /* part of a scene's name; NULL: all of `modelled` */
+    const char *folder;  /* where the CSV files go */
     uint32_t validate[VALIDATE_MAX];
     uint32_t validate_count;
     uint32_t counts[MODEL_THREADS_MAX]; /* of threads, ascending, the first is 1 */
@@ -42,6 +43,8 @@ struct options {
 
 static const char *const modelled[] = {"cloth-ball", "breaking", "n-body", "cloth-funnel",
                                        NULL};
+/* The sequences that tell the paper's scenes, frame by frame (bench/paper). */
+static const char *const sequences[] = {"cloth", "breaking", "bodies", NULL};
 
 struct scheme {
     const char *scheduler;
@@ -260,8 +263,9 @@ static void take_fifth(struct bench_frames *frames)
 
 static bool is_modelled(const struct options *options, const char *name)
 {
-    for (size_t i = 0; modelled[i]; i++) {
-        if (strcmp(modelled[i], name) == 0) {
+    const char *const *names = options->sequences_only ? sequences : modelled;
+    for (size_t i = 0; names[i]; i++) {
+        if (strcmp(names[i], name) == 0) {
             return !options->wanted || strstr(name, options->wanted);
         }
     }
@@ -279,7 +283,8 @@ static void model_all(struct run *run)
                            : !is_modelled(options, name)) {
             continue;
         }
-        for (int fifth = 0; fifth < (options->smoke ? 1 : 2); fifth++) {
+        bool has_fifth = !options->smoke && !options->sequences_only;
+        for (int fifth = 0; fifth < (has_fifth ? 2 : 1); fifth++) {
             if (options->fifth_only && fifth == 0) {
                 continue;
             }
@@ -288,9 +293,9 @@ static void model_all(struct run *run)
                 break;
             }
             snprintf(run->name, sizeof run->name, "%s%s", name, fifth ? "/5" : "");
-            /* In pieces, where the scene breaks. */
+            /* In the middle of the motion; in pieces, where the scene breaks. */
             uint32_t from =
-                scene.break_frame > 0 ? (scene.break_frame + scene.frame_count) / 2 : 0;
+                scene.frame_count > 2 ? (scene.break_frame + scene.frame_count) / 2 : 0;
             bench_frames_init(&frames, &scene, from);
             if (fifth) {
                 take_fifth(&frames);
@@ -377,6 +382,8 @@ static bool parse(int argc, char **argv, struct options *options)
             options->passes = 3;
         } else if (strcmp(argv[i], "--fifth") == 0) {
             options->fifth_only = true;
+        } else if (strcmp(argv[i], "--sequences") == 0) {
+            options->sequences_only = true;
         } else if (strcmp(argv[i], "--wide") == 0) {
             options->wide_only = true;
         } else if (strncmp(argv[i], "--into=", 7) == 0) {
@@ -409,11 +416,12 @@ int main(int argc, char **argv)
         return 2;
     }
     if (!parse(argc, argv, &options)) {
-        fprintf(stderr,
-                "usage: model [--smoke] [--fifth] [--wide] [--into=FOLDER] "
-                "[--threads=N,...]\n"
-                "    [--validate-threads=N,...] [--grain=UNIT,PAIR] [--passes=N]\n"
-                "    [--turns=N] [SCENE]\n");
+        fprintf(
+            stderr,
+            "usage: model [--smoke] [--fifth] [--sequences] [--wide] [--into=FOLDER]\n"
+            "    [--threads=N,...]\n"
+            "    [--validate-threads=N,...] [--grain=UNIT,PAIR] [--passes=N]\n"
+            "    [--turns=N] [SCENE]\n");
         return 2;
     }
     if (!bench_begin("model", 1, argv, &none, &exit_status)) {

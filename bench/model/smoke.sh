@@ -1,5 +1,5 @@
 #!/bin/bash
-# smoke.sh - the scaling model runs, agrees with itself, and can be drawn (TAP).
+# smoke.sh - the scaling model runs and agrees with itself (TAP).
 #
 # With a tiny scene; the program itself checks that all work is done once by any number of
 # threads, that phases add up, and that no prediction is shorter than its work or its
@@ -24,22 +24,5 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; columns = NF; next }
     END { for (way in rows) { print way, rows[way]; kinds++; bad += rows[way] != 20 }
           exit bad > 0 || kinds != 4 }' "$work/model.csv" >"$work/log"
 tap_result $? model__writes_a_row_for_each_way_and_number "$work/log"
-
-draw() {
-    local figure
-    for figure in speedup components shares; do
-        gnuplot -e "folder='$work'; kind='svg'; scripts='$top_srcdir/bench/model'" \
-            "$top_srcdir/bench/model/$figure.gp" || return
-        [ -s "$work/$figure.svg" ] || return
-    done
-}
-
-# If this failed, nobody could look at the result.
-if command -v gnuplot >/dev/null; then
-    draw >"$work/log" 2>&1
-    tap_result $? model__figures_are_drawn "$work/log"
-else
-    tap_skip model__figures_are_drawn "no gnuplot"
-fi
 
 tap_end

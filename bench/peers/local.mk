@@ -23,6 +23,10 @@ bench_peers_peers_SOURCES = \
     bench/peers/ours.h \
     bench/peers/peer.h \
     bench/peers/peers.c \
+    bench/peers/steps.c \
+    bench/peers/steps.h \
+    bench/peers/tests.c \
+    bench/peers/tests.h \
     $(bench_engine_sources)
 bench_peers_peers_CPPFLAGS = $(bench_engine_cppflags) $(PEERS_CPPFLAGS) \
     -I$(top_srcdir)/bench/peers

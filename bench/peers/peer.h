@@ -7,7 +7,8 @@
  *
  * Asked for are the candidates of a step: a vertex and a face, or two edges, whose boxes
  * overlap (touching counts) and that share no vertex. A box is around a feature at both
- * ends of the step, the same floats for every library.
+ * ends of the step, the same floats for every library. For a whole step the pairs go to
+ * elementary tests, ours, in the thread that found them (tests.h).
  */
 #ifndef PEERS_PEER_H
 #define PEERS_PEER_H
@@ -42,16 +43,20 @@ struct peer_input {
 enum peer_kind { PEER_VF = 0, PEER_EE = 1 };
 
 #define PEER_SINK_MAX 16u
-#define PEER_RING     1024u
+#define PEER_RING     1024u /* pairs: ENG_CHUNK_MAX, what is tested at a time */
 
-/* Where one thread puts its pairs. What a caller would do with them is none of the
- * library's time: they are written to a ring that stays in the first cache, and are
- * summed up only when the sets are compared. */
+/* Where one thread puts its pairs. Where pairs alone are asked for, what a caller would
+ * do with them is none of the library's time: they are written to a ring that stays in
+ * the first cache, and are summed up only when the sets are compared. */
 struct peer_sink {
     uint64_t count[2]; /* by enum peer_kind */
     uint64_t sum[2];   /* of a hash of each pair: equal for equal sets */
     bool is_summed;
-    uint32_t ring[PEER_RING][2];
+    /* Called with each ring that is full. NULL: rings are only overwritten. */
+    void (*test)(void *tester, enum peer_kind kind, const uint32_t (*pairs)[2],
+                 uint32_t count);
+    void *tester;
+    uint32_t ring[2][PEER_RING][2];
 } __attribute__((aligned(128)));
 
 static inline uint64_t peer_mix(uint64_t z)
@@ -65,9 +70,12 @@ static inline uint64_t peer_mix(uint64_t z)
 static inline void peer_take(struct peer_sink *sink, enum peer_kind kind, uint32_t a,
                              uint32_t b)
 {
-    uint32_t *slot = sink->ring[sink->count[kind]++ % PEER_RING];
+    uint32_t *slot = sink->ring[kind][sink->count[kind]++ % PEER_RING];
     slot[0] = a;
     slot[1] = b;
+    if (sink->test && sink->count[kind] % PEER_RING == 0) {
+        sink->test(sink->tester, kind, sink->ring[kind], PEER_RING);
+    }
     if (sink->is_summed) {
         bool swap = kind == PEER_EE && a > b;
         sink->sum[kind] += peer_mix(((uint64_t)(swap ? b : a) << 32 | (swap ? a : b)) +

@@ -3,7 +3,7 @@
  * Room:     bench/peers; engine headers.
  * Does:     give every library, and the method `wide`, the same boxes, compare the sets
  *           of pairs that come back, then time them by turns: refit or whatever the
- *           library has for boxes that moved, and all pairs.
+ *           library has for boxes that moved, and all pairs; and whole steps (steps.h).
  * Does not: time the building: what can be kept from step to step is kept, built for the
  *           very boxes that are asked about, the best case for a hierarchy.
  * Threads:  one; the libraries have their own.
@@ -14,10 +14,10 @@
 
 #include "ours.h"
 #include "report.h"
+#include "steps.h"
 #include "swept.h"
 
 #define REPEATS_MAX 25u
-#define BUDGET_NS   4000000000u /* for one library; it has two repeats at least */
 #define THREADS_MAX 2u
 
 static const struct peer *const installed[] = {
@@ -36,7 +36,18 @@ static const struct peer *const installed[] = {
     &peer_cgal,
 #endif
 };
-enum { INSTALLED = sizeof installed / sizeof installed[0] };
+enum { INSTALLED = sizeof installed / sizeof installed[0], OURS = 2 };
+
+/* Scenes that are measured when none is named: the paper's, told and recorded. */
+static const char *const usual[] = {"cloth",        "breaking",     "bodies",
+                                    "cloth-ball",   "n-body",       "cloth-ball-fifth",
+                                    "n-body-fifth", "cloth-funnel", NULL};
+
+/* Of a sequence the step in the middle; in pieces, where the scene breaks. */
+static uint32_t middle_of(const struct bench_scene *source)
+{
+    return source->frame_count > 2 ? (source->break_frame + source->frame_count) / 2 : 0;
+}
 
 struct contestant {
     const struct peer *peer;
@@ -162,7 +173,7 @@ static void measure(const char *scene, const struct peer_input *input, uint32_t 
     if (count > 0 && agree(scene, all, count)) {
         for (unsigned r = 0; r <= repeats; r++) {
             for (unsigned i = 0; i < count; i++) {
-                if (r <= 2 || all[i].spent_ns < BUDGET_NS) {
+                if (r <= 2 || all[i].spent_ns < PEERS_BUDGET_NS) {
                     take_turn(&all[i], r > 0);
                 }
             }
@@ -186,16 +197,18 @@ static void measure_scene(const struct bench_scene *source,
     struct bench_world world;
     struct peer_input input;
     bench_heading(source->name);
-    bench_frames_init(&frames, source, source->break_frame);
+    bench_frames_init(&frames, source, middle_of(source));
     bench_world_init(&world, &frames, NULL);
     bench_world_step(&world, &frames, &settings, &result);
-    bench_frames_deinit(&frames);
     peers_swept_init(&input, &world);
     peers_ours_scene(&world);
     uint32_t most = options->threads ? options->threads : THREADS_MAX;
     for (uint32_t threads = 1; threads <= most; threads *= 2) {
         measure(source->name, &input, threads, options->smoke ? 2 : REPEATS_MAX);
+        peers_steps(installed + OURS, INSTALLED - OURS, &world, &frames, &input, threads,
+                    options->smoke ? 2 : REPEATS_MAX);
     }
+    bench_frames_deinit(&frames);
     peers_swept_deinit(&input);
     bench_world_deinit(&world);
 }
@@ -215,7 +228,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "peers: %s\n", text);
     }
     struct bench_scene scene;
-    for (unsigned i = 0; bench_next_scene(&options, NULL, &i, &scene);) {
+    for (unsigned i = 0;
+         bench_next_scene(&options, options.wanted ? NULL : usual, &i, &scene);) {
         measure_scene(&scene, &options);
         bench_scene_free(&scene);
     }

@@ -1,0 +1,45 @@
+# bench/paper/local.mk - the paper's evaluation, section 7.
+#
+# make bench                               all of it, some 40 minutes, into BENCH_INTO
+# make bench BENCH_PARTS="peers figures"   parts of it (evaluate.sh has their names)
+# make bench BENCH_MACHINE=desk            a name for this machine
+
+check_PROGRAMS += bench/paper/sequence
+
+bench_paper_sequence_SOURCES = \
+    bench/paper/sequence.c \
+    bench/story.c \
+    bench/story.h \
+    $(bench_engine_sources)
+bench_paper_sequence_CPPFLAGS = $(bench_engine_cppflags)
+bench_paper_sequence_LDADD = $(bench_engine_libs)
+
+TESTS += bench/paper/smoke.sh
+dist_check_SCRIPTS += bench/paper/smoke.sh
+EXTRA_DIST += \
+    bench/paper/common.gp \
+    bench/paper/components.gp \
+    bench/paper/cores.gp \
+    bench/paper/evaluate.sh \
+    bench/paper/measured.awk \
+    bench/paper/peers.awk \
+    bench/paper/rates.gp \
+    bench/paper/shares.gp \
+    bench/paper/speedup.gp \
+    bench/paper/table.awk
+
+# The processor's name and how many there are, as a folder's name.
+BENCH_MACHINE = $$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1 | \
+    tr 'A-Z' 'a-z' | tr -cs 'a-z0-9\n' -)-$$(nproc)
+BENCH_INTO = $(srcdir)/bench/results/$(BENCH_MACHINE)
+BENCH_PARTS =
+
+if HAVE_PEERS
+bench_paper_peers = bench/peers/peers
+endif
+
+.PHONY: bench
+bench: bench/pccd-bench bench/paper/sequence bench/model/model bench/roofline bench/wide \
+    $(bench_paper_peers)
+	@$(AM_TESTS_ENVIRONMENT) \
+	$(srcdir)/bench/paper/evaluate.sh "$(BENCH_INTO)" $(BENCH_PARTS)

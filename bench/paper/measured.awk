@@ -1,0 +1,39 @@
+# measured.awk - sequence.csv, a line a step and way, to one line a way.
+#
+# awk -F, -f measured.awk sequence.csv >measured.csv
+# Means over the steps, in the columns of model.csv, so that both are drawn alike.
+
+function name(field) { return $at[field] }
+
+NR == 1 {
+    for (i = 1; i <= NF; i++) at[$i] = i
+    means = split("step_ms refit_ms low_ms high_ms merge_ms refit_work_ms low_work_ms " \
+        "high_work_ms merge_work_ms wait_ms box_tests candidates contacts", mean, " ")
+    next
+}
+
+{
+    way = name("scene") "," name("method") "," name("threads")
+    if (!(way in steps)) order[++ways] = way
+    steps[way]++
+    triangles[way] = name("triangles")
+    for (i = 1; i <= means; i++) sum[way, mean[i]] += name(mean[i])
+    if (name("step_ms") > most[way]) most[way] = name("step_ms")
+}
+
+END {
+    printf "scene,scheduler,high_level,p,triangles,steps,ms,most_ms,speedup"
+    for (i = 2; i <= means; i++) printf ",%s", mean[i]
+    print ""
+    for (w = 1; w <= ways; w++) {
+        way = order[w]
+        split(way, part, ",")
+        one = part[1] "," part[2] ",1"
+        printf "%s,%s,%s,%s,%d,%d,%.4f,%.4f,%.3f", part[1], part[2], \
+            part[2] == "paper" ? "round-robin" : "none", part[3], triangles[way], steps[way], \
+            sum[way, "step_ms"] / steps[way], most[way], \
+            sum[one, "step_ms"] / steps[one] * steps[way] / sum[way, "step_ms"]
+        for (i = 2; i <= means; i++) printf ",%.4f", sum[way, mean[i]] / steps[way]
+        print ""
+    }
+}
