@@ -1,13 +1,14 @@
 /* two_processes.c - one scene, two processes: one moves the cloth, the other obstacles.
  *
  * Room:     client/examples. May include: pccd.h.
- * Does:     the parent starts a private daemon and shares a scene with its child. The
- *           child's floor rises through the parent's triangle: its frames are held until
- *           the parent steps, and go along with that step, so both move over the same
- *           time. Each vertex of the triangle is met once, whichever step it falls into.
+ * Does:     the parent starts a private daemon and shares a scene with its child, whose
+ *           floor rises through the parent's triangle: each of its frames is held until
+ *           the parent steps, and goes along with that step, so both move over the same
+ *           time. The parent steps when it hears, through a pipe, that one waits.
  * Threads:  one in each process.
  */
 #include <stdio.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,27 +32,42 @@ static int take_part(const struct pccd_options *options, const float x[3][3],
     return rc ? rc : pccd_scene_add(*client, *scene, mesh, object);
 }
 
-/* The floor from height -1 to 1; every frame waits for a step of the other process. */
-static int run_obstacles(const char *url)
+/* The floor at height z goes with the step of another; wait until the daemon has it. */
+static int hold(struct pccd_client *client, uint32_t scene, uint32_t floor, float z,
+                uint64_t *step)
+{
+    const float x1[3][3] = {{-9, -9, z}, {9, -9, z}, {0, 9, z}};
+    const struct pccd_step_settings settings = {.hold = true};
+    struct pccd_frame frame;
+    void *slot = NULL;
+    int rc = pccd_frame_begin(client, scene, 1, sizeof x1, &frame);
+    rc = rc ? rc : pccd_frame_x1(&frame, floor, PCCD_FORMAT_F32, 0, 3, &slot);
+    if (rc == 0) {
+        memcpy(slot, x1, sizeof x1);
+        rc = pccd_frame_commit(&frame, &settings, step);
+    }
+    return rc ? rc : pccd_wait_held(client, *step, -1);
+}
+
+/* The floor from height -1 to 1; a byte to `held` for each frame that waits. */
+static int run_obstacles(const char *url, int held)
 {
     const float x0[3][3] = {{-9, -9, -1}, {9, -9, -1}, {0, 9, -1}};
-    const struct pccd_step_settings settings = {.hold = true};
     struct pccd_client *client = NULL;
     struct pccd_options options;
     struct pccd_answer answer;
     unsigned long long met = 0;
     uint32_t scene = 0, floor = 0;
+    uint64_t step = 0;
     int rc;
 
     pccd_options_init(&options);
     options.url = url;
     rc = take_part(&options, x0, &client, &scene, &floor);
     for (int i = 1; rc == 0 && i <= FRAMES; i++) {
-        const float z = -1 + 2 * (float)i / FRAMES;
-        const float x1[3][3] = {{-9, -9, z}, {9, -9, z}, {0, 9, z}};
-
-        rc = pccd_step_x1(client, scene, floor, x1, PCCD_FORMAT_F32, 3, &settings,
-                          &answer);
+        rc = hold(client, scene, floor, -1 + 2 * (float)i / FRAMES, &step);
+        rc = rc == 0 && write(held, "h", 1) != 1 ? PCCD_E_SYSTEM : rc;
+        rc = rc ? rc : pccd_wait(client, step, -1, &answer);
         met += rc == 0 ? answer.vf : 0;
     }
     printf("obstacles: %d frames, %llu vertices met\n", FRAMES, met);
@@ -71,18 +87,20 @@ int main(void)
     struct pccd_answer answer;
     unsigned long long met = 0, steps = 0;
     uint32_t scene = 0, object = 0;
-    int status = 0, rc;
+    int status = 0, held[2] = {-1, -1}, rc;
     pid_t child;
+    char byte;
 
     pccd_options_init(&options);
     options.private_daemon = true;
     rc = take_part(&options, x, &client, &scene, &object);
-    child = rc == 0 ? fork() : -1;
+    child = rc == 0 && pipe(held) == 0 ? fork() : -1;
     if (child == 0) { /* the parent's client is the parent's: the child makes its own */
-        _exit(run_obstacles(pccd_url(client)));
+        close(held[0]);
+        _exit(run_obstacles(pccd_url(client), held[1]));
     }
-    /* Step as fast as the daemon answers, until the other process has gone. */
-    while (rc == 0 && waitpid(child, &status, WNOHANG) == 0) {
+    close(held[1]);
+    while (rc == 0 && read(held[0], &byte, 1) == 1) { /* until the child has gone */
         rc = pccd_step_x1(client, scene, object, x, PCCD_FORMAT_F32, 3, NULL, &answer);
         if (rc == 0) {
             met += answer.vf;
@@ -90,11 +108,12 @@ int main(void)
             pccd_answer_release(client, &answer);
         }
     }
+    waitpid(child, &status, 0);
     printf("cloth: %llu steps, %llu vertices met: %s\n", steps, met,
            rc == 0 && met == 3 && status == 0 ? "right" : "wrong");
     if (rc != 0) {
         fprintf(stderr, "cloth: %s\n", pccd_error_text(client));
     }
     pccd_close(client);
-    return rc != 0 || met != 3 || status != 0;
+    return rc != 0 || met != 3 || steps != FRAMES || status != 0;
 }
