@@ -250,9 +250,12 @@ class Client(Observe):
     def wait_held(self, step: int, timeout: Optional[float] = None) -> None:
         """Wait until a frame that was committed with hold=True waits for another client's
         step: the next step of the scene takes it along. Returns as well when it has been
-        answered. E_TIMEOUT; E_VERSION: the daemon does not tell."""
+        answered. E_TIMEOUT; E_INVAL: no such step, or not to hold; E_VERSION: the daemon
+        does not tell."""
         self._check_feature(FEATURE_HELD, "word of what it holds")
         call = self._find_step(step)
+        if not call.is_to_hold:
+            raise failure(Status.E_INVAL, f"step {step} is not to hold")
         deadline = self._deadline(timeout)
         while not call.is_done and step not in self._waiting:
             self._progress(deadline)
@@ -362,8 +365,9 @@ class Client(Observe):
         params.update(settings.params())
         if slot is not None:
             params.update(slot=slot.index, seq=seq, segments=len(slot.segments))
-        self._steps[step] = self._send("frame.submit", params, slot, self._step_answered,
-                                       step=step)
+        call = self._send("frame.submit", params, slot, self._step_answered, step=step)
+        call.is_to_hold = settings.hold
+        self._steps[step] = call
         return step
 
     def _abort(self, slot: Slot) -> None:

@@ -195,6 +195,20 @@ class Shared(Case):
         with a.wait(cloth.submit(-2)) as answer:
             self.assertEqual(answer.total, 0)
 
+    # If this failed, who waits for what is not held would be told that it is, or never.
+    def test_wait_held__is_for_frames_that_are_held(self):
+        cloth = Member(self.connect(), UPPER, "held")
+        obstacle = Member(self.connect(), FLOOR, "held")
+        step = cloth.submit(-0.5)
+        self.fails(pccd.Status.E_INVAL, cloth.client.wait_held, step)
+        cloth.client.wait(step).release()
+        self.fails(pccd.Status.E_INVAL, cloth.client.wait_held, step)
+        held = obstacle.hold(0.25)
+        self.fails(pccd.Status.E_INVAL, obstacle.client.wait_held, held + 1)
+        with cloth.client.wait(cloth.submit(0)):
+            obstacle.client.wait_held(held)  # it has been taken along
+        obstacle.client.wait(held).release()
+
     # If this failed, a held frame would be answered late or never.
     def test_held_frames__end_at_their_deadline_and_cancel(self):
         cloth = Member(self.connect(), UPPER, "late")

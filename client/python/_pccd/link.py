@@ -35,7 +35,8 @@ class Call:
     is sent again over the next one."""
 
     __slots__ = ("id", "method", "message", "slot", "step", "result", "error", "fds",
-                 "is_done", "is_dropped", "held", "recovery", "daemons_ended", "then")
+                 "is_done", "is_dropped", "held", "recovery", "daemons_ended", "then",
+                 "is_to_hold")
 
     def __init__(self, id: int, method: str, message: bytes) -> None:
         self.id = id
@@ -51,6 +52,7 @@ class Call:
         self.held = False
         self.recovery = False  # sent while a connection is made again
         self.daemons_ended = 0  # that had it first of all
+        self.is_to_hold = False  # a step that waits for another client's
         self.then: Optional[Callable[[Call], None]] = None  # when it has succeeded
 
     def is_upload(self) -> bool:
