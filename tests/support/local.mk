@@ -11,6 +11,8 @@ libtestdaemon_la_SOURCES = \
     tests/support/run_ctl.h \
     tests/support/daemon.c \
     tests/support/daemon.h \
+    tests/support/false_daemon.c \
+    tests/support/false_daemon.h \
     tests/support/fixture.c \
     tests/support/fixture.h \
     tests/support/grid.c \
