@@ -169,7 +169,8 @@ out:
     return rc;
 }
 
-/* Wait for the byte that says "listening". PCCD_E_AGAIN: the daemon ended without it. */
+/* Wait for the byte that says "listening". PCCD_E_BUSY: or that another one holds the
+ * path; PCCD_E_AGAIN: the daemon ended without either. */
 static int await_ready(struct pccd_client *client, int fd, uint64_t deadline_ns)
 {
     for (;;) {
@@ -193,7 +194,7 @@ static int await_ready(struct pccd_client *client, int fd, uint64_t deadline_ns)
         if (got < 0 && (errno == EINTR || errno == EAGAIN)) {
             continue;
         }
-        return got == 1 ? 0 : PCCD_E_AGAIN;
+        return got != 1 ? PCCD_E_AGAIN : byte == '0' ? PCCD_E_BUSY : 0;
     }
 }
 

@@ -12,9 +12,10 @@
 
 /* Start the user's daemon on the socket `path`: in a session of its own, nobody's child,
  * ending by itself after half a minute without clients. `program` NULL: the default.
- * Returns 0 when it listens, PCCD_E_AGAIN when it ended before (it does when another
- * daemon holds the path: connect to that one), PCCD_E_NODAEMON (no such program),
- * PCCD_E_TIMEOUT or PCCD_E_SYSTEM. */
+ * Returns 0 when it listens, PCCD_E_BUSY when another daemon holds the path, which will
+ * listen or end, PCCD_E_AGAIN when it ended at once for another reason (or for that, of a
+ * release that does not tell), PCCD_E_NODAEMON (no such program), PCCD_E_TIMEOUT or
+ * PCCD_E_SYSTEM. */
 int cli_launch_user(struct pccd_client *client, const char *program, const char *path,
                     uint64_t deadline_ns);
 

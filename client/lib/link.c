@@ -246,22 +246,24 @@ static int retry_session(struct pccd_client *client, uint64_t deadline_ns)
 
 /* The user's own daemon, started when nobody listens. Of two clients that start one at
  * the same time the daemon's lock lets one through; the other's daemon ends, and both
- * connect to the first. */
+ * connect to the first, whenever that has come to listen: on a busy machine it takes
+ * seconds. Or it is about to end, and then the next one is started. */
 static int connect_user(struct pccd_client *client, uint64_t deadline_ns)
 {
     const struct cli_link *link = &client->link;
     int rc = open_first(client, deadline_ns);
 
-    for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(rc); start++) {
+    for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(rc);) {
         int started;
 
         if (link->no_autostart) {
             return rc;
         }
         started = cli_launch_user(client, link->daemon, link->path, deadline_ns);
-        if (started != 0 && started != PCCD_E_AGAIN) {
+        if (started != 0 && started != PCCD_E_AGAIN && started != PCCD_E_BUSY) {
             return started;
         }
+        start += started != PCCD_E_BUSY || cli_now_ns() >= deadline_ns;
         rc = retry_session(client, deadline_ns);
         if (is_worth_retrying(rc) && started == PCCD_E_AGAIN) {
             return cli_fail(
@@ -312,7 +314,8 @@ static int launch_again(struct pccd_client *client, uint64_t deadline_ns)
     if (link->way == CLI_WAY_USER && !link->no_autostart) {
         int rc = cli_launch_user(client, link->daemon, link->path, deadline_ns);
 
-        return rc == PCCD_E_AGAIN ? 0 : rc; /* another client was faster */
+        /* Another client was faster. */
+        return rc == PCCD_E_AGAIN || rc == PCCD_E_BUSY ? 0 : rc;
     }
     return PCCD_E_NODAEMON;
 }

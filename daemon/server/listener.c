@@ -265,14 +265,24 @@ static void remove_path(const struct srv_options *options)
     }
 }
 
-void srv_listener_tell_ready(int fd)
+static void tell(int fd, const char *byte)
 {
     if (fd >= 0) {
-        if (write(fd, "1", 1) != 1) {
+        if (write(fd, byte, 1) != 1) {
             srv_log(SRV_LOG_WARN, 0, "nobody waits on --ready-fd %d", fd);
         }
         close(fd);
     }
+}
+
+void srv_listener_tell_ready(int fd)
+{
+    tell(fd, "1");
+}
+
+void srv_listener_tell_held(int fd)
+{
+    tell(fd, "0");
 }
 
 static uint32_t fd_count_of(const struct srv_options *options)

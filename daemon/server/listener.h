@@ -37,8 +37,10 @@ int srv_listener_prepare_folder(const struct srv_options *options);
 int srv_listener_bind(const struct srv_options *options, int *fd);
 
 /* Tell whoever started us that clients can connect: the byte 1 to `fd`, which is closed;
- * nothing when it is negative. */
+ * nothing when it is negative. Or, the byte 0, that another daemon holds the path, and
+ * may not listen yet. */
 void srv_listener_tell_ready(int fd);
+void srv_listener_tell_held(int fd);
 
 /* Make room for the descriptors of all connections. [main] before there is a thread. */
 void srv_listener_make_room(const struct srv_options *options);

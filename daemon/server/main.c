@@ -112,6 +112,7 @@ static int run_locked(const struct srv_options *options, char **argv)
     if (status == PCCD_E_BUSY) {
         srv_log(SRV_LOG_ERROR, 0, "%s is served by process %ld already",
                 options->socket_path, (long)holder);
+        srv_listener_tell_held(options->ready_fd);
         return 1;
     }
     if (status != 0) {

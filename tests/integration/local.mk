@@ -2,6 +2,7 @@
 
 integration_names = \
     tests/integration/test_int_allow \
+    tests/integration/test_int_autostart \
     tests/integration/test_int_boxes \
     tests/integration/test_int_brief \
     tests/integration/test_int_choice \
@@ -74,6 +75,10 @@ tests_integration_test_int_direct_LDADD = $(integration_libs)
 # The programs that need no daemon, once more without one.
 TESTS += tests/integration/direct_check.sh
 dist_check_SCRIPTS += tests/integration/direct_check.sh
+
+tests_integration_test_int_autostart_SOURCES = tests/integration/test_int_autostart.c
+tests_integration_test_int_autostart_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_autostart_LDADD = $(integration_libs)
 
 tests_integration_test_int_boxes_SOURCES = tests/integration/test_int_boxes.c
 tests_integration_test_int_boxes_CPPFLAGS = $(integration_cppflags)

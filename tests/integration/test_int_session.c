@@ -1,7 +1,7 @@
 /* test_int_session.c - sessions with a real daemon: start, agree, share, end.
  *
  * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     hello, ping, stats, the lock, quotas, SIGTERM, clients that start a daemon.
+ * Does:     hello, ping, stats, the lock, quotas, SIGTERM.
  * Threads:  one; children are forked for what needs several processes.
  */
 #include <errno.h>
@@ -393,70 +393,6 @@ static void session__idle_daemon_ends_by_itself(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* Connect to the user's own daemon; the exit status says whether a step was right. */
-static int run_autostart_child(int pid_fd)
-{
-    struct pccd_client *client = NULL;
-    struct test_crossing crossing;
-    uint32_t pid;
-
-    if (pccd_connect(NULL, &client) != 0) {
-        fprintf(stderr, "# child: %s\n", pccd_error_text(NULL));
-        return 1;
-    }
-    pid = pccd_daemon_pid(client);
-    if (test_crossing_make(client, &crossing) != 0 || !test_crossing_turn(&crossing))
-        return 2;
-    pccd_close(client);
-    return write(pid_fd, &pid, sizeof(pid)) == (ssize_t)sizeof(pid) ? 0 : 3;
-}
-
-/* If it failed, programs that start together would not find the same daemon, or none. */
-static void session__clients_that_start_together_share_one_daemon(void **state)
-{
-    enum { CHILDREN = 6 };
-    char runtime[] = "/tmp/pccd-test-XXXXXX";
-    char path[64];
-    pid_t children[CHILDREN];
-    uint32_t pids[CHILDREN];
-    int fds[2];
-
-    (void)state;
-    assert_non_null(mkdtemp(runtime));
-    assert_int_equal(setenv("XDG_RUNTIME_DIR", runtime, 1), 0);
-    assert_int_equal(setenv("PCCD_DAEMON", getenv("PCCDD"), 1), 0);
-    assert_int_equal(unsetenv("PCCD_URL"), 0);
-    assert_int_equal(pipe(fds), 0);
-    for (int i = 0; i < CHILDREN; i++) {
-        children[i] = fork();
-        assert_true(children[i] >= 0);
-        if (children[i] == 0)
-            _exit(run_autostart_child(fds[1]));
-    }
-    for (int i = 0; i < CHILDREN; i++) {
-        int status = 0;
-
-        assert_int_equal(waitpid(children[i], &status, 0), children[i]);
-        assert_true(WIFEXITED(status));
-        assert_int_equal(WEXITSTATUS(status), 0);
-        assert_int_equal(read(fds[0], &pids[i], sizeof(pids[i])), sizeof(pids[i]));
-    }
-    for (int i = 1; i < CHILDREN; i++)
-        assert_int_equal(pids[i], pids[0]);
-    (void)close(fds[0]);
-    (void)close(fds[1]);
-    /* It is nobody's child: this process must not be able to wait for it. */
-    assert_int_equal(waitpid((pid_t)pids[0], NULL, WNOHANG), -1);
-    assert_int_equal(errno, ECHILD);
-    assert_int_equal(kill((pid_t)pids[0], SIGTERM), 0);
-    for (int i = 0; i < 2000 && kill((pid_t)pids[0], 0) == 0; i++)
-        test_sleep_ms(5);
-    (void)snprintf(path, sizeof(path), "%s/pccd/pccd.sock", runtime);
-    assert_int_not_equal(access(path, F_OK), 0);
-    (void)snprintf(path, sizeof(path), "rm -rf %s", runtime);
-    assert_int_equal(system(path), 0);
-}
-
 /* If it failed, a program would wait for a daemon that cannot be, or get one unasked. */
 static void session__no_daemon_is_an_error_with_a_text(void **state)
 {
@@ -590,7 +526,6 @@ int main(void)
         cmocka_unit_test(session__meshes_triangles_and_memory_have_quotas),
         cmocka_unit_test(session__sigterm_answers_what_is_in_flight),
         cmocka_unit_test(session__idle_daemon_ends_by_itself),
-        cmocka_unit_test(session__clients_that_start_together_share_one_daemon),
         cmocka_unit_test(session__wrong_options_are_refused),
         cmocka_unit_test(session__null_arguments_are_refused),
         cmocka_unit_test(session__no_daemon_is_an_error_with_a_text),

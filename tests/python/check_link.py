@@ -6,6 +6,7 @@ Does:     urls, daemons that are started, workers killed at every moment of a cl
 """
 
 import contextlib
+import fcntl
 import gc
 import os
 import select
@@ -94,6 +95,23 @@ class Ways(Case):
                 self.assertEqual(first.url, "unix:" + pccd.default_socket_path())
                 pid = first.daemon_pid
             self.assertTrue(is_running(pid))
+            os.kill(pid, signal.SIGTERM)
+            self.assertTrue(ends(pid))
+
+    # If this failed, of clients that start together some would say that their daemon
+    # ended at once where the one that has the lock takes seconds to listen.
+    def test_user_daemon__that_has_the_lock_is_waited_for(self):
+        with tempfile.TemporaryDirectory() as runtime, \
+                mock.patch.dict(os.environ, {"XDG_RUNTIME_DIR": runtime}):
+            os.mkdir(runtime + "/pccd", 0o700)
+            lock = os.open(runtime + "/pccd/pccd.sock.lock",
+                           os.O_RDWR | os.O_CREAT, 0o600)
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            leaves = threading.Timer(3, os.close, (lock,))
+            leaves.start()
+            with pccd.connect() as client:
+                pid = client.daemon_pid
+            leaves.join()
             os.kill(pid, signal.SIGTERM)
             self.assertTrue(ends(pid))
 

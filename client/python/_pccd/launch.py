@@ -20,6 +20,8 @@ from typing import List, Optional, Tuple
 from .values import SOCKET_BYTES, failure
 from .wire import Status
 
+READY, HELD = b"1", b"0"  # what a daemon says on its --ready-fd
+
 
 class Daemon:
     """A private daemon, and the folder of its socket."""
@@ -62,19 +64,20 @@ def find_program(asked: Optional[str]) -> str:
                   "module or in $PATH; PCCD_DAEMON=PROGRAM names one")
 
 
-def await_ready(fd: int, deadline: float) -> bool:
-    """Wait for the byte that says "listening". False: the daemon ended without it."""
+def await_ready(fd: int, deadline: float) -> bytes:
+    """Wait for the byte that says "listening" (READY), or that another daemon holds the
+    path (HELD). Empty: the daemon ended without either."""
     watched = select.poll()
     watched.register(fd, select.POLLIN)
     left = max(0.0, deadline - time.monotonic())
     if not watched.poll(math.ceil(left * 1000)):
         raise failure(Status.E_TIMEOUT, "the daemon that was started does not get ready")
-    return os.read(fd, 1) != b""
+    return os.read(fd, 1)
 
 
 def start_daemon(arguments: List[str],
-                 deadline: float) -> Tuple[subprocess.Popen[bytes], bool]:
-    """Run a daemon and wait until it listens. Its messages go to $PCCD_LOG."""
+                 deadline: float) -> Tuple[subprocess.Popen[bytes], bytes]:
+    """Run a daemon and wait for its word. Its messages go to $PCCD_LOG."""
     log = os.environ.get("PCCD_LOG") or os.devnull
     ready_fd, its_fd = os.pipe()
     try:
@@ -115,17 +118,16 @@ def launch_private(daemon: Daemon, program: Optional[str], deadline: float) -> s
     else:
         raise failure(Status.E_SYSTEM, "no folder for a private daemon's socket")
     path = daemon.folder + "/pccd.sock"
-    daemon.process, ready = start_daemon([found, "--socket", path, "--private"], deadline)
-    if not ready:
+    daemon.process, word = start_daemon([found, "--socket", path, "--private"], deadline)
+    if word != READY:
         raise failure(Status.E_NODAEMON,
                       f"{found} ended at once; PCCD_LOG=FILE shows what it says")
     return path
 
 
-def launch_user(program: Optional[str], path: str, deadline: float) -> bool:
-    """The user's own daemon, nobody's child. False: it ended at once, as one does that
-    finds another serving."""
-    process, ready = start_daemon(["/bin/sh", "-c", '"$0" "$@" &', find_program(program),
+def launch_user(program: Optional[str], path: str, deadline: float) -> bytes:
+    """The user's own daemon, nobody's child. Its word: see await_ready."""
+    process, word = start_daemon(["/bin/sh", "-c", '"$0" "$@" &', find_program(program),
                              "--socket", path, "--idle-exit", "30"], deadline)
     process.wait()
-    return ready
+    return word

@@ -17,7 +17,7 @@ import time
 
 import msgpack  # type: ignore
 
-from .launch import Daemon, launch_private, launch_user
+from .launch import HELD, READY, Daemon, launch_private, launch_user
 from .link import Link
 from .values import Options, PccdError, failure
 from .wire import VERSION_MAX, VERSION_MIN, Status
@@ -156,11 +156,12 @@ class Reach(Link):
 
     def _connect_user(self, deadline: float) -> None:
         """Of two clients that start a daemon at the same time its lock lets one through;
-        the other's ends, and both connect to the first."""
-        is_ready = True
-        for start in range(STARTS + 1):
+        the other's ends, and both connect to the first, whenever that has come to listen;
+        or it is about to end, and then the next one is started."""
+        start, word = 0, READY
+        while True:
             try:
-                if start == 0:
+                if start == 0 and word == READY:
                     self._open_first(deadline)
                 else:
                     self._retry_first(deadline)
@@ -169,11 +170,12 @@ class Reach(Link):
                 if problem.status not in RETRIED or not self._options.autostart or \
                         start == STARTS:
                     raise
-                if not is_ready:
+                if not word:
                     raise failure(Status.E_NODAEMON, "the daemon that was started for "
                                   f"{self._path} ended at once; PCCD_LOG=FILE shows "
                                   "what it says") from None
-            is_ready = launch_user(self._options.daemon, self._path, deadline)
+            word = launch_user(self._options.daemon, self._path, deadline)
+            start += word != HELD or time.monotonic() >= deadline
 
     def _connect(self, way: str, path: str) -> None:
         deadline = self._deadline()
