@@ -9,8 +9,9 @@ bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild \
     bench/kernels bench/roofline bench/wide bench/ipc bench/direct
 check_PROGRAMS += $(bench_names)
 
+# -iquote: bench/compare is no header of C++, <compare> is.
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"' \
-    -I$(top_srcdir)/bench -I$(top_srcdir)/bench/scenes
+    -iquote $(top_srcdir)/bench -I$(top_srcdir)/bench/scenes
 bench_engine_cppflags = $(bench_cppflags) $(ENGINE_CPPFLAGS) \
     -I$(top_srcdir)/tests/support
 bench_scenes_sources = \
@@ -126,9 +127,9 @@ bench_direct_CPPFLAGS = $(bench_cppflags) -iquote $(top_srcdir)/client/lib \
     -iquote $(top_srcdir)/proto -I$(top_srcdir)/tests/support
 bench_direct_LDADD = libpccd.la $(GMP_LIBS) $(LIBM)
 
-TESTS += bench/smoke.sh
-dist_check_SCRIPTS += bench/smoke.sh
-EXTRA_DIST += bench/README.md bench/python.py
+TESTS += bench/smoke.sh bench/compare_smoke.sh
+dist_check_SCRIPTS += bench/smoke.sh bench/compare_smoke.sh
+EXTRA_DIST += bench/README.md bench/compare bench/python.py
 
 # The Python client beside libpccd.
 PYTHON_ROUNDS = 40

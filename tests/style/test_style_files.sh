@@ -11,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 cd "$top_srcdir" || exit 99
 mapfile -t sources < <(find proto daemon client bench tests \( -name '*.[ch]' -o -name '*.cc' \) |
     LC_ALL=C sort)
-mapfile -t scripts < <(find client bench tests -name '*.py' | LC_ALL=C sort)
+mapfile -t scripts < <(find client bench tests -name '*.py' -o -path bench/compare | LC_ALL=C sort)
 mapfile -t texts < <(find proto daemon client bench tests \
     \( -name '*.[ch]' -o -name '*.cc' -o -name '*.def' -o -name '*.mk' -o -name '*.sh' -o -name '*.md' \
     -o -name '*.map' -o -name '*.py' \) | LC_ALL=C sort)
