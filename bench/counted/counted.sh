@@ -25,7 +25,7 @@ trap 'rm -rf "$work"' EXIT
 export GOMP_SPINCOUNT=2000 # else pccd-bench starts itself anew, with it
 worse=0
 
-# Set, scene, steps. The first set takes a second or two; the recorded scenes need $PCCD_DATA.
+# Set, scene, steps. The first set takes seconds; the recorded scenes need $PCCD_DATA.
 scenes='
 check cloth-20k 60-63
 check crumpled 0-3
