@@ -87,7 +87,10 @@ static void brief__small_steps_are_answered_by_the_loop(void **state)
     if (test_is_direct()) {
         assert_int_equal(there, 0);
     } else {
-        assert_true(there > TURNS / 4 && there <= 2 * TURNS);
+        assert_true(there <= 2 * TURNS);
+#ifndef PCCD_SANITIZED /* which takes ten times as long */
+        assert_true(there > 0);
+#endif
     }
 }
 
@@ -151,14 +154,14 @@ static void brief__nothing_is_the_loops_while_another_step_runs(void **state)
     for (int i = 0; i < 10; i++) {
         move(crossing, -crossing->z, &wide);
     }
-    for (int i = 0; i < 5; i++) {
+    /* On a busy machine the large step may have ended when we go on. */
+    for (int i = 0; i < (test_is_direct() ? 3 : 100) && behind == 0; i++) {
         uint64_t before = brief(crossing);
         struct pccd_answer answer;
 
         assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
         answer = move(crossing, -crossing->z, &wide);
         assert_true(answer.total > 0);
-        /* Unless we were not let run before the large step had ended. */
         if (brief(crossing) == before) {
             behind += answer.times.queue > 100000;
         }

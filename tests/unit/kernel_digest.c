@@ -132,6 +132,8 @@ static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
     uint64_t unite = DIGEST_BEGIN;
     uint64_t fold = DIGEST_BEGIN;
     for (int swept = 1; swept >= 0; swept--) {
+        /* Of swept boxes one end is written: the other is what was there before. */
+        memset(ground->blocks, 0, sizeof ground->blocks);
         for (uint32_t count = POINTS - 17; count <= POINTS; count++) {
             kernels->box_points(ground->points, count, swept == 1, ground->boxes);
             points = digest_boxes(points, ground->boxes, count);
