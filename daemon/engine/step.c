@@ -77,7 +77,6 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     team->scene = scene;
     team->method = method == ENG_METHOD_WIDE ? &eng_method_wide : &eng_method_paper;
     team->count = threads_for(scene, settings);
-    team->low_end_ns = 0;
     eng_refit_begin(team);
     int status = eng_step_memory_reserve(memory, team->count);
     team->workers = memory->workers;
@@ -138,6 +137,18 @@ static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool b
     eng_refit_release(team);
 }
 
+/* Low-level nodes are done when the first thread knows: none has begun with high-level
+ * ones before, and all have ended with these. `end_ns` where there are none. */
+static uint64_t low_end_of(const struct eng_team *team, uint64_t end_ns)
+{
+    uint64_t low_end_ns = end_ns;
+    for (uint32_t i = 0; i < team->count; i++) {
+        uint64_t known_ns = team->workers[i]->low_end_ns;
+        low_end_ns = known_ns > 0 && known_ns < low_end_ns ? known_ns : low_end_ns;
+    }
+    return low_end_ns;
+}
+
 /* The same by a team, which goes on to merge what it found. Its size may turn out smaller
  * than asked for: the refit asks the runtime; everything after it, the team. */
 static uint64_t run_together(struct eng_team *team, struct eng_step_times *times)
@@ -174,7 +185,7 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
     }
     uint64_t merge_ns = team->scene->memory->merge.begin_ns;
     uint64_t end_ns = merge_ns > 0 ? merge_ns : eng_now_ns();
-    uint64_t low_end_ns = team->low_end_ns > 0 ? team->low_end_ns : end_ns;
+    uint64_t low_end_ns = low_end_of(team, end_ns);
     times->refit = team->refit_end_ns - begin_ns;
     times->low = low_end_ns - team->refit_end_ns;
     times->high = end_ns - low_end_ns;

@@ -218,8 +218,6 @@ void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker)
 {
     perform_all_units(team, worker);
     eng_wait_for_all(worker);
-    if (worker->thread == 0) {
-        team->low_end_ns = eng_now_ns();
-    }
+    worker->low_end_ns = eng_now_ns();
     team->method->finish_units(team, worker);
 }

@@ -34,8 +34,6 @@ struct eng_team {
     struct eng_refit_plan *plan;
     struct eng_assignment *assignment; /* the paper's scheduler */
     uint64_t refit_end_ns;             /* written by the thread that ended the refit */
-    uint64_t
-        low_end_ns; /* low-level nodes done: written by thread 0; 0: there are none */
     struct eng_refit_progress refit;
     _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */
 };

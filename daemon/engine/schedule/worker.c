@@ -80,6 +80,7 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
     worker->vf.count = 0;
     worker->ee.count = 0;
     worker->exact.queries = 0;
+    worker->low_end_ns = 0;
     worker->possible_seen = 0;
     worker->proved_seen = 0;
     memset(&worker->record, 0, sizeof worker->record);

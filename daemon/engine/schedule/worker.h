@@ -112,6 +112,8 @@ struct eng_worker {
     uint32_t split_capacity;
     struct eng_thread_record record;
     struct eng_tally tally;
+    uint64_t low_end_ns;    /* the paper's scheduler: when it knew that all were done with
+                             * low-level nodes; else 0 */
     uint64_t possible_seen; /* mode any */
     uint64_t proved_seen;
 };
