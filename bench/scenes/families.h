@@ -42,6 +42,8 @@ void bench_make_bodies(struct bench_scene *scene, bool small);
  * object; as many contacts a triangle in any size. The other one has 10 million. */
 void bench_make_layers(struct bench_scene *scene, uint32_t layer_count, uint32_t side);
 void bench_make_layers_10m(struct bench_scene *scene, bool small);
+/* Two sheets, of which `count` vertices of the one pass through the other to and fro. */
+void bench_make_crossing(struct bench_scene *scene, uint32_t side, uint32_t count);
 
 /* recorded.c: from one frame of $PCCD_DATA to another with the same faces, in `steps` of
  * equal length. False: they are not there. */

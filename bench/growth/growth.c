@@ -1,0 +1,252 @@
+/* bench/growth/growth.c - time and memory against the size of a scene, and its contacts.
+ *
+ * Room:     bench; engine headers.
+ * Does:     step stacks of layers of 1 K to 10 M triangles, as many contacts a triangle
+ *           in each; step two sheets of one size of which more and more passes through
+ *           the other. A line of CSV each: size.csv and contacts.csv.
+ * Does not: fit or draw: fit.awk and *.gp do.
+ * Threads:  one, but for the team of --threads.
+ */
+#include <argp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "families.h"
+#include "memory.h"
+#include "place.h"
+#include "resident.h"
+#include "step_memory.h"
+#include "world.h"
+
+#define LAYERS       8u
+#define HALF_DECADES 8   /* 10^3 .. 10^7 triangles */
+#define PAPER_MOST   4e5 /* triangles, for the method paper */
+#define REGISTERED   2u  /* times, for the least */
+#define WARM_UP      2u
+#define STEPS        5u
+#define CROSSING     361u /* vertices on a side: 518 400 triangles in two sheets */
+
+struct options {
+    const char *into;
+    bool smoke;
+    uint32_t threads;
+};
+
+/* What a scene took; times are the least of its steps, ms. */
+struct growth {
+    double triangles;
+    double register_ms;
+    double step_ms, refit_ms, traversal_ms, tests_ms, merge_ms;
+    double candidates, contacts;
+    /* Bytes that the engine holds: after the scene was made, after its steps; of these,
+     * what the steps leave for the next, records above all. What the process has grown
+     * by. */
+    double registered_bytes, scene_bytes, records_bytes, process_bytes;
+};
+
+static double process_bytes(void)
+{
+    unsigned long pages[2] = {0, 0};
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (!file || fscanf(file, "%lu %lu", &pages[0], &pages[1]) != 2) {
+        perror("/proc/self/statm");
+        exit(2);
+    }
+    fclose(file);
+    return (double)pages[1] * (double)sysconf(_SC_PAGESIZE);
+}
+
+static void keep_least(double *least, uint64_t ns)
+{
+    double ms = (double)ns * 1e-6;
+    *least = *least > 0 && *least < ms ? *least : ms;
+}
+
+static void keep_step(struct growth *growth, const struct eng_step_result *result)
+{
+    const struct eng_step_times *times = &result->times;
+    const struct eng_step_counters *counters = &result->counters;
+    keep_least(&growth->step_ms, times->step);
+    keep_least(&growth->refit_ms, times->refit);
+    keep_least(&growth->traversal_ms, times->traversal);
+    keep_least(&growth->tests_ms, times->tests);
+    keep_least(&growth->merge_ms, times->merge);
+    growth->candidates = (double)(counters->candidates_vf + counters->candidates_ee);
+    growth->contacts = (double)result->count;
+}
+
+static struct growth measure(const struct bench_scene *scene, enum eng_method method,
+                             const struct options *options)
+{
+    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
+    struct growth growth = {.triangles = (double)bench_scene_triangles(scene)};
+    struct eng_places places;
+    struct eng_step_result result;
+    struct bench_frames frames;
+    struct bench_world world;
+    uint32_t steps = options->smoke ? 2 : STEPS;
+    settings.method = method;
+    settings.threads = options->threads;
+    settings.places = &places;
+    eng_places_init(&places);
+    bench_frames_init(&frames, scene, 0);
+    double process_before = process_bytes();
+    double bytes_before = (double)eng_alloc_bytes();
+    for (uint32_t i = 0; i < REGISTERED; i++) {
+        if (i > 0) {
+            bench_world_deinit(&world);
+        }
+        uint64_t begin_ns = bench_now_ns();
+        bench_world_init(&world, &frames, NULL);
+        keep_least(&growth.register_ms, bench_now_ns() - begin_ns);
+    }
+    growth.registered_bytes = (double)eng_alloc_bytes() - bytes_before;
+    for (uint32_t i = 0; i < WARM_UP + steps; i++) {
+        bench_frames_seek(&frames, i);
+        bench_world_step(&world, &frames, &settings, &result);
+        bench_check(result.incomplete == ENG_COMPLETE, scene->name, "incomplete");
+        if (i >= WARM_UP) {
+            keep_step(&growth, &result);
+        }
+    }
+    growth.records_bytes = (double)eng_step_memory_bytes(world.scene->memory);
+    growth.scene_bytes = (double)eng_alloc_bytes() - bytes_before - growth.records_bytes;
+    growth.process_bytes = process_bytes() - process_before;
+    bench_world_deinit(&world);
+    bench_frames_deinit(&frames);
+    return growth;
+}
+
+/* ---- output ------------------------------------------------------------------------ */
+
+static FILE *begin(const struct options *options, const char *name)
+{
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s/%s", options->into, name);
+    FILE *csv = fopen(path, "w");
+    if (!csv) {
+        perror(path);
+        exit(2);
+    }
+    fputs("method,threads,triangles,contacts,candidates,register_ms,step_ms,refit_ms,"
+          "traversal_ms,tests_ms,merge_ms,registered_bytes,scene_bytes,records_bytes,"
+          "process_bytes\n",
+          csv);
+    return csv;
+}
+
+static void write_row(FILE *csv, const char *method, const struct growth *growth,
+                      const struct options *options)
+{
+    const struct growth *g = growth;
+    fprintf(csv,
+            "%s,%u,%.0f,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.0f,%.0f,%.0f,%.0f\n",
+            method, options->threads, g->triangles, g->contacts, g->candidates,
+            g->register_ms, g->step_ms, g->refit_ms, g->traversal_ms, g->tests_ms,
+            g->merge_ms, g->registered_bytes, g->scene_bytes, g->records_bytes,
+            g->process_bytes);
+    fflush(csv);
+    printf("%-6s %9.0f triangles %8.0f contacts: register %9.2f ms, step %9.3f ms; "
+           "bytes a triangle: %4.0f registered, %4.0f resident, and %4.0f of answers\n",
+           method, g->triangles, g->contacts, g->register_ms, g->step_ms,
+           g->registered_bytes / g->triangles, g->scene_bytes / g->triangles,
+           g->records_bytes / g->triangles);
+    fflush(stdout);
+}
+
+static void close_csv(FILE *csv)
+{
+    if (fclose(csv) != 0) {
+        perror("growth");
+        exit(2);
+    }
+}
+
+/* ---- sizes ------------------------------------------------------------------------- */
+
+static void grow_size(const struct options *options)
+{
+    FILE *csv = begin(options, "size.csv");
+    for (int i = 0; i <= (options->smoke ? 2 : HALF_DECADES); i++) {
+        double triangles = 1000 * pow(10, 0.5 * i);
+        struct bench_scene scene;
+        memset(&scene, 0, sizeof scene);
+        scene.name = "layers";
+        bench_make_layers(&scene, LAYERS,
+                          (uint32_t)(sqrt(triangles / (2 * LAYERS)) + 1.5));
+        struct growth growth = measure(&scene, ENG_METHOD_WIDE, options);
+        write_row(csv, "wide", &growth, options);
+        if (triangles < PAPER_MOST) {
+            growth = measure(&scene, ENG_METHOD_PAPER, options);
+            write_row(csv, "paper", &growth, options);
+        }
+        bench_scene_free(&scene);
+    }
+    close_csv(csv);
+}
+
+/* ---- contacts ---------------------------------------------------------------------- */
+
+static void grow_contacts(const struct options *options)
+{
+    uint32_t side = options->smoke ? 13 : CROSSING;
+    uint32_t all = side * side;
+    FILE *csv = begin(options, "contacts.csv");
+    for (int i = -1; i <= 20; i++) {
+        /* None; then of all vertices a share that grows by half a decade each time. */
+        double share = i < 0 ? 0 : pow(10, 0.5 * (i - 10));
+        uint32_t crossing = (uint32_t)(share * all);
+        if ((i >= 0 && crossing == 0) || share > 1) {
+            continue;
+        }
+        struct bench_scene scene;
+        memset(&scene, 0, sizeof scene);
+        scene.name = "crossing";
+        bench_make_crossing(&scene, side, crossing);
+        struct growth growth = measure(&scene, ENG_METHOD_WIDE, options);
+        write_row(csv, "wide", &growth, options);
+        bench_scene_free(&scene);
+    }
+    close_csv(csv);
+}
+
+/* ---- options ----------------------------------------------------------------------- */
+
+static error_t parse(int key, char *value, struct argp_state *state)
+{
+    struct options *options = state->input;
+    if (key == 's') {
+        options->smoke = true;
+    } else if (key == 't') {
+        options->threads = (uint32_t)strtoul(value, NULL, 10);
+        if (options->threads < 1 || options->threads > 256) {
+            argp_error(state, "--threads: %s is not 1 to 256", value);
+        }
+    } else if (key == 'i') {
+        options->into = value;
+    } else {
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct argp_option list[] = {
+        {"into", 'i', "FOLDER", 0, "Where size.csv and contacts.csv go (default: .)", 0},
+        {"smoke", 's', NULL, 0, "Tiny scenes: does it still run?", 0},
+        {"threads", 't', "N", 0, "At most N threads a step (default: 1)", 0},
+        {NULL, 0, NULL, 0, NULL, 0}};
+    static const struct argp argp = {
+        list, parse, NULL, "Time and memory against triangles and contacts.",
+        NULL, NULL,  NULL};
+    struct options options = {.into = ".", .threads = 1};
+    bench_team_environment(argv);
+    argp_parse(&argp, argc, argv, 0, NULL, &options);
+    grow_size(&options);
+    grow_contacts(&options);
+    return bench_end();
+}

@@ -1,0 +1,24 @@
+# bench/growth/local.mk - time and memory against triangles, contacts and clients.
+#
+# make bench-growth                     CSV, exponents and figures in bench/growth/results
+#                                       of the build; minutes, and 8 GiB of memory
+# make bench-growth GROWTH_INTO=FOLDER  somewhere else
+
+check_PROGRAMS += bench/growth/growth
+bench_growth_growth_SOURCES = bench/growth/growth.c $(bench_engine_sources)
+bench_growth_growth_CPPFLAGS = $(bench_engine_cppflags)
+bench_growth_growth_LDADD = $(bench_engine_libs)
+
+TESTS += bench/growth/smoke.sh
+dist_check_SCRIPTS += bench/growth/smoke.sh bench/growth/growth.sh
+EXTRA_DIST += bench/growth/fit.awk bench/growth/growth.gp
+
+GROWTH_INTO = bench/growth/results
+.PHONY: bench-growth
+bench-growth: bench/growth/growth$(EXEEXT) pccdd$(EXEEXT) pccd-load$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/bench/growth/growth.sh $(GROWTH_INTO)
+
+clean-local: clean-bench-growth
+clean-bench-growth:
+	rm -rf bench/growth/results
+.PHONY: clean-bench-growth
