@@ -11,8 +11,14 @@
 set -u -o pipefail
 : "${top_srcdir:?is set by make}" "${top_builddir:?is set by make}"
 smoke=
-[ "$1" = --smoke ] && { smoke=--smoke; shift; }
-folder=$1
+folder=
+for word; do
+    case $word in
+        --smoke) smoke=--smoke ;;
+        *) folder=$word ;;
+    esac
+done
+: "${folder:?is where the results go}"
 here=$top_srcdir/bench/growth
 mkdir -p "$folder" || exit 1
 
