@@ -9,7 +9,7 @@
 #           ask for the same number of steps), fit, draw.
 
 set -u -o pipefail
-: "${top_srcdir:?is set by make}" "${top_builddir:?is set by make}"
+: "${top_srcdir:?is set by make}" "${top_builddir:=.}"
 smoke=
 folder=
 for word; do
