@@ -32,6 +32,7 @@ client/examples     client/lib+
 bench/scenes        tests/support
 bench               proto daemon/engine client/lib+ tests/support bench/scenes
 bench/model         bench daemon/engine bench/scenes
+bench/growth        bench daemon/engine bench/scenes
 bench/paper         bench daemon/engine bench/scenes
 bench/peers         bench daemon/engine bench/scenes
 bench/redis         bench proto client/lib+
