@@ -69,7 +69,7 @@ steps() {
 }
 
 growth() {
-    bash "$top_srcdir/bench/growth/growth.sh" "$into" "${smoke[@]}"
+    bash "$top_srcdir/bench/growth/growth.sh" "$into" "${smoke[@]}" >"$into/growth.txt"
 }
 
 figures() {

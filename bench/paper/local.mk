@@ -40,6 +40,6 @@ endif
 
 .PHONY: bench
 bench: bench/pccd-bench bench/paper/sequence bench/model/model bench/roofline bench/wide \
-    $(bench_paper_peers)
+    bench/growth/growth pccdd pccd-load $(bench_paper_peers)
 	@$(AM_TESTS_ENVIRONMENT) \
 	$(srcdir)/bench/paper/evaluate.sh "$(BENCH_INTO)" $(BENCH_PARTS)

@@ -36,7 +36,7 @@ do for [scene in scenes] {
         print line(model, scene, 8, scene . ", predicted, 8")
         bars = bars + 1
     }
-    if (most > 1) {
+    if (most > 1 && part(measured, scene, most, 'ms') > 0) {
         print line(measured, scene, most, sprintf("%s, measured, %d", scene, most))
         bars = bars + 1
     }
