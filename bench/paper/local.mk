@@ -26,7 +26,9 @@ EXTRA_DIST += \
     bench/paper/rates.gp \
     bench/paper/shares.gp \
     bench/paper/speedup.gp \
-    bench/paper/table.awk
+    bench/paper/table.awk \
+    bench/results/README.md \
+    bench/results/amd-epyc-2
 
 # The processor's name and how many there are, as a folder's name.
 BENCH_MACHINE = $$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1 | \

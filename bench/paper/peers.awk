@@ -43,7 +43,7 @@ field("unit") == "ms" {
     if (!(scene in seen)) { seen[scene] = 1; scenes[++count] = scene }
     if (what != "ours" && !(what in known)) { known[what] = 1; name[++libraries] = what }
     if (!(threads in is_p)) { is_p[threads] = 1; p[++counts] = threads }
-    ms[scene, what, threads, step] = field("p50")
+    ms[scene, what, threads, step] = field("p50") + 0
 }
 
 END {

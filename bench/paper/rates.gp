@@ -21,6 +21,7 @@ set multiplot layout words(told), 1 title "Frames a second, step after step"
 set logscale y
 set ylabel "frames / s"
 set key outside right top font ',9'
+set yrange [2:500]
 do for [scene in told] {
     set title scene
     set xlabel scene eq word(told, words(told)) ? "step" : ""
