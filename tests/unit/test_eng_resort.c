@@ -154,6 +154,58 @@ static void resort__forgets_what_it_began_when_objects_change(void **state)
     }
 }
 
+/* What is sorted, in no order at all. */
+static void spoil(struct eng_wide_resort *resort)
+{
+    const struct eng_object *object = &soup.scene->objects[soup.idx];
+    struct kit_random random = {17};
+    struct eng_split_item *part = resort->items;
+    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        uint32_t count = object->order->count[kind];
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t other = kit_below(&random, i + 1);
+            struct eng_split_item item = part[i];
+            part[i] = part[other];
+            part[other] = item;
+        }
+        part += count;
+    }
+}
+
+/* If it failed: what winds itself up would be twice as slow from the day on that a new
+ * order was tried; or it would be tried again and again. */
+static void resort__takes_back_an_order_that_is_worse(void **state)
+{
+    (void)state;
+    start();
+    struct eng_wide_resort *resort = &soup.scene->wide.resort;
+    step(ENG_MODE_PAIRS, 1);
+    struct eng_step_result good = step(ENG_MODE_PAIRS, 1);
+    resort->state = ENG_WIDE_WANTED;
+    while (resort->state != ENG_WIDE_SORTED) {
+        step(ENG_MODE_PAIRS, 1);
+    }
+    spoil(resort);
+    struct eng_step_result tried = step(ENG_MODE_PAIRS, 1);
+    assert_int_equal(tried.counters.swaps, 1);
+    assert_true(tried.counters.box_tests > 2 * good.counters.box_tests);
+    assert_int_equal(tried.hash_lo, good.hash_lo);
+    struct eng_step_result back = step(ENG_MODE_PAIRS, 1);
+    assert_int_equal(back.counters.swaps, 1);
+    assert_int_equal(back.counters.box_tests, good.counters.box_tests);
+    assert_int_equal(back.hash_lo, good.hash_lo);
+    assert_int_equal(resort->state, ENG_WIDE_IDLE);
+    assert_int_equal(eng_wide_resort_bytes(resort), 0);
+    /* As much as would ask for a sort, but for the one that was in vain. */
+    resort->least_tests[ENG_MODE_PAIRS] = good.counters.box_tests / 2;
+    step(ENG_MODE_PAIRS, 1);
+    assert_int_equal(resort->state, ENG_WIDE_IDLE);
+    resort->refused_tests[ENG_MODE_PAIRS] = good.counters.box_tests / 2;
+    step(ENG_MODE_PAIRS, 1);
+    assert_int_equal(resort->state, ENG_WIDE_WANTED);
+    end();
+}
+
 /* If it failed: a step that is cancelled, or past its deadline, would sort on; or a share
  * would be as long as an object is large. */
 static void resort__shares_are_short_and_end_with_the_step(void **state)
@@ -191,6 +243,7 @@ int main(void)
         cmocka_unit_test(resort__makes_a_mixed_soup_as_good_as_new),
         cmocka_unit_test(resort__leaves_a_good_order_alone),
         cmocka_unit_test(resort__forgets_what_it_began_when_objects_change),
+        cmocka_unit_test(resort__takes_back_an_order_that_is_worse),
         cmocka_unit_test(resort__shares_are_short_and_end_with_the_step),
     };
     return cmocka_run_group_tests_name("eng_resort", tests, NULL, NULL);

@@ -21,6 +21,14 @@
 #define GROWTH_NUM 5u
 #define GROWTH_DEN 4u
 
+/* A new order that asks for this much more than the one before it, in the next step, is
+ * taken back. */
+#define WORSE_NUM 9u
+#define WORSE_DEN 8u
+
+/* Times as many box tests as with an order taken back to, before another sort. */
+#define PATIENCE 2u
+
 /* Box tests below which it is not worth while: 0.2 ms. */
 #define TESTS_MIN 10000u
 
@@ -52,9 +60,17 @@ uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort)
     return resort->item_count * sizeof *resort->items;
 }
 
-void eng_wide_resort_unlearn(struct eng_wide_resort *resort)
+/* What the order at hand asks for is not known yet. */
+static void begin_anew(struct eng_wide_resort *resort)
 {
     memset(resort->least_tests, 0, sizeof resort->least_tests);
+}
+
+void eng_wide_resort_unlearn(struct eng_wide_resort *resort)
+{
+    begin_anew(resort);
+    memset(resort->last_tests, 0, sizeof resort->last_tests);
+    memset(resort->refused_tests, 0, sizeof resort->refused_tests);
 }
 
 /* Idle, and nothing known of the order at hand. */
@@ -97,21 +113,32 @@ static void begin(struct eng_wide_resort *resort, const struct eng_scene *scene)
     resort->state = ENG_WIDE_SORTING;
 }
 
-static void take(struct eng_wide_resort *resort, struct eng_scene *scene)
+/* The orders of the scene against those of the items. */
+static void exchange(struct eng_wide_resort *resort, struct eng_scene *scene)
 {
-    const struct eng_split_item *item = resort->items;
+    struct eng_split_item *item = resort->items;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
         for (int kind = 0; object->mesh && kind < ENG_WIDE_KINDS; kind++) {
             for (uint32_t k = 0; k < object->order->count[kind]; k++) {
-                object->order->feature[kind][k] = (item++)->id;
+                uint32_t before = object->order->feature[kind][k];
+                object->order->feature[kind][k] = item->id;
+                (item++)->id = before;
             }
         }
         resort->sorted_triangles += object->mesh ? object->mesh->info.triangle_count : 0;
     }
     resort->sorts++;
     scene->wide.is_stale = true;
-    forget(resort);
+    begin_anew(resort);
+}
+
+static void end(struct eng_wide_resort *resort)
+{
+    eng_free(resort->items);
+    resort->items = NULL;
+    resort->item_count = 0;
+    resort->state = ENG_WIDE_IDLE;
 }
 
 void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *scene)
@@ -121,7 +148,11 @@ void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *s
     if (scene->wide.is_stale) {
         forget(resort);
     } else if (resort->state == ENG_WIDE_SORTED) {
-        take(resort, scene);
+        exchange(resort, scene);
+        resort->state = ENG_WIDE_TRIED;
+    } else if (resort->state == ENG_WIDE_REFUSED) {
+        exchange(resort, scene);
+        end(resort);
     } else if (resort->state == ENG_WIDE_WANTED) {
         begin(resort, scene);
     }
@@ -195,11 +226,23 @@ void eng_wide_resort_learn(struct eng_wide_resort *resort, enum eng_mode mode,
                            uint64_t box_tests, uint64_t step_ns)
 {
     uint64_t *least = &resort->least_tests[mode];
+    uint64_t *last = &resort->last_tests[mode];
     uint64_t budget_ns = step_ns / BUDGET_PART;
     resort->budget_ns = budget_ns > BUDGET_MIN_NS ? budget_ns : BUDGET_MIN_NS;
+    if (resort->state == ENG_WIDE_TRIED && *last > 0) {
+        if (box_tests / WORSE_NUM > *last / WORSE_DEN) {
+            resort->state = ENG_WIDE_REFUSED;
+            resort->refused_tests[mode] = *last;
+            return;
+        }
+        resort->refused_tests[mode] = 0;
+        end(resort);
+    }
     if (resort->state == ENG_WIDE_IDLE && *least > 0 && box_tests >= TESTS_MIN &&
-        box_tests / GROWTH_NUM > *least / GROWTH_DEN) {
+        box_tests / GROWTH_NUM > *least / GROWTH_DEN &&
+        box_tests / PATIENCE >= resort->refused_tests[mode]) {
         resort->state = ENG_WIDE_WANTED;
     }
     *least = *least == 0 || box_tests < *least ? box_tests : *least;
+    *last = box_tests;
 }

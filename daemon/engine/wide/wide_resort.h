@@ -12,7 +12,12 @@
  * from where the features were in the step at hand: that some places are a few steps old
  * costs a little quality and nothing else.
  *
- *   idle -> wanted -> sorting -> sorted -> (taken) idle
+ * Where layers wind about each other the new order may well be the worse one: the old one
+ * is kept until a step has shown what the new one asks for, and taken back if that is
+ * more. Then no sort is wanted until steps ask for twice as much as with it.
+ *
+ *   idle -> wanted -> sorting -> sorted -> (taken) tried -> idle
+ *                                                        -> refused -> (taken back) idle
  */
 #ifndef ENG_WIDE_RESORT_H
 #define ENG_WIDE_RESORT_H
@@ -29,15 +34,20 @@ enum eng_wide_resort_state {
     ENG_WIDE_IDLE,
     ENG_WIDE_WANTED, /* the next step makes room for it */
     ENG_WIDE_SORTING,
-    ENG_WIDE_SORTED /* the next step takes it */
+    ENG_WIDE_SORTED, /* the next step takes it */
+    ENG_WIDE_TRIED,  /* taken; `items` have the order before */
+    ENG_WIDE_REFUSED /* the next step takes that back */
 };
 
 struct eng_wide_resort {
     enum eng_wide_resort_state state;
     /* Box tests of the cheapest step since the last sort, by mode; 0: none yet. */
     uint64_t least_tests[ENG_MODE_PAIRS + 1];
-    uint64_t budget_ns; /* of a step's share */
-    uint64_t sorts;     /* taken in this step, with their triangles */
+    /* Of the last step in each mode, with the order before the one that is tried. */
+    uint64_t last_tests[ENG_MODE_PAIRS + 1];
+    uint64_t refused_tests[ENG_MODE_PAIRS + 1]; /* of the order that was taken back to */
+    uint64_t budget_ns;                         /* of a step's share */
+    uint64_t sorts; /* taken in this step, with their triangles */
     uint64_t sorted_triangles;
     /* While sorting: features of all objects, object by object, tree by tree. */
     struct eng_split_item *items; /* [item_count] */
