@@ -73,13 +73,18 @@ void eng_wide_resort_unlearn(struct eng_wide_resort *resort)
     memset(resort->refused_tests, 0, sizeof resort->refused_tests);
 }
 
-/* Idle, and nothing known of the order at hand. */
-static void forget(struct eng_wide_resort *resort)
+static void end(struct eng_wide_resort *resort)
 {
     eng_free(resort->items);
     resort->items = NULL;
     resort->item_count = 0;
     resort->state = ENG_WIDE_IDLE;
+}
+
+/* Idle, and nothing known of the order at hand. */
+static void forget(struct eng_wide_resort *resort)
+{
+    end(resort);
     eng_wide_resort_unlearn(resort);
 }
 
@@ -131,14 +136,6 @@ static void exchange(struct eng_wide_resort *resort, struct eng_scene *scene)
     resort->sorts++;
     scene->wide.is_stale = true;
     begin_anew(resort);
-}
-
-static void end(struct eng_wide_resort *resort)
-{
-    eng_free(resort->items);
-    resort->items = NULL;
-    resort->item_count = 0;
-    resort->state = ENG_WIDE_IDLE;
 }
 
 void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *scene)
