@@ -79,7 +79,7 @@ void bench_work_init(struct bench_work *work, const struct bench_scene *source,
     memset(work, 0, sizeof *work);
     work->vf.kind = ENG_VF;
     work->ee.kind = ENG_EE;
-    bench_frames_init(&frames, source, 0);
+    bench_frames_init(&frames, source, source->hard_frame);
     bench_world_init(&work->world, &frames, NULL);
     bench_world_step(&work->world, &frames, &settings, &pairs);
     bench_frames_deinit(&frames);

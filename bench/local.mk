@@ -5,7 +5,7 @@
 # make bench-tables BENCH_ARGS=--json      one JSON line a row
 # make bench-tables BENCH_ARGS=cloth-20k   one scene
 
-bench_names = bench/census bench/step bench/parallel bench/small bench/rebuild \
+bench_names = bench/step bench/parallel bench/small bench/rebuild \
     bench/kernels bench/roofline bench/wide bench/ipc bench/direct
 check_PROGRAMS += $(bench_names)
 
@@ -51,10 +51,6 @@ bench_engine_sources = \
     bench/workload.h
 bench_engine_libs = libengine.la $(GMP_LIBS) $(LIBM)
 
-bench_census_SOURCES = bench/census.c $(bench_engine_sources)
-bench_census_CPPFLAGS = $(bench_engine_cppflags)
-bench_census_LDADD = $(bench_engine_libs)
-
 bench_step_SOURCES = bench/step.c $(bench_engine_sources)
 bench_step_CPPFLAGS = $(bench_engine_cppflags)
 bench_step_LDADD = $(bench_engine_libs)
@@ -67,7 +63,7 @@ bench_small_SOURCES = bench/small.c $(bench_engine_sources)
 bench_small_CPPFLAGS = $(bench_engine_cppflags)
 bench_small_LDADD = $(bench_engine_libs)
 
-bench_rebuild_SOURCES = bench/rebuild.c bench/story.c bench/story.h $(bench_engine_sources)
+bench_rebuild_SOURCES = bench/rebuild.c $(bench_engine_sources)
 bench_rebuild_CPPFLAGS = $(bench_engine_cppflags)
 bench_rebuild_LDADD = $(bench_engine_libs)
 

@@ -22,7 +22,6 @@
 #define PAIRS_MIN   9u
 #define SMOKE_PAIRS 2u
 #define CONFIG_NS   10000000000u /* about as long for each configuration of a scene */
-#define INTO_MOTION 10u          /* frames after the break, or the beginning */
 
 /* How the threads of a step work together. */
 struct config {
@@ -43,9 +42,9 @@ static const struct config configs[] = {
 #define CONFIGS (sizeof configs / sizeof configs[0])
 
 /* Scenes that are measured when none is named: the paper's and the nearest to them. */
-static const char *const usual[] = {"cloth-ball", "cloth-ball-fifth", "cloth-funnel",
-                                    "n-body",     "n-body-fifth",     "breaking",
-                                    "bodies",     NULL};
+static const char *const usual[] = {
+    "cloth-ball",   "cloth-ball-fifth", "cloth-funnel", "n-body",
+    "n-body-fifth", "breaking",         "bodies",       NULL};
 
 enum quantity {
     STEP_ONE,
@@ -223,15 +222,6 @@ static void print_rows(const struct run *run)
     }
 }
 
-/* Frames where the scene is in motion; the last ones of a short scene again and again. */
-static uint32_t frame_of(const struct bench_scene *source, uint32_t number)
-{
-    uint32_t first = source->break_frame + INTO_MOTION;
-    uint32_t steps = source->frame_count - 1;
-    first = first < steps ? first : 0;
-    return first + number % (steps - first);
-}
-
 static void side_init(struct run *run, struct side *side, const struct config *config,
                       uint32_t threads, const struct eng_places *places)
 {
@@ -255,14 +245,14 @@ static void measure(const struct bench_scene *source, const struct config *confi
     memset(&run, 0, sizeof run);
     run.source = source;
     run.config = config;
-    bench_frames_init(&run.frames, source, frame_of(source, 0));
+    bench_frames_init(&run.frames, source, source->hard_frame);
     side_init(&run, &run.one, config, 1, places);
     side_init(&run, &run.many, config, threads, places);
     for (uint32_t i = 0; i < WARM_PAIRS + PAIRS_MAX && good; i++) {
         if (i >= least && (options->smoke || bench_now_ns() - begin_ns > CONFIG_NS)) {
             break;
         }
-        bench_frames_seek(&run.frames, frame_of(source, i));
+        bench_frames_seek(&run.frames, bench_hard_step(source, i));
         good = take_pair(&run, i);
         if (good && i >= WARM_PAIRS) {
             keep(&run);

@@ -13,10 +13,9 @@
 #include <string.h>
 
 #include "build.h"
-#include "families.h"
 #include "place.h"
 #include "report.h"
-#include "story.h"
+#include "resident.h"
 #include "workload.h"
 #include "world.h"
 
@@ -37,8 +36,8 @@ struct record {
 };
 
 struct run {
-    const struct bench_story *story;
-    struct bench_telling telling;
+    const struct bench_scene *source;
+    struct bench_frames frames;
     struct bench_world worlds[WAYS];
     struct eng_step_settings settings;
     uint32_t steps;
@@ -68,7 +67,7 @@ static void step(struct run *run, enum way way, struct record *record, bool is_f
 {
     struct bench_world *world = &run->worlds[way];
     uint64_t anew_ns = way == ALWAYS ? build_anew(world->scene) : 0;
-    bench_world_step(world, &run->telling.frames, &run->settings, result);
+    bench_world_step(world, &run->frames, &run->settings, result);
     double step_ms = 1e-6 * (double)(result->times.step + anew_ns);
     if (is_first || step_ms < record->step_ms) {
         record->step_ms = step_ms;
@@ -80,11 +79,11 @@ static void step(struct run *run, enum way way, struct record *record, bool is_f
 
 static bool play_steps(struct run *run, bool is_first)
 {
-    const char *name = run->story->name;
+    const char *name = run->source->name;
     bool good = true;
     for (uint32_t from = 0; from < run->steps && good; from++) {
         struct eng_step_result results[WAYS];
-        bench_telling_seek(&run->telling, from);
+        bench_frames_seek(&run->frames, from);
         for (unsigned i = 0; i < WAYS; i++) {
             enum way way = (enum way)((from + i) % WAYS);
             step(run, way, &run->records[from][way], is_first, &results[way]);
@@ -103,16 +102,19 @@ static bool play_steps(struct run *run, bool is_first)
 
 static bool play_once(struct run *run, bool is_first)
 {
-    struct eng_scene_settings settings[WAYS];
+    bench_frames_init(&run->frames, run->source, 0);
     for (int way = 0; way < WAYS; way++) {
-        settings[way] = (struct eng_scene_settings)ENG_SCENE_SETTINGS_DEFAULT;
+        struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
         if (way != LAZY) {
-            settings[way].rebuild_ratio = 0;
+            settings.rebuild_ratio = 0;
         }
+        bench_world_init(&run->worlds[way], &run->frames, &settings);
     }
-    bench_telling_init(&run->telling, run->story, run->worlds, settings, WAYS);
     bool good = play_steps(run, is_first);
-    bench_telling_deinit(&run->telling);
+    for (int way = 0; way < WAYS; way++) {
+        bench_world_deinit(&run->worlds[way]);
+    }
+    bench_frames_deinit(&run->frames);
     return good;
 }
 
@@ -256,15 +258,15 @@ static void report_part(const struct run *run, const char *part, uint32_t first,
 /* Before the break there is hardly anything to rebuild: the parts are told apart. */
 static void report(const struct run *run, bool json)
 {
-    uint32_t at = run->story->scene->break_frame;
+    uint32_t at = run->source->break_frame;
     if (at == 0) {
-        report_part(run, run->story->name, 0, run->steps, json);
+        report_part(run, run->source->name, 0, run->steps, json);
         return;
     }
     char part[64];
-    snprintf(part, sizeof part, "%s, whole", run->story->name);
+    snprintf(part, sizeof part, "%s, whole", run->source->name);
     report_part(run, part, 0, at, json);
-    snprintf(part, sizeof part, "%s, in pieces", run->story->name);
+    snprintf(part, sizeof part, "%s, in pieces", run->source->name);
     report_part(run, part, at, run->steps, json);
 }
 
@@ -277,7 +279,7 @@ static void write_csv(const struct run *run, FILE *csv)
             const struct eng_step_counters *counters = &record->counters;
             fprintf(
                 csv, "%s,%u,%s,%u,%.6f,%.6f,%llu,%llu,%llu,%llu,%llu,%llu,%llu\n",
-                run->story->name, i, ways[way], run->settings.threads, record->step_ms,
+                run->source->name, i, ways[way], run->settings.threads, record->step_ms,
                 record->rebuild_ms, (unsigned long long)counters->box_tests,
                 (unsigned long long)(counters->candidates_vf + counters->candidates_ee),
                 (unsigned long long)record->contacts,
@@ -292,17 +294,17 @@ static void write_csv(const struct run *run, FILE *csv)
 
 /* ---- scenes --------------------------------------------------------------------- */
 
-static void measure(const struct bench_story *story, const struct eng_places *places,
+static void measure(const struct bench_scene *source, const struct eng_places *places,
                     uint32_t threads, const struct bench_options *options, FILE *csv)
 {
     struct run run;
     uint64_t begin_ns = bench_now_ns();
     memset(&run, 0, sizeof run);
-    run.story = story;
+    run.source = source;
     run.settings = bench_step_settings(ENG_MODE_ALL);
     run.settings.threads = threads;
     run.settings.places = places;
-    run.steps = bench_story_steps(story);
+    run.steps = source->frame_count - 1;
     run.records = bench_alloc(run.steps, sizeof *run.records);
     bool good = play_once(&run, true);
     for (uint32_t i = 1; i < REPEATS && good && !options->smoke; i++) {
@@ -317,24 +319,6 @@ static void measure(const struct bench_story *story, const struct eng_places *pl
         write_csv(&run, csv);
     }
     free(run.records);
-}
-
-/* The scene by itself and, if it breaks and there is one whole, that one before it. */
-static void measure_scene(const struct bench_scene *scene,
-                          const struct eng_places *places, uint32_t threads,
-                          const struct bench_options *options, FILE *csv)
-{
-    struct bench_story story = {scene->name, scene, NULL};
-    measure(&story, places, threads, options, csv);
-    if (strcmp(scene->name, "breaking") == 0) {
-        struct bench_scene whole;
-        memset(&whole, 0, sizeof whole);
-        whole.name = scene->name;
-        bench_make_breaking_whole(&whole, options->smoke);
-        story = (struct bench_story){"breaking-replaced", scene, &whole};
-        measure(&story, places, threads, options, csv);
-        bench_scene_free(&whole);
-    }
 }
 
 /* Sequences in which things change. */
@@ -369,7 +353,7 @@ int main(int argc, char **argv)
     eng_places_warm_up(&places, threads);
     struct bench_scene scene;
     for (unsigned i = 0; bench_next_scene(&options, usual, &i, &scene);) {
-        measure_scene(&scene, &places, threads, &options, csv);
+        measure(&scene, &places, threads, &options, csv);
         bench_scene_free(&scene);
     }
     if (csv) {

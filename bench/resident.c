@@ -69,9 +69,12 @@ void bench_world_deinit(struct bench_world *world)
     world->object_idx = NULL;
 }
 
-void bench_world_replace(struct bench_world *world, const struct bench_frames *frames,
-                         uint32_t object)
+void bench_world_follow(struct bench_world *world, const struct bench_frames *frames)
 {
+    uint32_t object = frames->told->break_object;
+    if (world->source == frames->scene) {
+        return;
+    }
     struct eng_mesh *mesh = make_mesh(frames, object);
     must(eng_scene_replace(world->scene, world->object_idx[object], mesh),
          "eng_scene_replace");
@@ -92,7 +95,8 @@ void bench_world_step(struct bench_world *world, const struct bench_frames *fram
                       const struct eng_step_settings *settings,
                       struct eng_step_result *result)
 {
-    const struct bench_scene *source = world->source;
+    const struct bench_scene *source = frames->scene;
+    bench_world_follow(world, frames);
     eng_stage_begin(world->scene);
     eng_stage_share(world->scene, settings->threads, settings->places);
     for (uint32_t i = 0; i < source->object_count; i++) {

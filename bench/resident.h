@@ -31,11 +31,9 @@ void bench_world_init(struct bench_world *world, const struct bench_frames *fram
                       const struct eng_scene_settings *settings);
 void bench_world_deinit(struct bench_world *world);
 
-/* Give one object the mesh that `frames` has in its place, at the start positions; from
- * now on the steps are of the scene of `frames`, which must be where this one stands and
- * have the same objects otherwise. */
-void bench_world_replace(struct bench_world *world, const struct bench_frames *frames,
-                         uint32_t object);
+/* Where the scene that is told has broken since the last step: give the object that did
+ * its new mesh, at the start positions of `frames`. A step does it first if nobody has. */
+void bench_world_follow(struct bench_world *world, const struct bench_frames *frames);
 
 /* All contacts or what the mode says, of one thread, none left out, by the
  * method paper. */

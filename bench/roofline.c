@@ -517,7 +517,7 @@ static void measure_scene(const struct bench_scene *source, unsigned repeats)
     struct bench_frames frames;
     struct bench_world world;
     bench_heading(source->name);
-    bench_frames_init(&frames, source, source->break_frame);
+    bench_frames_init(&frames, source, source->hard_frame);
     bench_world_init(&world, &frames, NULL);
     settings.method = ENG_METHOD_WIDE;
     bench_world_step(&world, &frames, &settings, &result);

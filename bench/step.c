@@ -1,8 +1,10 @@
-/* bench/step.c - whole steps of a scene: phases, modes, rebuilding, swept boxes.
+/* bench/step.c - what a resident scene, the modes and moving boxes save of a step.
  *
  * Room:     bench; engine headers.
  * Does:     in every frame do, one after the other, all that is compared, so that a busy
- *           machine hits both sides of a ratio; check that the answers agree.
+ *           machine hits both sides of a ratio; check that the answers agree. Of the
+ *           method paper, whose tree is walked.
+ * Does not: tell the phases of a step, or what it counts: bench/pccd-bench does.
  * Threads:  one; the engine uses as many as it says.
  */
 #include "step.h"
@@ -21,15 +23,9 @@
 #define SCENE_NS   8000000000u /* about as long for each scene */
 
 enum quantity {
-    INGEST,
-    REFIT,
     TRAVERSAL,
-    TESTS,
-    MERGE,
     STEP,
     AGAIN,
-    PER_CANDIDATE,
-    PER_SURVIVOR,
     REBUILD,
     FIRST,
     ANY,
@@ -38,10 +34,6 @@ enum quantity {
     WALK_SWEPT,
     LEAVES_MOVING,
     LEAVES_SWEPT,
-    CANDIDATES,
-    SURVIVORS,
-    EXACT,
-    CONTACTS,
     QUANTITIES
 };
 
@@ -51,15 +43,9 @@ static const struct {
     double scale; /* of the value that is kept */
     int base;     /* -1: no ratio */
 } quantities[QUANTITIES] = {
-    [INGEST] = {"ingest", "ms", 1e-6, -1},
-    [REFIT] = {"refit", "ms", 1e-6, -1},
     [TRAVERSAL] = {"traversal", "ms", 1e-6, WALK_MOVING},
-    [TESTS] = {"tests", "ms", 1e-6, -1},
-    [MERGE] = {"merge", "ms", 1e-6, -1},
     [STEP] = {"step, all", "ms", 1e-6, REBUILD},
     [AGAIN] = {"step, all, again", "ms", 1e-6, STEP},
-    [PER_CANDIDATE] = {"tests per candidate", "ns", 1, -1},
-    [PER_SURVIVOR] = {"tests per survivor", "ns", 1, -1},
     [REBUILD] = {"rebuild at every call", "ms", 1e-6, -1},
     [FIRST] = {"step, first", "ms", 1e-6, STEP},
     [ANY] = {"step, any", "ms", 1e-6, STEP},
@@ -68,10 +54,6 @@ static const struct {
     [WALK_SWEPT] = {"walk, swept boxes", "ms", 1e-6, -1},
     [LEAVES_MOVING] = {"leaf pairs, moving boxes", "pairs", 1, LEAVES_SWEPT},
     [LEAVES_SWEPT] = {"leaf pairs, swept boxes", "pairs", 1, -1},
-    [CANDIDATES] = {"candidates", "pairs", 1, -1},
-    [SURVIVORS] = {"survivors", "pairs", 1, CANDIDATES},
-    [EXACT] = {"exact queries", "pairs", 1, -1},
-    [CONTACTS] = {"contacts", "records", 1, -1},
 };
 
 struct run {
@@ -91,26 +73,6 @@ static void keep(struct run *run, enum quantity quantity, double value)
     if (run->keep) {
         bench_add(&run->samples[quantity], value * quantities[quantity].scale);
     }
-}
-
-static void keep_phases(struct run *run, const struct eng_step_result *result)
-{
-    const struct eng_step_counters *counters = &result->counters;
-    double candidates = (double)(counters->candidates_vf + counters->candidates_ee);
-    double survivors = (double)counters->survivors;
-    double tests_ns = (double)result->times.tests;
-    keep(run, INGEST, (double)result->times.ingest);
-    keep(run, REFIT, (double)result->times.refit);
-    keep(run, TRAVERSAL, (double)result->times.traversal);
-    keep(run, TESTS, tests_ns);
-    keep(run, MERGE, (double)result->times.merge);
-    keep(run, STEP, (double)result->times.step);
-    keep(run, PER_CANDIDATE, candidates > 0 ? tests_ns / candidates : 0);
-    keep(run, PER_SURVIVOR, survivors > 0 ? tests_ns / survivors : 0);
-    keep(run, CANDIDATES, candidates);
-    keep(run, SURVIVORS, survivors);
-    keep(run, EXACT, (double)counters->exact);
-    keep(run, CONTACTS, (double)result->count);
 }
 
 /* What a function that keeps nothing between calls would do: register, build, step, free.
@@ -191,7 +153,8 @@ static bool one_frame(struct run *run)
 {
     struct eng_step_result all;
     step(run, ENG_MODE_ALL, ENG_MODE_ALL, &all);
-    keep_phases(run, &all);
+    keep(run, STEP, (double)all.times.step);
+    keep(run, TRAVERSAL, (double)all.times.traversal);
     run->threads = all.threads;
     run->hash[0] = all.hash_hi;
     run->hash[1] = all.hash_lo;
@@ -223,7 +186,7 @@ static void measure(const struct bench_scene *source, bool smoke)
     bool good = true;
     memset(&run, 0, sizeof run);
     run.source = source;
-    bench_frames_init(&run.frames, source, 0);
+    bench_frames_init(&run.frames, source, source->hard_frame);
     for (int i = 0; i < WORLDS; i++) {
         bench_world_init(&run.worlds[i], &run.frames, NULL);
     }
@@ -233,7 +196,7 @@ static void measure(const struct bench_scene *source, bool smoke)
             break;
         }
         run.keep = i >= WARM_STEPS;
-        bench_frames_seek(&run.frames, i % (source->frame_count - 1));
+        bench_frames_seek(&run.frames, bench_hard_step(source, i));
         good = one_frame(&run);
     }
     if (good) {
@@ -259,7 +222,6 @@ int main(int argc, char **argv)
     struct bench_scene scene;
     for (unsigned i = 0; bench_next_scene(&options, NULL, &i, &scene);) {
         bench_heading(scene.name);
-        bench_number(scene.name, "vertices", "", scene.vertex_count);
         measure(&scene, options.smoke);
         bench_scene_free(&scene);
     }

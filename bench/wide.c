@@ -193,6 +193,12 @@ static void step(struct run *run, enum side_name name)
     take_in(side, result->hash_lo);
 }
 
+/* In a turn: of a recorded scene all, of a long one the hard step. */
+static uint32_t steps_of(const struct bench_scene *source)
+{
+    return source->hard_frame > 0 ? 1 : source->frame_count - 1;
+}
+
 static void take_steps(struct run *run, enum side_name name)
 {
     struct side *side = &run->sides[name];
@@ -200,8 +206,8 @@ static void take_steps(struct run *run, enum side_name name)
     side->round_cpu = 0;
     side->digest = 0;
     side->toi_first = 0;
-    for (uint32_t i = 0; i + 1 < run->source->frame_count; i++) {
-        bench_frames_seek(&run->frames, i);
+    for (uint32_t i = 0; i < steps_of(run->source); i++) {
+        bench_frames_seek(&run->frames, run->source->hard_frame + i);
         step(run, name);
     }
 }
@@ -210,7 +216,7 @@ static void take_steps(struct run *run, enum side_name name)
 static void take_turn(struct run *run, enum side_name name)
 {
     struct side *side = &run->sides[name];
-    uint32_t steps = run->source->frame_count - 1;
+    uint32_t steps = steps_of(run->source);
     uint32_t threads = sides[name].by_many ? run->threads : 1;
     uint64_t begin_ns = bench_now_ns();
     do {
@@ -437,7 +443,7 @@ static void measure(const struct bench_scene *source, uint32_t threads,
     memset(&run, 0, sizeof run);
     run.source = source;
     run.threads = threads;
-    bench_frames_init(&run.frames, source, 0);
+    bench_frames_init(&run.frames, source, source->hard_frame);
     for (int i = 0; i < SIDES; i++) {
         side_init(&run, (enum side_name)i, places);
     }

@@ -293,10 +293,7 @@ static void model_all(struct run *run)
                 break;
             }
             snprintf(run->name, sizeof run->name, "%s%s", name, fifth ? "/5" : "");
-            /* In the middle of the motion; in pieces, where the scene breaks. */
-            uint32_t from =
-                scene.frame_count > 2 ? (scene.break_frame + scene.frame_count) / 2 : 0;
-            bench_frames_init(&frames, &scene, from);
+            bench_frames_init(&frames, &scene, scene.hard_frame);
             if (fifth) {
                 take_fifth(&frames);
             }

@@ -8,8 +8,6 @@ check_PROGRAMS += bench/paper/sequence
 
 bench_paper_sequence_SOURCES = \
     bench/paper/sequence.c \
-    bench/story.c \
-    bench/story.h \
     $(bench_engine_sources)
 bench_paper_sequence_CPPFLAGS = $(bench_engine_cppflags)
 bench_paper_sequence_LDADD = $(bench_engine_libs)

@@ -12,10 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "families.h"
 #include "place.h"
 #include "report.h"
-#include "story.h"
+#include "resident.h"
 #include "workload.h"
 
 #define WARM_STEPS  3u /* times that the first step is taken before it counts */
@@ -30,9 +29,9 @@ struct way {
 };
 
 struct run {
-    const struct bench_story *story;
+    const struct bench_scene *source;
     const struct eng_places *places;
-    struct bench_telling telling;
+    struct bench_frames frames;
     struct way ways[WAYS_MAX];
     struct bench_world worlds[WAYS_MAX];
     struct eng_step_result results[WAYS_MAX];
@@ -65,8 +64,7 @@ static void step(struct run *run, uint32_t index)
         settings.scheduler = ENG_SCHEDULER_PAPER;
         settings.refit = ENG_REFIT_PAPER;
     }
-    bench_world_step(&run->worlds[index], &run->telling.frames, &settings,
-                     &run->results[index]);
+    bench_world_step(&run->worlds[index], &run->frames, &settings, &run->results[index]);
 }
 
 static bool agree(const struct run *run)
@@ -75,12 +73,12 @@ static bool agree(const struct run *run)
     bool good = true;
     for (uint32_t i = 0; i < run->way_count; i++) {
         const struct eng_step_result *result = &run->results[i];
-        good &= bench_check(result->incomplete == ENG_COMPLETE, run->story->name,
+        good &= bench_check(result->incomplete == ENG_COMPLETE, run->source->name,
                             "incomplete") &&
                 bench_check(
                     result->count == first->count && result->hash_hi == first->hash_hi &&
                         result->hash_lo == first->hash_lo,
-                    run->story->name, "two ways of a step have different answers");
+                    run->source->name, "two ways of a step have different answers");
     }
     return good;
 }
@@ -120,11 +118,11 @@ static void write_line(const struct run *run, uint32_t number, uint32_t index)
         run->csv,
         "%s,%llu,%u,%s,%u,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,"
         "%llu,%llu,%llu,%llu,%llu\n",
-        run->story->name, (unsigned long long)bench_scene_triangles(run->story->scene),
-        number, way->method == ENG_METHOD_PAPER ? "paper" : "wide", way->threads,
-        ms(times->step), ms(times->ingest), ms(times->refit), ms(times->low),
-        ms(times->high), ms(times->merge), ms(sum.refit_ns), ms(sum.low_ns),
-        ms(sum.high_ns), ms(sum.merge_ns), ms(sum.wait_ns), ms(times->rebuild),
+        run->source->name, (unsigned long long)bench_scene_triangles(run->source), number,
+        way->method == ENG_METHOD_PAPER ? "paper" : "wide", way->threads, ms(times->step),
+        ms(times->ingest), ms(times->refit), ms(times->low), ms(times->high),
+        ms(times->merge), ms(sum.refit_ns), ms(sum.low_ns), ms(sum.high_ns),
+        ms(sum.merge_ns), ms(sum.wait_ns), ms(times->rebuild),
         (unsigned long long)counters->box_tests,
         (unsigned long long)(counters->candidates_vf + counters->candidates_ee),
         (unsigned long long)result->count, (unsigned long long)counters->rebuilds,
@@ -135,12 +133,11 @@ static void write_line(const struct run *run, uint32_t number, uint32_t index)
 
 static bool play_steps(struct run *run, uint32_t steps)
 {
-    bench_telling_seek(&run->telling, 0);
     for (uint32_t i = 0; i < WARM_STEPS * run->way_count; i++) {
         step(run, i % run->way_count);
     }
     for (uint32_t number = 0; number < steps; number++) {
-        bench_telling_seek(&run->telling, number);
+        bench_frames_seek(&run->frames, number);
         for (uint32_t i = 0; i < run->way_count; i++) {
             step(run, (number + i) % run->way_count);
         }
@@ -160,12 +157,12 @@ static bool play_steps(struct run *run, uint32_t steps)
 static void print(const struct run *run, uint64_t triangles)
 {
     char text[80];
-    snprintf(text, sizeof text, "%s, %llu triangles, %zu steps", run->story->name,
+    snprintf(text, sizeof text, "%s, %llu triangles, %zu steps", run->source->name,
              (unsigned long long)triangles, run->ways[0].step_ms.count);
     bench_heading(text);
     for (uint32_t i = 0; i < run->way_count; i++) {
         const struct way *way = &run->ways[i];
-        struct bench_row row = {.scene = run->story->name,
+        struct bench_row row = {.scene = run->source->name,
                                 .what = way->name,
                                 .unit = "ms",
                                 .samples = &way->step_ms,
@@ -176,46 +173,30 @@ static void print(const struct run *run, uint64_t triangles)
     }
 }
 
-static void play(const struct bench_story *story, const struct eng_places *places,
+static void play(const struct bench_scene *source, const struct eng_places *places,
                  uint32_t threads, bool smoke, FILE *csv)
 {
     struct run *run = bench_alloc(1, sizeof *run);
-    struct eng_scene_settings settings[WAYS_MAX];
     memset(run, 0, sizeof *run);
-    run->story = story;
+    run->source = source;
     run->places = places;
     run->csv = csv;
     add_ways(run, ENG_METHOD_PAPER, "paper", threads);
     add_ways(run, ENG_METHOD_WIDE, "wide", threads);
+    bench_frames_init(&run->frames, source, 0);
     for (uint32_t i = 0; i < run->way_count; i++) {
-        settings[i] = (struct eng_scene_settings)ENG_SCENE_SETTINGS_DEFAULT;
+        bench_world_init(&run->worlds[i], &run->frames, NULL);
     }
-    bench_telling_init(&run->telling, story, run->worlds, settings, run->way_count);
-    uint32_t steps = bench_story_steps(story);
+    uint32_t steps = source->frame_count - 1;
     if (play_steps(run, smoke && steps > SMOKE_STEPS ? SMOKE_STEPS : steps)) {
-        print(run, bench_scene_triangles(story->scene));
+        print(run, bench_scene_triangles(source));
     }
     for (uint32_t i = 0; i < run->way_count; i++) {
         bench_free(&run->ways[i].step_ms);
+        bench_world_deinit(&run->worlds[i]);
     }
-    bench_telling_deinit(&run->telling);
+    bench_frames_deinit(&run->frames);
     free(run);
-}
-
-/* In the paper's scene the body is whole until it breaks. */
-static void play_scene(const struct bench_scene *scene, const struct eng_places *places,
-                       uint32_t threads, bool smoke, FILE *csv)
-{
-    struct bench_story story = {scene->name, scene, NULL};
-    struct bench_scene whole = {.name = scene->name};
-    if (strcmp(scene->name, "breaking") == 0) {
-        bench_make_breaking_whole(&whole, smoke);
-        story.before = &whole;
-    }
-    play(&story, places, threads, smoke, csv);
-    if (story.before) {
-        bench_scene_free(&whole);
-    }
 }
 
 int main(int argc, char **argv)
@@ -241,7 +222,7 @@ int main(int argc, char **argv)
     eng_places_warm_up(&places, threads);
     struct bench_scene scene;
     for (unsigned i = 0; bench_next_scene(&options, paper_scenes, &i, &scene);) {
-        play_scene(&scene, &places, threads, options.smoke, csv);
+        play(&scene, &places, threads, options.smoke, csv);
         bench_scene_free(&scene);
     }
     if (csv && fclose(csv) != 0) {

@@ -43,12 +43,6 @@ static const char *const usual[] = {"cloth",        "breaking",     "bodies",
                                     "cloth-ball",   "n-body",       "cloth-ball-fifth",
                                     "n-body-fifth", "cloth-funnel", NULL};
 
-/* Of a sequence the step in the middle; in pieces, where the scene breaks. */
-static uint32_t middle_of(const struct bench_scene *source)
-{
-    return source->frame_count > 2 ? (source->break_frame + source->frame_count) / 2 : 0;
-}
-
 struct contestant {
     const struct peer *peer;
     void *state;
@@ -197,7 +191,7 @@ static void measure_scene(const struct bench_scene *source,
     struct bench_world world;
     struct peer_input input;
     bench_heading(source->name);
-    bench_frames_init(&frames, source, middle_of(source));
+    bench_frames_init(&frames, source, source->hard_frame);
     bench_world_init(&world, &frames, NULL);
     bench_world_step(&world, &frames, &settings, &result);
     peers_swept_init(&input, &world);

@@ -31,10 +31,10 @@ enum run_count {
     RUN_TASK_UNITS,
     RUN_BOX_TESTS,
     RUN_LEAF_PAIRS,
-    RUN_CANDIDATES, /* pairs of features whose boxes overlap */
-    RUN_ELEMENTARY, /* of these, given to the elementary tests */
-    RUN_SURVIVORS,  /* of these, not rejected by filters */
-    RUN_EXACT,      /* of these, decided by exact arithmetic */
+    RUN_CANDIDATES,      /* pairs of features whose boxes overlap */
+    RUN_ELEMENTARY,      /* of these, given to the elementary tests */
+    RUN_SURVIVORS,       /* of these, not rejected by filters */
+    RUN_EXACT,           /* of these, decided by exact arithmetic */
     RUN_RECONSTRUCTIONS, /* of subtrees, while traversing */
     RUN_RECONSTRUCTED_TRIANGLES,
     RUN_SWAPS, /* made aside, as far as time allows, and put in place: depends on it */
@@ -56,6 +56,38 @@ struct run_frame {
     uint64_t counts[RUN_COUNTS];
     uint64_t hash[2]; /* of the answer: high, low */
 };
+
+/* From `times` and `counters` of an answer, of the engine's or the library's, which have
+ * them under the same names. */
+#define RUN_KEEP_TIMES(frame, times)                                                     \
+    do {                                                                                 \
+        (frame)->ns[RUN_STEP] = (times)->step;                                           \
+        (frame)->ns[RUN_INGEST] = (times)->ingest;                                       \
+        (frame)->ns[RUN_REFIT] = (times)->refit;                                         \
+        (frame)->ns[RUN_TRAVERSAL] = (times)->traversal;                                 \
+        (frame)->ns[RUN_TESTS] = (times)->tests;                                         \
+        (frame)->ns[RUN_MERGE] = (times)->merge;                                         \
+        (frame)->ns[RUN_LOW] = (times)->low;                                             \
+        (frame)->ns[RUN_HIGH] = (times)->high;                                           \
+        (frame)->ns[RUN_REBUILD] = (times)->rebuild;                                     \
+        run_frame_set_rest(frame);                                                       \
+    } while (0)
+
+#define RUN_KEEP_COUNTS(frame, counters)                                                 \
+    do {                                                                                 \
+        (frame)->counts[RUN_TASK_UNITS] = (counters)->task_units;                        \
+        (frame)->counts[RUN_BOX_TESTS] = (counters)->box_tests;                          \
+        (frame)->counts[RUN_LEAF_PAIRS] = (counters)->leaf_pairs;                        \
+        (frame)->counts[RUN_CANDIDATES] =                                                \
+            (counters)->candidates_vf + (counters)->candidates_ee;                       \
+        (frame)->counts[RUN_SURVIVORS] = (counters)->survivors;                          \
+        (frame)->counts[RUN_EXACT] = (counters)->exact;                                  \
+        (frame)->counts[RUN_RECONSTRUCTIONS] = (counters)->rebuilds;                     \
+        (frame)->counts[RUN_RECONSTRUCTED_TRIANGLES] = (counters)->rebuilt_triangles;    \
+        (frame)->counts[RUN_SWAPS] = (counters)->swaps;                                  \
+        (frame)->counts[RUN_SWAPPED_TRIANGLES] = (counters)->swapped_triangles;          \
+        (frame)->counts[RUN_ALLOCS] = (counters)->allocs;                                \
+    } while (0)
 
 /* The five phases are known: the rest of the step. */
 void run_frame_set_rest(struct run_frame *frame);

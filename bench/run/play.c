@@ -109,6 +109,37 @@ static bool warm_up(const struct run_way *way, struct run_asked *asked,
     return good;
 }
 
+/* The next step is of other triangles, or there is none. */
+static bool is_last_of_its_scene(const struct run_play *play, uint32_t number)
+{
+    const struct bench_scene *source = play->source;
+    return number == play->settings->last ||
+           (source->before && number + 1 == source->break_frame);
+}
+
+static bool play_steps(struct run_play *play, const struct run_way *way,
+                       struct run_asked *asked, struct bench_frames *frames,
+                       uint32_t pass, XXH3_state_t *state)
+{
+    const char *name = play->source->name;
+    bool good = bench_check(warm_up(way, asked, frames, play->settings), name,
+                            "incomplete while warming up");
+    for (uint32_t i = 0; i < play->count && good; i++) {
+        struct run_frame frame = {.number = play->settings->first + i};
+        draw(play, pass, i);
+        bench_frames_seek(frames, frame.number);
+        digest_frame(state, frames, 0);
+        good = bench_check(way->step(asked, frames, &frame), name, "incomplete") &&
+               bench_check(keep(&play->frames[i], &frame, pass), name,
+                           "another pass has another answer");
+        if (is_last_of_its_scene(play, frame.number)) {
+            digest_frame(state, frames, 1);
+            digest_triangles(state, frames->scene);
+        }
+    }
+    return good;
+}
+
 static bool play_pass(struct run_play *play, const struct run_way *way, uint32_t pass,
                       XXH3_state_t *state)
 {
@@ -116,26 +147,14 @@ static bool play_pass(struct run_play *play, const struct run_way *way, uint32_t
     uint32_t before =
         settings->first < settings->warm_up ? settings->first : settings->warm_up;
     struct bench_frames frames;
+    char input[sizeof play->input];
+    XXH3_128bits_reset(state);
     bench_frames_init(&frames, play->source, settings->first - before);
     struct run_asked *asked = way->open(settings, &frames);
-    bool good = bench_check(warm_up(way, asked, &frames, settings), play->source->name,
-                            "incomplete while warming up");
-    for (uint32_t i = 0; i < play->count && good; i++) {
-        struct run_frame frame = {.number = settings->first + i};
-        draw(play, pass, i);
-        bench_frames_seek(&frames, frame.number);
-        if (pass == 0) {
-            digest_frame(state, &frames, 0);
-        }
-        good = bench_check(way->step(asked, &frames, &frame), play->source->name,
-                           "incomplete") &&
-               bench_check(keep(&play->frames[i], &frame, pass), play->source->name,
-                           "another pass has another answer");
-    }
-    if (pass == 0) {
-        digest_frame(state, &frames, 1);
-        digest_triangles(state, play->source);
-    }
+    bool good = play_steps(play, way, asked, &frames, pass, state);
+    digest_text(state, pass == 0 ? play->input : input);
+    good = good && bench_check(pass == 0 || strcmp(play->input, input) == 0,
+                               play->source->name, "frames differ when made again");
     play->method = way->method(asked);
     play->cpu = way->cpu(asked);
     way->close(asked);
@@ -154,14 +173,10 @@ bool run_play(struct run_play *play, const struct run_settings *settings,
                               .source = source,
                               .count = settings->last - settings->first + 1};
     play->frames = bench_alloc(play->count, sizeof *play->frames);
-    if (good) {
-        XXH3_128bits_reset(state);
-    }
     for (uint32_t pass = 0; pass < settings->repeat && good; pass++) {
         good = play_pass(play, way, pass, state);
     }
     if (good) {
-        digest_text(state, play->input);
         run_frames_hash(play->frames, play->count, play->hash);
     }
     XXH3_freeState(state);

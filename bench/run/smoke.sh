@@ -36,6 +36,30 @@ cat "$work/hashes" >>"$log"
     [ "$(sort -u "$work/hashes" | wc -l)" -eq 1 ]
 tap_result $? pccd_bench__has_one_hash_by_all_ways "$log"
 
+# If this failed, what breaks would not break in all ways at the same step, or a mesh that is
+# replaced have another answer with a daemon; or frames would depend on how they were come by.
+for via in engine daemon direct; do
+    run --via $via --frames 18-23 --repeat 2 --format csv -o "$work/$via.csv" breaking 2>>"$log" &&
+        item hash "$work/$via.csv" || echo "$via failed"
+done >"$work/hashes"
+cat "$work/hashes" >>"$log"
+contacts=$(awk -F, '/^#/ { next }
+    !at { for (at = 1; $at != "contacts"; at++); next }
+    { sum += $at } END { print sum }' "$work/engine.csv")
+echo "$contacts contacts" >>"$log"
+[ "$(wc -l <"$work/hashes")" -eq 3 ] && [ "$(sort -u "$work/hashes" | grep -cE '^[0-9a-f]{32}$')" -eq 1 ] &&
+    [ "$(sort -u "$work/hashes" | wc -l)" -eq 1 ] && [ "$contacts" -gt 0 ]
+tap_result $? pccd_bench__replaces_a_mesh_by_all_ways "$log"
+
+# If this failed, a scene would be other steps when it is played again, from the first one on.
+: >"$log"
+for scene in cloth bodies exploding crumpled; do
+    run --repeat 2 --frames 14 --format csv -o "$work/again.csv" "$scene" 2>>"$log" || echo "$scene"
+done >"$work/different"
+cat "$work/different" >>"$log"
+[ ! -s "$work/different" ]
+tap_result $? pccd_bench__has_the_same_frames_when_repeated "$log"
+
 # If this failed, steps would be missing from a figure, or stand under another heading.
 run --frames 3-7 --format csv cloth-20k >"$work/steps.csv" 2>"$log" &&
     awk -F, '/^#/ { next }

@@ -20,9 +20,10 @@
 struct run_asked {
     struct pccd_client *client;
     struct pccd_step_settings settings;
-    const struct bench_scene *source;
+    const struct bench_scene *source; /* whose meshes there are */
     uint32_t scene;
     uint32_t *objects; /* [source->object_count] */
+    uint32_t *meshes;  /* the same */
     uint32_t frame;    /* where it stands */
     enum pccd_method method;
 };
@@ -47,15 +48,15 @@ static void add_object(struct run_asked *asked, const struct bench_frames *frame
                        uint32_t i)
 {
     const struct bench_object *object = &frames->scene->objects[i];
-    uint32_t mesh;
     bench_must(pccd_mesh_create(asked->client, bench_frames_x(frames, 0, i),
                                 PCCD_FORMAT_F64, object->vertex_count,
                                 (const uint32_t(*)[3])object->triangles,
-                                object->triangle_count, &mesh, NULL),
+                                object->triangle_count, &asked->meshes[i], NULL),
                "mesh", asked->client);
     bench_must(pccd_want(asked->client, BENCH_OBJECT_ID(i)), "want", asked->client);
-    bench_must(pccd_scene_add(asked->client, asked->scene, mesh, &asked->objects[i]),
-               "add", asked->client);
+    bench_must(
+        pccd_scene_add(asked->client, asked->scene, asked->meshes[i], &asked->objects[i]),
+        "add", asked->client);
 }
 
 static struct run_asked *open_client(const struct run_settings *settings,
@@ -67,6 +68,7 @@ static struct run_asked *open_client(const struct run_settings *settings,
                                 .source = frames->scene,
                                 .frame = frames->from};
     asked->objects = bench_alloc(frames->scene->object_count, sizeof *asked->objects);
+    asked->meshes = bench_alloc(frames->scene->object_count, sizeof *asked->meshes);
     bench_must(pccd_scene_create(asked->client, NULL, &asked->scene), "scene",
                asked->client);
     for (uint32_t i = 0; i < frames->scene->object_count; i++) {
@@ -79,7 +81,24 @@ static void close_client(struct run_asked *asked)
 {
     pccd_close(asked->client);
     free(asked->objects);
+    free(asked->meshes);
     free(asked);
+}
+
+/* Where the scene has broken: the object that did gets its new mesh. */
+static void follow(struct run_asked *asked, const struct bench_frames *frames)
+{
+    uint32_t i = frames->told->break_object;
+    const struct bench_object *object = &frames->scene->objects[i];
+    if (asked->source == frames->scene) {
+        return;
+    }
+    bench_must(pccd_mesh_replace(
+                   asked->client, asked->meshes[i], bench_frames_x(frames, 0, i),
+                   PCCD_FORMAT_F64, object->vertex_count,
+                   (const uint32_t(*)[3])object->triangles, object->triangle_count, NULL),
+               "replace", asked->client);
+    asked->source = frames->scene;
 }
 
 /* ---- a step ------------------------------------------------------------------------ */
@@ -122,38 +141,6 @@ static void ask(struct run_asked *asked, const struct bench_frames *frames,
     asked->frame = frames->from + 1;
 }
 
-static void keep_times(const struct pccd_step_times *times, struct run_frame *frame)
-{
-    frame->ns[RUN_STEP] = times->step;
-    frame->ns[RUN_INGEST] = times->ingest;
-    frame->ns[RUN_REFIT] = times->refit;
-    frame->ns[RUN_TRAVERSAL] = times->traversal;
-    frame->ns[RUN_TESTS] = times->tests;
-    frame->ns[RUN_MERGE] = times->merge;
-    frame->ns[RUN_LOW] = times->low;
-    frame->ns[RUN_HIGH] = times->high;
-    frame->ns[RUN_REBUILD] = times->rebuild;
-    run_frame_set_rest(frame);
-}
-
-static void keep_counts(const struct pccd_answer *answer, struct run_frame *frame)
-{
-    const struct pccd_step_counters *counters = &answer->counters;
-    frame->counts[RUN_TASK_UNITS] = counters->task_units;
-    frame->counts[RUN_BOX_TESTS] = counters->box_tests;
-    frame->counts[RUN_LEAF_PAIRS] = counters->leaf_pairs;
-    frame->counts[RUN_CANDIDATES] = counters->candidates_vf + counters->candidates_ee;
-    frame->counts[RUN_SURVIVORS] = counters->survivors;
-    frame->counts[RUN_EXACT] = counters->exact;
-    frame->counts[RUN_RECONSTRUCTIONS] = counters->rebuilds;
-    frame->counts[RUN_RECONSTRUCTED_TRIANGLES] = counters->rebuilt_triangles;
-    frame->counts[RUN_SWAPS] = counters->swaps;
-    frame->counts[RUN_SWAPPED_TRIANGLES] = counters->swapped_triangles;
-    frame->counts[RUN_CONTACTS] = answer->total;
-    frame->counts[RUN_ALLOCS] = counters->allocs;
-    frame->counts[RUN_SCENE_BYTES] = RUN_UNKNOWN;
-}
-
 static void add_tests(void *context, const char *name, uint64_t value, const char *text)
 {
     (void)text;
@@ -177,11 +164,14 @@ static bool step_client(struct run_asked *asked, const struct bench_frames *fram
                         struct run_frame *frame)
 {
     struct pccd_answer answer;
+    follow(asked, frames);
     uint64_t begin_ns = bench_now_ns();
     ask(asked, frames, &answer);
     frame->ns[RUN_WALL] = bench_now_ns() - begin_ns;
-    keep_times(&answer.times, frame);
-    keep_counts(&answer, frame);
+    RUN_KEEP_TIMES(frame, &answer.times);
+    RUN_KEEP_COUNTS(frame, &answer.counters);
+    frame->counts[RUN_CONTACTS] = answer.total;
+    frame->counts[RUN_SCENE_BYTES] = RUN_UNKNOWN;
     frame->counts[RUN_ELEMENTARY] = elementary_tests(asked, answer.threads);
     frame->counts[RUN_PROCESS_BYTES] = run_resident_bytes(pccd_daemon_pid(asked->client));
     frame->threads = answer.threads;

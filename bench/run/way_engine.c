@@ -68,20 +68,6 @@ static void close_engine(struct run_asked *asked)
     free(asked);
 }
 
-static void keep_times(const struct eng_step_times *times, struct run_frame *frame)
-{
-    frame->ns[RUN_STEP] = times->step;
-    frame->ns[RUN_INGEST] = times->ingest;
-    frame->ns[RUN_REFIT] = times->refit;
-    frame->ns[RUN_TRAVERSAL] = times->traversal;
-    frame->ns[RUN_TESTS] = times->tests;
-    frame->ns[RUN_MERGE] = times->merge;
-    frame->ns[RUN_LOW] = times->low;
-    frame->ns[RUN_HIGH] = times->high;
-    frame->ns[RUN_REBUILD] = times->rebuild;
-    run_frame_set_rest(frame);
-}
-
 static uint64_t scene_bytes(const struct bench_world *world)
 {
     uint64_t bytes = eng_scene_bytes(world->scene);
@@ -91,37 +77,27 @@ static uint64_t scene_bytes(const struct bench_world *world)
     return bytes;
 }
 
-static void keep_counts(const struct eng_step_result *result, struct run_frame *frame)
+static uint64_t elementary_tests(const struct eng_step_result *result)
 {
-    const struct eng_step_counters *counters = &result->counters;
-    uint64_t elementary = 0;
+    uint64_t tests = 0;
     for (uint32_t i = 0; i < result->threads; i++) {
-        elementary += result->thread_records[i].tests;
+        tests += result->thread_records[i].tests;
     }
-    frame->counts[RUN_TASK_UNITS] = counters->task_units;
-    frame->counts[RUN_BOX_TESTS] = counters->box_tests;
-    frame->counts[RUN_LEAF_PAIRS] = counters->leaf_pairs;
-    frame->counts[RUN_CANDIDATES] = counters->candidates_vf + counters->candidates_ee;
-    frame->counts[RUN_ELEMENTARY] = elementary;
-    frame->counts[RUN_SURVIVORS] = counters->survivors;
-    frame->counts[RUN_EXACT] = counters->exact;
-    frame->counts[RUN_RECONSTRUCTIONS] = counters->rebuilds;
-    frame->counts[RUN_RECONSTRUCTED_TRIANGLES] = counters->rebuilt_triangles;
-    frame->counts[RUN_SWAPS] = counters->swaps;
-    frame->counts[RUN_SWAPPED_TRIANGLES] = counters->swapped_triangles;
-    frame->counts[RUN_CONTACTS] = result->count;
-    frame->counts[RUN_ALLOCS] = counters->allocs;
+    return tests;
 }
 
 static bool step_engine(struct run_asked *asked, const struct bench_frames *frames,
                         struct run_frame *frame)
 {
     struct eng_step_result result;
+    bench_world_follow(&asked->world, frames);
     uint64_t begin_ns = bench_now_ns();
     bench_world_step(&asked->world, frames, &asked->settings, &result);
     frame->ns[RUN_WALL] = bench_now_ns() - begin_ns;
-    keep_times(&result.times, frame);
-    keep_counts(&result, frame);
+    RUN_KEEP_TIMES(frame, &result.times);
+    RUN_KEEP_COUNTS(frame, &result.counters);
+    frame->counts[RUN_ELEMENTARY] = elementary_tests(&result);
+    frame->counts[RUN_CONTACTS] = result.count;
     frame->counts[RUN_SCENE_BYTES] = scene_bytes(&asked->world);
     frame->counts[RUN_PROCESS_BYTES] = run_resident_bytes((uint32_t)getpid());
     frame->threads = result.threads;

@@ -92,16 +92,25 @@ void bench_scene_free(struct bench_scene *scene)
     if (scene->free_state) {
         scene->free_state(scene->state);
     }
+    if (scene->before) {
+        bench_scene_free(scene->before);
+        free(scene->before);
+    }
     memset(scene, 0, sizeof *scene);
 }
 
 void bench_frames_init(struct bench_frames *frames, const struct bench_scene *scene,
                        uint32_t from)
 {
-    frames->scene = scene;
+    uint32_t count = scene->vertex_count;
+    if (scene->before && scene->before->vertex_count > count) {
+        count = scene->before->vertex_count;
+    }
+    frames->told = scene;
+    frames->scene = NULL;
     frames->from = NO_FRAME;
     for (int end = 0; end < 2; end++) {
-        frames->x[end] = bench_scene_alloc(scene->vertex_count, sizeof *frames->x[end]);
+        frames->x[end] = bench_scene_alloc(count, sizeof *frames->x[end]);
     }
     bench_frames_seek(frames, from);
 }
@@ -115,11 +124,13 @@ void bench_frames_deinit(struct bench_frames *frames)
 
 void bench_frames_seek(struct bench_frames *frames, uint32_t from)
 {
-    const struct bench_scene *scene = frames->scene;
+    const struct bench_scene *told = frames->told;
+    const struct bench_scene *scene =
+        told->before && from < told->break_frame ? told->before : told;
     if (from == frames->from) {
         return;
     }
-    if (frames->from != NO_FRAME && from == frames->from + 1) {
+    if (scene == frames->scene && from == frames->from + 1) {
         double(*start)[3] = frames->x[1];
         frames->x[1] = frames->x[0];
         frames->x[0] = start;
@@ -127,5 +138,6 @@ void bench_frames_seek(struct bench_frames *frames, uint32_t from)
         scene->place(scene, from, frames->x[0]);
     }
     scene->place(scene, from + 1, frames->x[1]);
+    frames->scene = scene;
     frames->from = from;
 }

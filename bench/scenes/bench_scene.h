@@ -28,6 +28,11 @@ struct bench_scene {
     uint32_t vertex_count; /* of all objects */
     uint32_t frame_count;  /* at least 2; step i goes from frame i to i + 1 */
     uint32_t break_frame;  /* whole until then, in pieces after it; 0: never */
+    uint32_t hard_frame;   /* the step that stands for it where there is time for few */
+    /* Where it breaks into other triangles: the scene that is told up to break_frame,
+     * which has the same objects but for `break_object`. NULL: none. Freed with it. */
+    struct bench_scene *before;
+    uint32_t break_object;
     /* Write frame 0 .. frame_count - 1 to x[vertex_count]; in any order. */
     void (*place)(const struct bench_scene *scene, uint32_t frame, double (*x)[3]);
     void *state; /* what `place` needs */
@@ -36,7 +41,8 @@ struct bench_scene {
 
 /* Two consecutive frames of a scene; memory is reused from one seek to the next. */
 struct bench_frames {
-    const struct bench_scene *scene;
+    const struct bench_scene *told;  /* the whole story */
+    const struct bench_scene *scene; /* whose frames these are: `told`, or its `before` */
     uint32_t from;
     double (*x[2])[3]; /* frames `from` and `from` + 1 */
 };
@@ -52,6 +58,12 @@ static inline double (*bench_frames_x(const struct bench_frames *frames, int end
                                       uint32_t object))[3]
 {
     return frames->x[end] + frames->scene->objects[object].first_vertex;
+}
+
+/* From hard_frame on, the last ones of a scene again and again. */
+static inline uint32_t bench_hard_step(const struct bench_scene *scene, uint32_t number)
+{
+    return scene->hard_frame + number % (scene->frame_count - 1 - scene->hard_frame);
 }
 
 uint64_t bench_scene_triangles(const struct bench_scene *scene);

@@ -321,10 +321,12 @@ static const struct sizes tiny = {60, 10, 30, 12, 9};
 
 void bench_make_breaking(struct bench_scene *scene, bool small)
 {
-    make(scene, small ? &tiny : &large, false);
-}
-
-void bench_make_breaking_whole(struct bench_scene *scene, bool small)
-{
-    make(scene, small ? &tiny : &large, true);
+    const struct sizes *sizes = small ? &tiny : &large;
+    struct bench_scene *before = bench_scene_alloc(1, sizeof *before);
+    memset(before, 0, sizeof *before);
+    before->name = scene->name;
+    make(before, sizes, true);
+    make(scene, sizes, false);
+    scene->before = before;
+    scene->break_object = 1;
 }

@@ -26,11 +26,9 @@ void bench_make_all_overlap(struct bench_scene *scene, bool small);
 void bench_make_one_triangle(struct bench_scene *scene, bool small);
 
 /* breaking.c: a body (object 0) hits another (object 1), which breaks into pieces that
- * fly, tumble and fall on the ground (object 2). The pieces are separate from the first
- * frame on; with `whole`, object 1 is one closed surface instead, which has the place of
- * their outer sides up to break_frame; its later frames are not meant to be used. */
+ * fly, tumble and fall on the ground (object 2). Until then object 1 is one closed
+ * surface, in the place of the pieces' outer sides. */
 void bench_make_breaking(struct bench_scene *scene, bool small);
-void bench_make_breaking_whole(struct bench_scene *scene, bool small);
 
 /* exploding.c: a closed surface of many clusters of triangles that fly apart. */
 void bench_make_exploding(struct bench_scene *scene, bool small);
