@@ -1,9 +1,31 @@
 # measured.awk - sequence.csv, a line a step and way, to one line a way.
 #
 # awk -F, -f measured.awk sequence.csv >measured.csv
-# Means over the steps, in the columns of model.csv, so that both are drawn alike.
+# Means over the steps, in the columns of model.csv, so that both are drawn alike. When the
+# order of features is sorted anew depends on time, so several threads may ask for other box
+# tests than one: `like_speedup` is the median over the `like_steps` steps in which they do
+# not, within 3 %.
 
 function name(field) { return $at[field] }
+
+# Of v[1 .. n], which is sorted by it.
+function median(v, n,    i, j, x) {
+    for (i = 2; i <= n; i++) {
+        x = v[i]
+        for (j = i - 1; j > 0 && v[j] > x; j--) v[j + 1] = v[j]
+        v[j + 1] = x
+    }
+    return n % 2 ? v[(n + 1) / 2] : (v[n / 2] + v[n / 2 + 1]) / 2
+}
+
+# Sets likes, and `speed` of them.
+function find_likes(way, one,    n, work) {
+    likes = 0
+    for (n = 0; n < steps[way]; n++) {
+        work = tests[way, n] / (tests[one, n] > 0 ? tests[one, n] : 1)
+        if (work > 0.97 && work < 1.03) speed[++likes] = took[one, n] / took[way, n]
+    }
+}
 
 NR == 1 {
     for (i = 1; i <= NF; i++) at[$i] = i
@@ -15,6 +37,8 @@ NR == 1 {
 {
     way = name("scene") "," name("method") "," name("threads")
     if (!(way in steps)) order[++ways] = way
+    tests[way, steps[way] + 0] = name("box_tests")
+    took[way, steps[way] + 0] = name("step_ms")
     steps[way]++
     triangles[way] = name("triangles")
     for (i = 1; i <= means; i++) sum[way, mean[i]] += name(mean[i])
@@ -24,7 +48,7 @@ NR == 1 {
 END {
     printf "scene,scheduler,high_level,p,triangles,steps,ms,most_ms,speedup"
     for (i = 2; i <= means; i++) printf ",%s", mean[i]
-    print ""
+    print ",like_steps,like_speedup"
     for (w = 1; w <= ways; w++) {
         way = order[w]
         split(way, part, ",")
@@ -34,6 +58,7 @@ END {
             sum[way, "step_ms"] / steps[way], most[way], \
             sum[one, "step_ms"] / steps[one] * steps[way] / sum[way, "step_ms"]
         for (i = 2; i <= means; i++) printf ",%.4f", sum[way, mean[i]] / steps[way]
-        print ""
+        find_likes(way, one)
+        printf ",%d,%s\n", likes, (likes > 0 ? sprintf("%.3f", median(speed, likes)) : "")
     }
 }

@@ -1,5 +1,6 @@
 # speedup.gp - speed-up over threads, as the paper's Figure 7, for both schedulers and the
-# method wide by stealing: curves are predictions, large marks were measured here.
+# method wide by stealing: curves are predictions, large marks were measured here, over the
+# steps in which several threads had the same work as one.
 #
 # The paper prints its speed-ups for eight threads alone (section 7.1); its curves are
 # not numbers, so only those are drawn: 6.4 cloth, 6.7 breaking dragon, 7.3 n-body.
@@ -35,7 +36,7 @@ set label 1 wall at graph 0.42, graph 0.235 font ',10' front
 
 # Points that were measured, but for the first, which is 1.
 seen(scene, scheduler, high) = rows(measured, scene, scheduler, high, \
-    '(v["p"] > 1 ? v["speedup"] : "")')
+    '(v["p"] > 1 ? v["like_speedup"] : "")')
 
 plot x with lines lc rgb '#999999' dt 3 title 'ideal', \
     for [i = 1:scene_count] rows(model, word(scenes, i), 'steal', 'none', \
