@@ -1,5 +1,5 @@
 # growth.gp - time, memory, contacts and clients on logarithmic axes, with the exponents
-# that fit.awk found in the two upper decades.
+# that fit.awk found in the two upper decades; time and counted work of one triangle.
 #
 # Called with: folder   where the CSV files are and the figures go
 #              kind     svg or png
@@ -10,6 +10,7 @@ if (kind eq 'svg') {
     set terminal pngcairo size 1100,760 background 'white' enhanced
 }
 set datafile separator ','
+set datafile columnheaders
 set grid back lc rgb '#dddddd'
 set border 3 back
 set tics nomirror
@@ -17,37 +18,60 @@ set logscale xy
 set format x '10^{%T}'
 set key left top
 
-# Rows of a method; the exponent of a quantity.
-rows(file, method) = sprintf("< awk -F, 'NR > 1 && $1 == \"%s\"' '%s/%s'", method, folder, file)
+# Rows of a method, with the columns' names; the exponent of a quantity.
+rows(file, method) = sprintf("< awk -F, 'NR == 1 || $1 == \"%s\"' '%s/%s'", method, folder, file)
 slope(quantity, against) = system(sprintf( \
     "awk -F, '$1 == \"%s\" && $2 == \"%s\" { print $3 }' '%s/exponents.csv'", \
     quantity, against, folder))
+each(name) = column(name) / column('triangles')
+contacts(zero) = column('contacts') > 0 ? column('contacts') : zero
 
 set output folder . '/growth-time.' . kind
 set title 'Time against triangles, as many contacts a triangle in each size (one thread)'
 set xlabel 'triangles'
 set ylabel 'ms'
-plot rows('size.csv', 'wide') using 3:6 with linespoints lw 2 pt 7 \
+plot rows('size.csv', 'wide') using 'triangles':'register_ms' with linespoints lw 2 pt 7 \
         title 'register (exponent ' . slope('register_ms', 'triangles') . ')', \
-    '' using 3:7 with linespoints lw 2 pt 7 \
+    '' using 'triangles':'step_ms' with linespoints lw 2 pt 7 \
         title 'step (' . slope('step_ms', 'triangles') . ')', \
-    '' using 3:8 with linespoints lw 2 pt 7 \
+    '' using 'triangles':'refit_ms' with linespoints lw 2 pt 7 \
         title 'refit (' . slope('refit_ms', 'triangles') . ')', \
-    rows('size.csv', 'paper') using 3:7 with linespoints dt 2 pt 6 title 'step, method paper'
+    rows('size.csv', 'paper') using 'triangles':'step_ms' with linespoints dt 2 pt 6 \
+        title 'step, method paper'
+
+unset logscale y
+set yrange [0:*]
+set output folder . '/growth-triangle.' . kind
+set title 'Of one triangle: time, and the work that is counted (one thread)'
+set ylabel 'ns'
+set y2label 'box tests, candidates'
+set y2range [0:*]
+set y2tics nomirror
+set border 11 back
+plot rows('size.csv', 'wide') using 'triangles':(1e6 * each('register_ms')) \
+        with linespoints lw 2 pt 7 title 'register', \
+    '' using 'triangles':(1e6 * (each('register_ms') - each('register_kernel_ms'))) \
+        with linespoints lw 2 pt 6 title 'of it, outside of the kernel', \
+    '' using 'triangles':(1e6 * each('step_ms')) with linespoints lw 2 pt 7 title 'step', \
+    '' using 'triangles':(each('box_tests')) axes x1y2 with linespoints dt 2 pt 4 \
+        title 'box tests of a step (right; exponent ' . slope('box_tests', 'triangles') . ')', \
+    '' using 'triangles':(each('candidates')) axes x1y2 with linespoints dt 2 pt 8 \
+        title 'candidates (right; ' . slope('candidates', 'triangles') . ')'
+unset y2label
+unset y2tics
+set border 3 back
 
 set output folder . '/growth-memory.' . kind
 set title 'Memory of the engine a triangle'
 set ylabel 'bytes a triangle'
-unset logscale y
-set yrange [0:*]
-plot rows('size.csv', 'wide') using 3:($12 / $3) with linespoints lw 2 pt 7 \
-        title 'registered', \
-    '' using 3:($13 / $3) with linespoints lw 2 pt 7 \
+plot rows('size.csv', 'wide') using 'triangles':(each('registered_bytes')) \
+        with linespoints lw 2 pt 7 title 'registered', \
+    '' using 'triangles':(each('scene_bytes')) with linespoints lw 2 pt 7 \
         title 'resident after a step (exponent ' . slope('scene_bytes', 'triangles') . ')', \
-    '' using 3:(($13 + $14) / $3) with linespoints lw 2 pt 7 \
-        title 'with the answer and what finds it', \
-    rows('size.csv', 'paper') using 3:($13 / $3) with linespoints dt 2 pt 6 \
-        title 'resident, method paper', \
+    '' using 'triangles':(each('scene_bytes') + each('records_bytes')) \
+        with linespoints lw 2 pt 7 title 'with the answer and what finds it', \
+    rows('size.csv', 'paper') using 'triangles':(each('scene_bytes')) \
+        with linespoints dt 2 pt 6 title 'resident, method paper', \
     400 with lines dt 3 lc rgb 'black' title '400'
 
 set logscale y
@@ -56,18 +80,18 @@ set output folder . '/growth-contacts.' . kind
 set title 'A step of 518 400 triangles against its contacts (one thread)'
 set xlabel 'contacts (none: 1)'
 set ylabel 'ms'
-plot rows('contacts.csv', 'wide') using ($4 > 0 ? $4 : 1):7 with linespoints lw 2 pt 7 \
+plot rows('contacts.csv', 'wide') using (contacts(1)):'step_ms' with linespoints lw 2 pt 7 \
         title 'step (exponent of what contacts add ' . slope('step_ms', 'contacts') . ')', \
-    '' using ($4 > 0 ? $4 : 1):10 with linespoints pt 6 title 'tests', \
-    '' using ($4 > 0 ? $4 : 1):11 with linespoints pt 6 title 'sort and merge'
+    '' using (contacts(1)):'tests_ms' with linespoints pt 6 title 'tests', \
+    '' using (contacts(1)):'merge_ms' with linespoints pt 6 title 'sort and merge'
 
 set output folder . '/growth-clients.' . kind
 set title 'Clients that together ask for the same number of steps of 1000 triangles'
 set xlabel 'clients'
 set ylabel 'us'
-plot rows('clients.csv', 'load') using 2:5 with linespoints lw 2 pt 7 \
+plot rows('clients.csv', 'load') using 'clients':'request_us' with linespoints lw 2 pt 7 \
         title 'time a request, all clients together (exponent ' . \
         slope('request_us', 'clients') . ')', \
-    '' using 2:6 with linespoints lw 2 pt 7 \
+    '' using 'clients':'p50_us' with linespoints lw 2 pt 7 \
         title 'latency, median (' . slope('p50_us', 'clients') . ')', \
-    '' using 2:7 with linespoints pt 6 title 'latency, p99'
+    '' using 'clients':'p99_us' with linespoints pt 6 title 'latency, p99'

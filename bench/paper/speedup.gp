@@ -56,7 +56,7 @@ plot x with lines lc rgb '#999999' dt 3 title 'ideal', \
         title word(scenes, i) . ', method wide, measured', \
     '-' using 1:2:3 with labels point pt 2 ps 1.5 lc rgb 'black' left offset 1,0 \
         font ',9' title 'published'
-8 6.4 "cloth 6.4"
-8 6.7 "dragon 6.7"
-8 7.3 "n-body 7.3"
+8 6.4 ""
+8 6.7 "n-body 7.3, dragon 6.7, cloth 6.4"
+8 7.3 ""
 e
