@@ -25,7 +25,9 @@ static void take(struct bench_candidates *candidates, const struct bench_world *
     const struct eng_pair *pair = pairs->records;
     uint64_t total = is_vf ? pairs->vf : pairs->ee;
     uint64_t stride = total / query_max + 1;
-    pair += is_vf ? 0 : pairs->vf; /* sorted by kind */
+    if (total > 0 && !is_vf) {
+        pair += pairs->vf; /* sorted by kind */
+    }
     candidates->a = bench_alloc(query_max, sizeof *candidates->a);
     candidates->b = bench_alloc(query_max, sizeof *candidates->b);
     for (uint64_t i = 0; i < total && candidates->count < query_max; i += stride) {

@@ -209,8 +209,10 @@ static int write_entries(struct pccd_client *client, struct cli_journal *journal
             at += entry.bytes;
         }
     }
-    memmove(journal->entries, journal->entries + at, journal->bytes - at);
-    journal->bytes -= at;
+    if (at > 0) { /* before the first entry there is no room for any */
+        memmove(journal->entries, journal->entries + at, journal->bytes - at);
+        journal->bytes -= at;
+    }
     return rc;
 }
 

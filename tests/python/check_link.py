@@ -107,7 +107,7 @@ class Ways(Case):
             lock = os.open(runtime + "/pccd/pccd.sock.lock",
                            os.O_RDWR | os.O_CREAT, 0o600)
             fcntl.flock(lock, fcntl.LOCK_EX)
-            leaves = threading.Timer(3, os.close, (lock,))
+            leaves = threading.Timer(1.5, os.close, (lock,))
             leaves.start()
             with pccd.connect() as client:
                 pid = client.daemon_pid
