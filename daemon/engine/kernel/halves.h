@@ -81,6 +81,25 @@ ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
 #endif
 }
 
+/* The sum of the two halves of each lane, in all of its bits. */
+ENG_INLINE eng_fi eng_fi_sum_halves(eng_fi a)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_madd_epi16((__m512i)a, _mm512_set1_epi16(1));
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_madd_epi16((__m256i)a, _mm256_set1_epi16(1));
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_madd_epi16((__m128i)a, _mm_set1_epi16(1));
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    return (eng_fi)vpaddlq_s16((int16x8_t)a);
+#else
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        a[i] = (int16_t)a[i] + (a[i] >> 16);
+    }
+    return a;
+#endif
+}
+
 /* The halves of each lane change places. */
 ENG_INLINE eng_fi eng_fi_turn_halves(eng_fi a)
 {

@@ -315,18 +315,22 @@ ENG_INLINE uint32_t find_by(struct eng_join *job, struct eng_join_round *round,
 
 /* Those of the lanes that no time brings together with the box. */
 ENG_INLINE uint32_t never_of(const struct eng_join *job, uint32_t slot, uint32_t block,
-                             uint32_t lanes)
+                             uint32_t lanes, bool narrow)
 {
-    const struct eng_wide_block *a = &job->a[slot / ENG_WIDE];
-    const struct eng_wide_block *b = &job->b[block];
-    struct bounds box = rows_at((const void *)&a->row[0][0][slot % ENG_WIDE], RULE_STEP);
-    return lanes & never_together(box, rows_at((const void *)b, RULE_STEP));
+    uint32_t n = slot / ENG_WIDE;
+    uint32_t lane = slot % ENG_WIDE;
+    enum rule rule = narrow ? RULE_NARROW_STEP : RULE_STEP;
+    const void *box = narrow ? (const void *)&job->a_narrow[n].row[0][0][lane]
+                             : (const void *)&job->a[n].row[0][0][lane];
+    const void *rows =
+        narrow ? (const void *)&job->b_narrow[block] : (const void *)&job->b[block];
+    return lanes & never_together(rows_at(box, rule), rows_at(rows, rule), narrow);
 }
 
 /* As many as there is room for. Times are looked at here, not before: what a list has
  * without them is compared with what went for them. */
 ENG_INLINE uint32_t write_by(struct eng_join *job, struct eng_join_round *round,
-                             bool in_time, uint32_t *out_a, uint32_t *out_b,
+                             bool in_time, bool narrow, uint32_t *out_a, uint32_t *out_b,
                              uint32_t room)
 {
     uint32_t count = 0;
@@ -337,7 +341,7 @@ ENG_INLINE uint32_t write_by(struct eng_join *job, struct eng_join_round *round,
         uint32_t block = round->first_b + (box >> 8);
         uint32_t lanes = round->lanes[i];
         if (in_time) {
-            uint32_t never = never_of(job, slot, block, lanes);
+            uint32_t never = never_of(job, slot, block, lanes, narrow);
             job->apart_in_time += (uint32_t)__builtin_popcount(never);
             lanes ^= never;
         }
@@ -351,9 +355,11 @@ ENG_INLINE uint32_t write_by(struct eng_join *job, struct eng_join_round *round,
 static uint32_t write_pairs(struct eng_join *job, struct eng_join_round *round,
                             uint32_t *out_a, uint32_t *out_b, uint32_t room)
 {
-    return job->in_time && job->boxes == ENG_JOIN_MOVING
-               ? write_by(job, round, true, out_a, out_b, room)
-               : write_by(job, round, false, out_a, out_b, room);
+    if (!job->in_time || job->boxes != ENG_JOIN_MOVING) {
+        return write_by(job, round, false, false, out_a, out_b, room);
+    }
+    return job->a_narrow ? write_by(job, round, true, true, out_a, out_b, room)
+                         : write_by(job, round, true, false, out_a, out_b, room);
 }
 
 /* ---- plain swept boxes ------------------------------------------------------------- */

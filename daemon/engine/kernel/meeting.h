@@ -1,6 +1,6 @@
 /* daemon/engine/kernel/meeting.h - when boxes that move can meet.
  *
- * Room:     engine. May include: lanes_pack.h, overlap.h.
+ * Room:     engine. May include: halves.h, lanes_pack.h, overlap.h.
  * Does:     tell pairs of boxes that overlap along each axis, but never along all at a
  *           time.
  * Threads:  [any]; inline only. Included by files of this folder alone.
@@ -18,12 +18,56 @@
  * The last comparison is of two products of a numerator and a denominator each: 2 (2 u +
  * 3 u + u) and u for the factor, and that, 1 + 2^-19, leaves 32 u. 2^-120 covers products
  * below the normal range.
+ *
+ * In whole numbers (narrow.h) the h of either end are sums of two of 16 bits, exact as
+ * floats, and at least those of the boxes, in cells: so is what is between them, and what
+ * can meet along an axis can by these numbers, too. Whatever they tell apart is. Here,
+ * too, the two h0 add up to no less than the boxes' sizes: so do the two numbers of a box
+ * (narrow.c). None may be saturated, though: one that is too small at the one end would
+ * shorten the time.
  */
 #ifndef ENG_MEETING_H
 #define ENG_MEETING_H
 
+#include "halves.h"
 #include "lanes_pack.h"
 #include "overlap.h"
+
+/* The h of both ways, at both ends, of an axis. */
+struct gaps {
+    eng_f up[2];
+    eng_f down[2];
+};
+
+ENG_INLINE struct gaps gaps_as_floats(struct bounds box, struct bounds rows,
+                                      uint32_t axis, uint32_t at)
+{
+    struct gaps gaps;
+#pragma GCC unroll 2
+    for (uint32_t end = 0; end < 2; end++) {
+        gaps.up[end] =
+            bound(box, ENG_LOW0 + end, axis) + row_of(rows, ENG_HIGH0 + end, axis, at);
+        gaps.down[end] =
+            bound(box, ENG_HIGH0 + end, axis) + row_of(rows, ENG_LOW0 + end, axis, at);
+    }
+    return gaps;
+}
+
+ENG_INLINE struct gaps gaps_as_pairs(struct bounds box, struct bounds rows, uint32_t axis,
+                                     uint32_t at)
+{
+    struct gaps gaps;
+#pragma GCC unroll 2
+    for (uint32_t end = 0; end < 2; end++) {
+        eng_fi a = eng_fi_all(word_of(box, end, axis));
+        eng_fi b = eng_fi_load(place_of(rows, end, axis, at));
+        eng_fi up = eng_fi_sum_halves((a & 0xffff) | (b & ~0xffff));
+        eng_fi down = eng_fi_sum_halves((b & 0xffff) | (a & ~0xffff));
+        gaps.up[end] = __builtin_convertvector(up, eng_f);
+        gaps.down[end] = __builtin_convertvector(down, eng_f);
+    }
+    return gaps;
+}
 
 /* A time, n / d. */
 struct fraction {
@@ -60,22 +104,20 @@ ENG_INLINE struct fraction sooner(struct fraction a, struct fraction b)
 }
 
 /* Between which times an axis lets the boxes meet. */
-ENG_INLINE void meeting_along(struct bounds box, struct bounds rows, uint32_t axis,
-                              uint32_t at, struct fraction *from, struct fraction *to)
+ENG_INLINE void meeting_along(const struct gaps *gaps, struct fraction *from,
+                              struct fraction *to)
 {
-    eng_f up0 = bound(box, ENG_LOW0, axis) + row_of(rows, ENG_HIGH0, axis, at);
-    eng_f up1 = bound(box, ENG_LOW1, axis) + row_of(rows, ENG_HIGH1, axis, at);
-    eng_f down0 = bound(box, ENG_HIGH0, axis) + row_of(rows, ENG_LOW0, axis, at);
-    eng_f down1 = bound(box, ENG_HIGH1, axis) + row_of(rows, ENG_LOW1, axis, at);
-    struct parting first = parting_of(up0, down0, up1, down1);
-    struct parting last = parting_of(up1, down1, up0, down0);
+    struct parting first =
+        parting_of(gaps->up[0], gaps->down[0], gaps->up[1], gaps->down[1]);
+    struct parting last =
+        parting_of(gaps->up[1], gaps->down[1], gaps->up[0], gaps->down[0]);
     *from = (struct fraction){first.apart, first.apart + first.other};
     *to = (struct fraction){last.other, last.apart + last.other};
 }
 
 /* Bit i: no time brings the box and that of lane i together. Only for pairs that
- * overlap. */
-ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows)
+ * overlap; `narrow`: both are in whole numbers. */
+ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows, bool narrow)
 {
     uint32_t bits = 0;
     for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
@@ -83,7 +125,9 @@ ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows)
         struct fraction to[3];
 #pragma GCC unroll 3
         for (uint32_t axis = 0; axis < 3; axis++) {
-            meeting_along(box, rows, axis, at, &from[axis], &to[axis]);
+            struct gaps gaps = narrow ? gaps_as_pairs(box, rows, axis, at)
+                                      : gaps_as_floats(box, rows, axis, at);
+            meeting_along(&gaps, &from[axis], &to[axis]);
         }
         struct fraction begin = later(later(from[0], from[1]), from[2]);
         struct fraction end = sooner(sooner(to[0], to[1]), to[2]);
