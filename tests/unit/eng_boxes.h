@@ -8,6 +8,8 @@
 #ifndef TEST_ENG_BOXES_H
 #define TEST_ENG_BOXES_H
 
+#include <math.h>
+
 #include "eng_kit.h"
 #include "kernel.h"
 
@@ -71,6 +73,25 @@ static inline void fill_boxes(struct eng_extents boxes[BOXES], uint32_t corner[3
             set_nowhere(&boxes[i]);
         }
     }
+}
+
+/* Can two boxes meet on all axes at one time, give or take `margin`? */
+static inline bool meet_in_time(const struct eng_extents *a, const struct eng_extents *b,
+                                double margin)
+{
+    double from = 0;
+    double to = 1;
+    for (int k = 0; k < 3; k++) {
+        for (int way = 0; way < 2; way++) {
+            const struct eng_extents *low = way ? b : a;
+            const struct eng_extents *high = way ? a : b;
+            double h0 = (double)low->side[ENG_LOW0][k] + high->side[ENG_HIGH0][k];
+            double h1 = (double)low->side[ENG_LOW1][k] + high->side[ENG_HIGH1][k];
+            from = h0 < 0 ? fmax(from, h0 / (h0 - h1)) : from;
+            to = h1 < 0 ? fmin(to, h0 / (h0 - h1)) : to;
+        }
+    }
+    return from <= to + margin;
 }
 
 #endif

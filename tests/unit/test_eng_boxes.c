@@ -396,25 +396,6 @@ static void boxes__that_stand_still_are_joined_as_those_that_move(void **state)
     assert_true(pairs > 1000);
 }
 
-/* Can two boxes meet on all axes at one time, give or take `margin`? */
-static bool meet_in_time(const struct eng_extents *a, const struct eng_extents *b,
-                         double margin)
-{
-    double from = 0;
-    double to = 1;
-    for (int k = 0; k < 3; k++) {
-        for (int way = 0; way < 2; way++) {
-            const struct eng_extents *low = way ? b : a;
-            const struct eng_extents *high = way ? a : b;
-            double h0 = (double)low->side[ENG_LOW0][k] + high->side[ENG_HIGH0][k];
-            double h1 = (double)low->side[ENG_LOW1][k] + high->side[ENG_HIGH1][k];
-            from = h0 < 0 ? fmax(from, h0 / (h0 - h1)) : from;
-            to = h1 < 0 ? fmin(to, h0 / (h0 - h1)) : to;
-        }
-    }
-    return from <= to + margin;
-}
-
 /* One join of blocks with a look at times and one without: the pairs that are gone are
  * those that no time brings together. Returns how many, and those that are left. */
 static uint64_t compare_in_time(const struct eng_kernels *kernels, struct fixture *f,

@@ -28,8 +28,8 @@ struct eng_join {
     const struct eng_wide_block *a;
     const struct eng_wide_block *b;
     const struct eng_extents *b_boxes; /* around each block of b */
-    /* The same in whole numbers, compared in the place of a, b and b_boxes; or NULL.
-     * Only of features that move. */
+    /* The same in whole numbers, or NULL: only of features that move. a and b then say
+     * whether the lists are the same, and nothing else is read of them. */
     const struct eng_narrow_block *a_narrow;
     const struct eng_narrow_block *b_narrow;
     const struct eng_narrow_box *b_narrow_boxes;

@@ -33,8 +33,6 @@ void eng_wide_deinit(struct eng_wide *wide)
         struct eng_wide_tree *tree = &wide->trees[kind];
         eng_free(tree->blocks);
         eng_free(tree->boxes);
-        eng_free(tree->narrow);
-        eng_free(tree->narrow_boxes);
         eng_free(tree->keys);
         for (int k = 0; k < 3; k++) {
             eng_free(tree->corner[k]);
@@ -66,8 +64,6 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide)
         const struct eng_wide_tree *tree = &wide->trees[kind];
         bytes +=
             (uint64_t)tree->block_capacity * (sizeof *tree->blocks + sizeof *tree->boxes);
-        bytes += (uint64_t)tree->slot_capacity / ENG_WIDE *
-                 (sizeof *tree->narrow + sizeof *tree->narrow_boxes);
         if (kind != ENG_WIDE_VERTICES) {
             bytes += (uint64_t)tree->slot_capacity *
                      (corner_count(kind) * sizeof *tree->corner[0] + sizeof *tree->keys);
@@ -186,14 +182,7 @@ static int reserve_slots(struct eng_wide *wide, enum eng_wide_kind kind, uint32_
         return ENG_OK;
     }
     uint32_t capacity = round_up(eng_world_grown(tree->slot_capacity, count), ENG_WIDE);
-    uint32_t blocks = capacity / ENG_WIDE;
-    int status = eng_world_grow(&tree->narrow, blocks, sizeof *tree->narrow);
-    if (status == ENG_OK) {
-        status = eng_world_grow(&tree->narrow_boxes, blocks, sizeof *tree->narrow_boxes);
-    }
-    if (status != ENG_OK) {
-        return status;
-    }
+    int status = ENG_OK;
     if (kind == ENG_WIDE_VERTICES) {
         status = eng_world_grow(&wide->points, capacity, sizeof *wide->points);
         if (status == ENG_OK) {

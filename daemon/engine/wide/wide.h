@@ -16,6 +16,7 @@
 #ifndef ENG_WIDE_TREES_H
 #define ENG_WIDE_TREES_H
 
+#include <assert.h>
 #include <stdatomic.h>
 
 #include "kernel.h"
@@ -43,13 +44,12 @@ struct eng_wide_tree {
     uint32_t block_capacity;
     uint32_t block_count[ENG_WIDE_LEVELS_MAX];
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
-    struct eng_wide_block *blocks;       /* [block_capacity] */
-    struct eng_extents *boxes;           /* [block_capacity] around each block */
-    /* Of level 0, in whole numbers: [slot_capacity / 16]. */
-    struct eng_narrow_block *narrow;
-    struct eng_narrow_box *narrow_boxes;
-    uint32_t *corner[3]; /* edges 2, faces 3: [slot_capacity], vertex slots */
-    eng_wide_key *keys;  /* edges and faces: [slot_capacity] */
+    /* [block_capacity] In a step that compares whole numbers these are in the place of
+     * level 0: eng_wide_narrow_blocks. */
+    struct eng_wide_block *blocks;
+    struct eng_extents *boxes; /* [block_capacity] around each block */
+    uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
+    eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
 };
 
 struct eng_wide {
@@ -65,15 +65,16 @@ struct eng_wide {
     /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
      * ends the refit orders the two. */
     atomic_bool left_grid;
-    /* The boxes of features in whole numbers: made in a step that this fits, and used
-     * unless one of them was beyond their reach, which is as left_grid is. */
+    /* The boxes of features in whole numbers: made in the place of floats in a step that
+     * this fits, unless a vertex was beyond their reach. That is known, as left_grid is,
+     * when all vertices are done, and decides for edges and faces, whose boxes are within
+     * those of vertices. */
     struct eng_narrowing narrowing;
     bool makes_narrow;
     atomic_bool left_narrow;
-    atomic_uint
-        farthest;       /* the most that one of their numbers grows by; as left_narrow */
-    bool boxes_are_old; /* not made since the trees were put together */
-    double low[3];      /* when they were: around all vertices */
+    atomic_uint farthest; /* the most that one of their numbers grows by; as left_grid */
+    bool boxes_are_old;   /* not made since the trees were put together */
+    double low[3];        /* when they were: around all vertices */
     double high[3];
     uint32_t *slot_of; /* [slot_of_capacity] of the vertices in the scene's arrays */
     uint32_t slot_of_capacity;
@@ -114,6 +115,25 @@ static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree 
                                                      uint32_t level)
 {
     return tree->blocks + tree->first[level];
+}
+
+/* Of features that are in whole numbers (eng_wide_has_narrow): one after the other where
+ * the floats of level 0 would be, which take as much and more; then the boxes around
+ * them. So a step that does the other thing than the last one needs no memory. */
+static inline struct eng_narrow_block *
+eng_wide_narrow_blocks(const struct eng_wide_tree *tree)
+{
+    return (struct eng_narrow_block *)(void *)tree->blocks;
+}
+
+static inline struct eng_narrow_box *
+eng_wide_narrow_boxes(const struct eng_wide_tree *tree)
+{
+    static_assert(sizeof(struct eng_narrow_block) + sizeof(struct eng_narrow_box) <=
+                      sizeof(struct eng_wide_block),
+                  "room for both");
+    return (struct eng_narrow_box *)(void *)(eng_wide_narrow_blocks(tree) +
+                                             tree->block_count[0]);
 }
 
 static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tree,

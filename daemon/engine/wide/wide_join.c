@@ -38,17 +38,18 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
         bool is_narrow = boxes == ENG_JOIN_MOVING && eng_wide_has_narrow(wide);
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
-            bool narrow = is_narrow && level == 0;
             struct eng_join *job = &join->jobs[kind][level];
             *job = (struct eng_join){.a = eng_wide_blocks(a, level),
                                      .b = eng_wide_blocks(b, level),
                                      .b_boxes = eng_wide_boxes(b, level),
-                                     .a_narrow = narrow ? a->narrow : NULL,
-                                     .b_narrow = narrow ? b->narrow : NULL,
-                                     .b_narrow_boxes = narrow ? b->narrow_boxes : NULL,
                                      .boxes = boxes,
                                      .farthest = farthest,
                                      .t_end = 1};
+            if (is_narrow && level == 0) {
+                job->a_narrow = eng_wide_narrow_blocks(a);
+                job->b_narrow = eng_wide_narrow_blocks(b);
+                job->b_narrow_boxes = eng_wide_narrow_boxes(b);
+            }
             for (int k = 0; k < 3; k++) {
                 job->a_corner[k] = a->corner[k];
                 job->b_corner[k] = b->corner[k];

@@ -7,15 +7,19 @@
  * A chunk is a few whole nodes of level 1: their boxes are made while those of their
  * features are in the first cache.
  */
+#include <assert.h>
 #include <string.h>
 
-#include "wide.h"
+#include "wide_narrow.h"
 #include "world.h"
 
 /* Nodes of level 1 in a chunk, of 256 features each: 5 to 10 us of work against 0.1 us to
  * take it. */
 #define CHUNK_NODES  2u
 #define CHUNK_BLOCKS (CHUNK_NODES * ENG_WIDE)
+
+/* Blocks at a time whose floats are only made to become whole numbers: 6 KiB. */
+#define FLOAT_BLOCKS 8u
 
 uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind kind)
 {
@@ -47,54 +51,86 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
-/* Boxes in whole numbers, of `count` blocks. */
-static void narrow(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t block,
-                   uint32_t count)
-{
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    uint32_t farthest = 0;
-    if (!wide->kernels->narrow_blocks(tree->blocks + block, tree->boxes + block, count,
-                                      &wide->narrowing, tree->narrow + block,
-                                      tree->narrow_boxes + block, &farthest)) {
-        atomic_store_explicit(&wide->left_narrow, true, memory_order_relaxed);
-    }
-    uint32_t others = atomic_load_explicit(&wide->farthest, memory_order_relaxed);
-    while (others < farthest && !atomic_compare_exchange_weak_explicit(
-                                    &wide->farthest, &others, farthest,
-                                    memory_order_relaxed, memory_order_relaxed)) {
-    }
-}
-
 static uint32_t smaller(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
 }
 
-void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
-                          enum eng_wide_kind kind, uint32_t chunk, bool swept)
+/* Boxes of `count` blocks of features from `block` on, to `blocks`, and those around
+ * them, which are the tree's. */
+static void box_features(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t block,
+                         uint32_t count, bool swept, struct eng_wide_block *blocks)
 {
     const struct eng_kernels *kernels = wide->kernels;
     struct eng_wide_tree *tree = &wide->trees[kind];
-    uint32_t block = chunk * CHUNK_BLOCKS;
-    uint32_t count = smaller(CHUNK_BLOCKS, tree->block_count[0] - block);
     uint32_t slot = block * ENG_WIDE;
     if (kind == ENG_WIDE_VERTICES) {
-        refit_points(wide, scene, slot, slot + count * ENG_WIDE, swept);
-        kernels->box_fold(wide->point_boxes + slot, count, swept, tree->blocks + block,
+        kernels->box_fold(wide->point_boxes + slot, count, swept, blocks,
                           tree->boxes + block);
-    } else {
-        const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
-                                           kind == ENG_WIDE_FACES ? tree->corner[2] + slot
-                                                                  : NULL};
-        kernels->box_unite(wide->point_boxes, corner, count, swept, tree->blocks + block,
-                           tree->boxes + block);
+        return;
     }
-    if (wide->makes_narrow && !swept) {
-        narrow(wide, kind, block, count);
+    const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
+                                       kind == ENG_WIDE_FACES ? tree->corner[2] + slot
+                                                              : NULL};
+    kernels->box_unite(wide->point_boxes, corner, count, swept, blocks,
+                       tree->boxes + block);
+}
+
+static void keep_most(atomic_uint *most, uint32_t value)
+{
+    uint32_t others = atomic_load_explicit(most, memory_order_relaxed);
+    while (others < value &&
+           !atomic_compare_exchange_weak_explicit(
+               most, &others, value, memory_order_relaxed, memory_order_relaxed)) {
+    }
+}
+
+/* The same in whole numbers: of floats that do not leave the first cache. */
+static void narrow_features(struct eng_wide *wide, enum eng_wide_kind kind,
+                            uint32_t block, uint32_t count)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    struct eng_wide_block floats[FLOAT_BLOCKS];
+    uint32_t farthest = 0;
+    uint32_t end = block + count;
+    for (uint32_t i = block; i < end; i += FLOAT_BLOCKS) {
+        uint32_t part = smaller(FLOAT_BLOCKS, end - i);
+        box_features(wide, kind, i, part, false, floats);
+        if (!wide->kernels->narrow_blocks(floats, tree->boxes + i, part, &wide->narrowing,
+                                          eng_wide_narrow_blocks(tree) + i,
+                                          eng_wide_narrow_boxes(tree) + i, &farthest)) {
+            assert(kind == ENG_WIDE_VERTICES);
+            atomic_store_explicit(&wide->left_narrow, true, memory_order_relaxed);
+        }
+    }
+    keep_most(&wide->farthest, farthest);
+}
+
+/* Vertices are, as long as this is not known of all of them: floats and whole numbers are
+ * in one place, and threads may not differ about what is there. */
+static bool becomes_narrow(const struct eng_wide *wide, enum eng_wide_kind kind)
+{
+    return kind == ENG_WIDE_VERTICES ? wide->makes_narrow : eng_wide_has_narrow(wide);
+}
+
+void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
+                          enum eng_wide_kind kind, uint32_t chunk, bool swept)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t block = chunk * CHUNK_BLOCKS;
+    uint32_t count = smaller(CHUNK_BLOCKS, tree->block_count[0] - block);
+    if (kind == ENG_WIDE_VERTICES) {
+        uint32_t slot = block * ENG_WIDE;
+        refit_points(wide, scene, slot, slot + count * ENG_WIDE, swept);
+    }
+    if (!swept && becomes_narrow(wide, kind)) {
+        narrow_features(wide, kind, block, count);
+    } else {
+        box_features(wide, kind, block, count, swept, tree->blocks + block);
     }
     if (wide->level_count > 1) {
         uint32_t node = chunk * CHUNK_NODES;
-        kernels->box_fold(
+        wide->kernels->box_fold(
             tree->boxes + block, smaller(CHUNK_NODES, tree->block_count[1] - node), swept,
             eng_wide_blocks(tree, 1) + node, eng_wide_boxes(tree, 1) + node);
     }
@@ -103,6 +139,11 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
 void eng_wide_refit_above(struct eng_wide *wide, bool swept)
 {
     wide->boxes_are_old = false;
+    if (!swept && wide->makes_narrow && !eng_wide_has_narrow(wide)) {
+        struct eng_wide_tree *vertices = &wide->trees[ENG_WIDE_VERTICES];
+        box_features(wide, ENG_WIDE_VERTICES, 0, vertices->block_count[0], false,
+                     vertices->blocks);
+    }
     for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         for (uint32_t level = 2; level < wide->level_count; level++) {
