@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "feature.h"
 #include "memory.h"
-#include "topology.h"
 
 /* Huge counts are to be answered, under a sanitizer too. */
 __attribute__((visibility("default"))) const char *__asan_default_options(void);
@@ -284,23 +284,26 @@ static void check_ownership(const struct eng_mesh *mesh)
     uint32_t *vertex_owners = calloc(info.vertex_count, sizeof *vertex_owners);
     uint32_t *used = calloc(info.vertex_count, sizeof *used);
     uint32_t *edge_owners = calloc(info.edge_count + 1, sizeof *edge_owners);
-    assert_true(vertex_owners && used && edge_owners);
+    uint32_t *first = calloc(info.vertex_count + 1, sizeof *first);
+    assert_true(vertex_owners && used && edge_owners && first);
+    eng_feature_index(mesh, first);
     for (uint32_t t = 0; t < info.triangle_count; t++) {
-        const struct eng_triangle *triangle = &mesh->triangles[t];
+        const struct eng_face *triangle = &mesh->triangles[t];
         for (unsigned k = 0; k < 3; k++) {
             uint32_t a = triangle->v[k];
             uint32_t b = triangle->v[(k + 1) % 3];
             used[a] = 1;
+            uint32_t edge = eng_feature_edge(mesh, first, a, b);
             vertex_owners[a] += (triangle->owns & ENG_OWNS_VERTEX(k)) != 0;
             if (a == b) {
-                assert_int_equal(triangle->e[k], ENG_NO_EDGE);
+                assert_int_equal(edge, ENG_NO_EDGE);
                 assert_false(triangle->owns & ENG_OWNS_EDGE(k));
                 continue;
             }
-            assert_true(triangle->e[k] < info.edge_count);
-            assert_int_equal(mesh->edges[triangle->e[k]][0], a < b ? a : b);
-            assert_int_equal(mesh->edges[triangle->e[k]][1], a < b ? b : a);
-            edge_owners[triangle->e[k]] += (triangle->owns & ENG_OWNS_EDGE(k)) != 0;
+            assert_true(edge < info.edge_count);
+            assert_int_equal(mesh->edges[edge][0], a < b ? a : b);
+            assert_int_equal(mesh->edges[edge][1], a < b ? b : a);
+            edge_owners[edge] += (triangle->owns & ENG_OWNS_EDGE(k)) != 0;
         }
     }
     for (uint32_t v = 0; v < info.vertex_count; v++) {
@@ -312,6 +315,7 @@ static void check_ownership(const struct eng_mesh *mesh)
     free(vertex_owners);
     free(used);
     free(edge_owners);
+    free(first);
 }
 
 /* If it failed: a contact would be missing (no owner) or reported twice (two). */

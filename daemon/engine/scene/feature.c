@@ -66,15 +66,11 @@ static size_t collect_sides(const struct eng_mesh *mesh, struct eng_radix_item *
     return count;
 }
 
-static void init_triangles(const struct eng_mesh *mesh, struct eng_triangle *triangles)
+static void init_triangles(const struct eng_mesh *mesh, struct eng_face *triangles)
 {
     for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
         memcpy(triangles[t].v, mesh->corners[t], sizeof triangles[t].v);
-        for (unsigned k = 0; k < 3; k++) {
-            triangles[t].e[k] = ENG_NO_EDGE;
-        }
         triangles[t].owns = 0;
-        triangles[t].object = 0;
     }
 }
 
@@ -89,27 +85,24 @@ static uint64_t count_runs(const struct eng_radix_item *sides, size_t count)
 
 /* Number the edges and let the first triangle of each run own its edge (the sort is
  * stable, so that is the lowest triangle). */
-static void assign_edges(struct eng_triangle *triangles, uint32_t (*edges)[2],
+static void assign_edges(struct eng_face *triangles, uint32_t (*edges)[2],
                          const struct eng_radix_item *sides, size_t count)
 {
-    uint32_t edge = ENG_NO_EDGE; /* + 1 wraps to 0 */
+    uint32_t edge = 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t t = (uint32_t)(sides[i].index / 3);
-        uint32_t k = (uint32_t)(sides[i].index % 3);
         if (i == 0 || sides[i].lo != sides[i - 1].lo) {
-            edge++;
             edges[edge][0] = (uint32_t)sides[i].lo;
             edges[edge][1] = (uint32_t)(sides[i].lo >> 32);
-            triangles[t].owns |= ENG_OWNS_EDGE(k);
+            triangles[sides[i].index / 3].owns |= ENG_OWNS_EDGE(sides[i].index % 3);
+            edge++;
         }
-        triangles[t].e[k] = edge;
     }
 }
 
 /* First come, first owned. Returns the number of vertices that nobody owns. `seen` is
  * scratch of vertex_count bytes. */
-static uint32_t assign_vertices(const struct eng_mesh *mesh,
-                                struct eng_triangle *triangles, uint8_t *seen)
+static uint32_t assign_vertices(const struct eng_mesh *mesh, struct eng_face *triangles,
+                                uint8_t *seen)
 {
     uint32_t isolated = mesh->info.vertex_count;
     memset(seen, 0, mesh->info.vertex_count);
@@ -157,7 +150,7 @@ int eng_feature_derive(struct eng_mesh *mesh)
     uint32_t n = mesh->info.triangle_count;
     int status = ENG_E_NOMEM;
     uint32_t(*edges)[2] = NULL;
-    struct eng_triangle *triangles = eng_alloc(n, sizeof *triangles);
+    struct eng_face *triangles = eng_alloc(n, sizeof *triangles);
     struct eng_radix_item *items = eng_alloc((size_t)n * 3, sizeof *items);
     struct eng_radix_item *spare = eng_alloc((size_t)n * 3, sizeof *spare);
     uint8_t *seen = eng_alloc(mesh->info.vertex_count, 1);
@@ -198,33 +191,74 @@ out:
     return status;
 }
 
+void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first)
+{
+    uint32_t v = 0;
+    for (uint32_t e = 0; e < mesh->info.edge_count; e++) {
+        for (; v <= mesh->edges[e][1]; v++) {
+            first[v] = e;
+        }
+    }
+    for (; v <= mesh->info.vertex_count; v++) {
+        first[v] = mesh->info.edge_count;
+    }
+}
+
+uint32_t eng_feature_edge(const struct eng_mesh *mesh, const uint32_t *first, uint32_t a,
+                          uint32_t b)
+{
+    if (a == b) {
+        return ENG_NO_EDGE;
+    }
+    uint32_t high = a > b ? a : b;
+    uint32_t low = a > b ? b : a;
+    uint32_t from = first[high];
+    uint32_t end = first[high + 1];
+    while (end - from > 1) {
+        uint32_t middle = from + (end - from) / 2;
+        if (mesh->edges[middle][0] <= low) {
+            from = middle;
+        } else {
+            end = middle;
+        }
+    }
+    return from;
+}
+
 bool eng_feature_validate(const struct eng_mesh *mesh)
 {
     const struct eng_mesh_info *info = &mesh->info;
     size_t bytes = (size_t)info->vertex_count + info->edge_count;
     uint8_t *owners = eng_alloc(bytes, 1);
-    if (!owners) {
+    uint32_t *first = eng_alloc((size_t)info->vertex_count + 1, sizeof *first);
+    if (!owners || !first) {
+        eng_free(owners);
+        eng_free(first);
         return true;
     }
     memset(owners, 0, bytes);
+    eng_feature_index(mesh, first);
     bool valid = true;
     uint64_t owned_vertices = 0;
     uint64_t owned_edges = 0;
     for (uint32_t t = 0; t < info->triangle_count; t++) {
-        const struct eng_triangle *triangle = &mesh->triangles[t];
+        const struct eng_face *triangle = &mesh->triangles[t];
         for (unsigned k = 0; k < 3; k++) {
             if (triangle->owns & ENG_OWNS_VERTEX(k)) {
                 valid &= owners[triangle->v[k]]++ == 0;
                 owned_vertices++;
             }
             if (triangle->owns & ENG_OWNS_EDGE(k)) {
-                valid &= triangle->e[k] < info->edge_count;
-                valid = valid && owners[info->vertex_count + triangle->e[k]]++ == 0;
+                uint32_t edge = eng_feature_edge(mesh, first, triangle->v[k],
+                                                 triangle->v[(k + 1) % 3]);
+                valid &= edge < info->edge_count;
+                valid = valid && owners[info->vertex_count + edge]++ == 0;
                 owned_edges++;
             }
         }
     }
     eng_free(owners);
+    eng_free(first);
     return valid && owned_edges == info->edge_count &&
            owned_vertices == info->vertex_count - info->isolated_count;
 }

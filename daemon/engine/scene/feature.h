@@ -16,6 +16,14 @@
  * nothing changed. */
 int eng_feature_derive(struct eng_mesh *mesh);
 
+/* Where the edges begin whose higher vertex is v: first[v], v = 0 .. vertex_count. Of a
+ * mesh that was derived. */
+void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first);
+
+/* The edge between two vertices that have one; ENG_NO_EDGE where they are the same. */
+uint32_t eng_feature_edge(const struct eng_mesh *mesh, const uint32_t *first, uint32_t a,
+                          uint32_t b);
+
 /* Every vertex in a triangle and every edge is owned exactly once, and by a triangle that
  * has it. O(counts); true when it cannot allocate what it needs. */
 bool eng_feature_validate(const struct eng_mesh *mesh);

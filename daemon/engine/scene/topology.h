@@ -19,11 +19,18 @@
 
 #define ENG_NO_EDGE UINT32_MAX /* a side between equal vertices is not an edge */
 
+/* Of a mesh. Its edges are found by its corners (feature.h). */
+struct eng_face {
+    uint32_t v[3];
+    uint32_t owns; /* ENG_OWNS_* */
+};
+
+/* Of a scene. */
 struct eng_triangle {
     uint32_t v[3];
     uint32_t e[3];   /* edge from v[k] to v[(k+1)%3], or ENG_NO_EDGE */
     uint32_t owns;   /* ENG_OWNS_* */
-    uint32_t object; /* in a scene: object index; in a mesh: 0 */
+    uint32_t object; /* index */
 };
 
 struct eng_mesh {
@@ -32,10 +39,10 @@ struct eng_mesh {
     uint32_t vertices_received; /* prefix that has arrived */
     uint32_t triangles_received;
     struct eng_mesh_info info;
-    double (*x)[3];                 /* [vertex_count] registered positions */
-    uint32_t (*corners)[3];         /* [triangle_count] as received; NULL after commit */
-    struct eng_triangle *triangles; /* [triangle_count] after commit */
-    uint32_t (*edges)[2];           /* [edge_count] after commit */
+    double (*x)[3];             /* [vertex_count] registered positions */
+    uint32_t (*corners)[3];     /* [triangle_count] as received; NULL after commit */
+    struct eng_face *triangles; /* [triangle_count] after commit */
+    uint32_t (*edges)[2];       /* [edge_count] after commit, by (higher, lower) vertex */
 };
 
 #endif

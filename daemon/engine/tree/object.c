@@ -10,6 +10,8 @@
 
 #include "aside.h"
 #include "build.h"
+#include "feature.h"
+#include "memory.h"
 #include "rebuild.h"
 #include "refit.h"
 #include "step_memory.h"
@@ -52,28 +54,36 @@ static int reserve(void *array, size_t bytes, uint32_t end, uint32_t *capacity)
     return status;
 }
 
-int eng_tree_reserve(struct eng_scene *scene)
+/* Up to these ends, and that of the vertices. */
+static int reserve_up_to(struct eng_scene *scene, uint32_t edge_end,
+                         uint32_t triangle_end, uint32_t node_end)
 {
     int status = reserve(&scene->vertices, sizeof *scene->vertices,
                          scene->vertex_ranges.end, &scene->box_capacity);
     if (status == ENG_OK) {
-        status = reserve(&scene->edges, sizeof *scene->edges, scene->edge_ranges.end,
-                         &scene->edge_capacity);
+        status =
+            reserve(&scene->edges, sizeof *scene->edges, edge_end, &scene->edge_capacity);
     }
     if (status == ENG_OK) {
-        status = reserve(&scene->triangles, sizeof *scene->triangles,
-                         scene->triangle_ranges.end, &scene->triangle_capacity);
+        status = reserve(&scene->triangles, sizeof *scene->triangles, triangle_end,
+                         &scene->triangle_capacity);
     }
     uint32_t upkeep_capacity = scene->node_capacity;
     if (status == ENG_OK) {
-        status = reserve(&scene->upkeep, sizeof *scene->upkeep, scene->node_ranges.end,
-                         &upkeep_capacity);
+        status =
+            reserve(&scene->upkeep, sizeof *scene->upkeep, node_end, &upkeep_capacity);
     }
     if (status == ENG_OK) {
-        status = reserve(&scene->nodes, sizeof *scene->nodes, scene->node_ranges.end,
-                         &scene->node_capacity);
+        status =
+            reserve(&scene->nodes, sizeof *scene->nodes, node_end, &scene->node_capacity);
     }
     return status;
+}
+
+int eng_tree_reserve(struct eng_scene *scene)
+{
+    return reserve_up_to(scene, scene->edge_ranges.end, scene->triangle_ranges.end,
+                         scene->node_ranges.end);
 }
 
 static int take_all(struct eng_scene *scene, struct eng_object *object)
@@ -90,8 +100,9 @@ static int take_all(struct eng_scene *scene, struct eng_object *object)
     return status == ENG_OK ? eng_tree_reserve(scene) : status;
 }
 
-/* The topology with global indices. */
-static void copy_in(struct eng_scene *scene, uint32_t object_idx)
+/* The topology with global indices; first_edge: eng_feature_index. */
+static void copy_in(struct eng_scene *scene, uint32_t object_idx,
+                    const uint32_t *first_edge)
 {
     const struct eng_object *object = &scene->objects[object_idx];
     const struct eng_mesh *mesh = object->mesh;
@@ -111,11 +122,14 @@ static void copy_in(struct eng_scene *scene, uint32_t object_idx)
     }
     for (uint32_t i = 0; i < object->triangles.count; i++) {
         struct eng_triangle *triangle = &scene->triangles[object->triangles.first + i];
-        *triangle = mesh->triangles[i];
+        const struct eng_face *face = &mesh->triangles[i];
+        triangle->owns = face->owns;
         triangle->object = object_idx;
         for (int k = 0; k < 3; k++) {
-            triangle->v[k] += v0;
-            triangle->e[k] += triangle->e[k] == ENG_NO_EDGE ? 0 : e0;
+            uint32_t edge =
+                eng_feature_edge(mesh, first_edge, face->v[k], face->v[(k + 1) % 3]);
+            triangle->v[k] = v0 + face->v[k];
+            triangle->e[k] = edge == ENG_NO_EDGE ? ENG_NO_EDGE : e0 + edge;
         }
     }
     memset(scene->nodes + object->nodes.first, 0,
@@ -139,9 +153,19 @@ static void refit_where_it_stands(struct eng_scene *scene,
 static int plant(struct eng_scene *scene, uint32_t object_idx)
 {
     struct eng_object *object = &scene->objects[object_idx];
+    const struct eng_mesh *mesh = object->mesh;
+    uint32_t *first_edge =
+        eng_alloc((size_t)mesh->info.vertex_count + 1, sizeof *first_edge);
+    if (!first_edge) {
+        return ENG_E_NOMEM;
+    }
     int status = take_all(scene, object);
     if (status == ENG_OK) {
-        copy_in(scene, object_idx);
+        eng_feature_index(mesh, first_edge);
+        copy_in(scene, object_idx, first_edge);
+    }
+    eng_free(first_edge);
+    if (status == ENG_OK) {
         status = eng_build_object(scene, object_idx);
     }
     if (status != ENG_OK) {
@@ -154,9 +178,38 @@ static int plant(struct eng_scene *scene, uint32_t object_idx)
     return ENG_OK;
 }
 
+/* At most what a range allocator hands out. */
+static uint32_t end_of(const struct eng_ranges *ranges, uint64_t more)
+{
+    return more < ranges->limit - ranges->end ? ranges->end + (uint32_t)more
+                                              : ranges->limit;
+}
+
+/* Room for all objects without a hierarchy, and for the nodes above them, at once: one by
+ * one, each array would grow past what it needs. */
+static int reserve_for(struct eng_scene *scene)
+{
+    uint64_t edges = 0;
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (object->mesh && object->nodes.count == 0) {
+            edges += object->mesh->info.edge_count;
+            triangles += object->mesh->info.triangle_count;
+        }
+    }
+    if (triangles == 0) {
+        return ENG_OK;
+    }
+    return reserve_up_to(
+        scene, end_of(&scene->edge_ranges, edges),
+        end_of(&scene->triangle_ranges, triangles),
+        end_of(&scene->node_ranges, 2 * triangles + scene->object_count));
+}
+
 int eng_plant_objects(struct eng_scene *scene)
 {
-    int status = ENG_OK;
+    int status = reserve_for(scene);
     for (uint32_t i = 0; i < scene->object_capacity && status == ENG_OK; i++) {
         if (scene->objects[i].mesh && scene->objects[i].nodes.count == 0) {
             status = plant(scene, i);

@@ -166,7 +166,7 @@ uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
             items[listed++] = item_of(x, mesh->edges[i], 2, i);
             continue;
         }
-        const struct eng_triangle *triangle = &mesh->triangles[i];
+        const struct eng_face *triangle = &mesh->triangles[i];
         if (kind == ENG_WIDE_FACES) {
             items[listed++] = item_of(x, triangle->v, 3, i);
             continue;
