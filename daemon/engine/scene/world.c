@@ -13,7 +13,7 @@
 
 uint32_t eng_world_grown(uint32_t capacity, uint32_t end)
 {
-    uint64_t more = (uint64_t)capacity + capacity / 2;
+    uint64_t more = (uint64_t)capacity + capacity / 8;
     return more > UINT32_MAX || more < end ? end : (uint32_t)more;
 }
 

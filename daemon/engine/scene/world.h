@@ -185,8 +185,8 @@ static inline bool eng_is_above_objects(const struct eng_scene *scene, uint32_t 
 /* The object that staged or stands at `object_idx`, or NULL. */
 struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx);
 
-/* A capacity for `end` items: grown by half, so that adding objects one by one copies
- * each array a logarithmic number of times. */
+/* A capacity for `end` items: grown by an eighth, which is what may lie idle, so that
+ * adding objects one by one copies each array a logarithmic number of times. */
 uint32_t eng_world_grown(uint32_t capacity, uint32_t end);
 
 /* Grow one array of items of `bytes`; `array` is the address of the pointer to it, which
