@@ -66,6 +66,7 @@ ENG_TESTS = \
     tests/unit/test_eng_narrow \
     tests/unit/test_eng_resort \
     tests/unit/test_eng_wide \
+    tests/unit/test_eng_footprint \
     tests/unit/test_eng_masks \
     tests/unit/test_eng_pairset
 check_PROGRAMS += $(ENG_TESTS)
@@ -249,6 +250,10 @@ tests_unit_test_eng_boxes_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_resort_SOURCES = tests/unit/test_eng_resort.c
 tests_unit_test_eng_resort_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_resort_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_footprint_SOURCES = tests/unit/test_eng_footprint.c
+tests_unit_test_eng_footprint_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_footprint_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_wide_SOURCES = tests/unit/test_eng_wide.c
 tests_unit_test_eng_wide_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

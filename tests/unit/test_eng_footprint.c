@@ -1,0 +1,212 @@
+/* tests/unit/test_eng_footprint.c - the memory that a scene takes.
+ *
+ * Room:     engine (step.h, wide_narrow.h, world.h).
+ * Does:     step a cloth of five sheets and 100 000 triangles by both methods; hold the
+ *           bytes of a triangle that stay against the 400 that README.md promises, the
+ *           scene's own account of them against what the engine has allocated, and that
+ *           against what the process has grown by. And see that none are kept for pairs.
+ * Threads:  one.
+ */
+#include "eng_kit.h"
+
+#include <malloc.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "memory.h"
+#include "step.h"
+#include "step_memory.h"
+#include "wide_narrow.h"
+#include "world.h"
+
+#define SHEETS    5u
+#define SIDE      100u
+#define TRIANGLES (SHEETS * SIDE * SIDE * 2.0)
+#define APART     0.01 /* one sheet from the next; a square has sides of 1 / SIDE */
+#define BYTES_MAX 400.0
+
+struct cloth {
+    struct eng_scene *scene;
+    uint32_t objects[SHEETS];
+    uint64_t engine_before;
+    double process_before;
+};
+
+static double process_bytes(void)
+{
+    unsigned long pages[2] = {0, 0};
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%lu %lu", &pages[0], &pages[1]), 2);
+    fclose(file);
+    return (double)pages[1] * (double)sysconf(_SC_PAGESIZE);
+}
+
+static void cloth_init(struct cloth *cloth)
+{
+    memset(cloth, 0, sizeof *cloth);
+    malloc_trim(0);
+    cloth->engine_before = eng_alloc_bytes();
+    cloth->process_before = process_bytes();
+    assert_int_equal(eng_scene_new(NULL, &cloth->scene), ENG_OK);
+    for (uint32_t i = 0; i < SHEETS; i++) {
+        struct eng_mesh *mesh = kit_sheet(SIDE, APART * i);
+        assert_int_equal(eng_scene_add(cloth->scene, mesh, i, &cloth->objects[i]),
+                         ENG_OK);
+        eng_mesh_release(mesh);
+    }
+}
+
+/* Every vertex goes up or down by less than a sheet is from the next; some meet. */
+static void step(struct cloth *cloth, enum eng_method method, enum eng_mode mode,
+                 struct kit_random *random)
+{
+    static double x1[(SIDE + 1) * (SIDE + 1)][3];
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    eng_stage_begin(cloth->scene);
+    for (uint32_t i = 0; i < SHEETS; i++) {
+        uint32_t count = eng_scene_vertex_count(cloth->scene, cloth->objects[i]);
+        const double(*x0)[3] =
+            eng_mesh_vertices(eng_scene_mesh(cloth->scene, cloth->objects[i]));
+        assert_true(count <= sizeof x1 / sizeof x1[0]);
+        memcpy(x1, x0, count * sizeof x1[0]);
+        for (uint32_t v = 0; v < count; v++) {
+            x1[v][2] += 0.55 * APART * kit_between(random, -1, 1);
+        }
+        assert_int_equal(
+            eng_stage_x1(cloth->scene, cloth->objects[i], ENG_F64, 0, count, x1), ENG_OK);
+    }
+    settings.method = method;
+    settings.mode = mode;
+    assert_int_equal(eng_step(cloth->scene, &settings, &result), ENG_OK);
+    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    assert_true(result.count > 0);
+}
+
+/* By the scene's own account, and its meshes', without what a step leaves for the next:
+ * answers and scratch. */
+static double resident_bytes(const struct cloth *cloth)
+{
+    uint64_t bytes = eng_scene_bytes(cloth->scene);
+    for (uint32_t i = 0; i < SHEETS; i++) {
+        bytes += eng_mesh_bytes(eng_scene_mesh(cloth->scene, cloth->objects[i]));
+    }
+    return (double)(bytes - eng_step_memory_bytes(cloth->scene->memory));
+}
+
+/* The scene's account against the engine's, and this against the process's, which has not
+ * written to all that it was given. */
+static void check_account(const struct cloth *cloth)
+{
+    double answers = (double)eng_step_memory_bytes(cloth->scene->memory);
+    double account = resident_bytes(cloth) + answers;
+    double engine = (double)(eng_alloc_bytes() - cloth->engine_before);
+    assert_true(account <= engine && engine < 1.005 * account);
+#ifndef PCCD_SANITIZED /* red zones and shadows are the process's, too */
+    malloc_trim(0);
+    double process = process_bytes() - cloth->process_before;
+    assert_true(process < 1.05 * engine && process > 0.75 * engine);
+#endif
+}
+
+/* If an array came back that holds what another one does, or one grew past what it holds,
+ * a scene that fits a machine today would not tomorrow. */
+static void footprint__of_wide_is_as_promised(void **state)
+{
+    (void)state;
+    static const enum eng_mode modes[] = {ENG_MODE_ALL, ENG_MODE_ALL, ENG_MODE_PAIRS,
+                                          ENG_MODE_FIRST, ENG_MODE_PAIRS};
+    struct kit_random random = {41};
+    struct cloth cloth;
+    uint32_t narrow = 0;
+    double bytes = 0;
+    cloth_init(&cloth);
+    for (uint32_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        uint64_t allocs = eng_alloc_count();
+        double before = bytes;
+        step(&cloth, ENG_METHOD_WIDE, modes[i], &random);
+        narrow += eng_wide_has_narrow(&cloth.scene->wide);
+        bytes = resident_bytes(&cloth);
+        assert_true(bytes <= BYTES_MAX * TRIANGLES);
+        /* Boxes as floats or as whole numbers: in the same place. */
+        assert_true(i == 0 || bytes == before);
+        assert_true(i < 4 || eng_alloc_count() == allocs);
+    }
+    assert_int_equal(narrow, 2); /* pairs are those of floats */
+    check_account(&cloth);
+    print_message("# wide: %.1f bytes a triangle\n", bytes / TRIANGLES);
+    eng_scene_free(cloth.scene);
+    assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
+}
+
+/* The same of the paper's method, whose hierarchies are made by the first step. */
+static void footprint__of_paper_is_as_promised(void **state)
+{
+    (void)state;
+    struct kit_random random = {42};
+    struct cloth cloth;
+    cloth_init(&cloth);
+    for (uint32_t i = 0; i < 3; i++) {
+        step(&cloth, ENG_METHOD_PAPER, ENG_MODE_ALL, &random);
+    }
+    assert_true(resident_bytes(&cloth) <= BYTES_MAX * TRIANGLES);
+    check_account(&cloth);
+    print_message("# paper: %.1f bytes a triangle\n", resident_bytes(&cloth) / TRIANGLES);
+    eng_scene_free(cloth.scene);
+    assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
+}
+
+/* If candidates were collected, a step in which everything crosses everything would need
+ * memory for millions of pairs: others have run out of it there. */
+static void footprint__does_not_follow_the_candidates(void **state)
+{
+    (void)state;
+    struct kit_random random = {8};
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    struct eng_scene *scene;
+    uint64_t candidates[2];
+    uint64_t bytes[2];
+    uint32_t object;
+    settings.method = ENG_METHOD_WIDE;
+    settings.contact_max = 1000;
+    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    struct eng_mesh *mesh = kit_soup(&random, 300);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &object), ENG_OK);
+    uint32_t count = eng_scene_vertex_count(scene, object);
+    double(*x1)[3] = malloc(count * sizeof *x1);
+    assert_non_null(x1);
+    for (int i = 0; i < 2; i++) {
+        for (uint32_t k = 0; k < 3 * count; k++) {
+            x1[k / 3][k % 3] = eng_mesh_vertices(mesh)[k / 3][k % 3] +
+                               (i == 0 ? 0.001 : 50) * kit_between(&random, -1, 1);
+        }
+        eng_stage_begin(scene);
+        assert_int_equal(eng_stage_x1(scene, object, ENG_F64, 0, count, x1), ENG_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        candidates[i] = result.counters.candidates_vf + result.counters.candidates_ee;
+        bytes[i] = eng_scene_bytes(scene);
+    }
+    assert_int_equal(result.incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+    assert_true(candidates[1] > 200000 && candidates[1] > 20 * candidates[0]);
+    assert_true(bytes[1] < bytes[0] + (1u << 20));
+    free(x1);
+    eng_mesh_release(mesh);
+    eng_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(footprint__of_wide_is_as_promised),
+        cmocka_unit_test(footprint__of_paper_is_as_promised),
+        cmocka_unit_test(footprint__does_not_follow_the_candidates),
+    };
+    /* As the daemon does: what is freed goes back. */
+    (void)mallopt(M_MMAP_THRESHOLD, 256 << 10);
+    (void)mallopt(M_TRIM_THRESHOLD, 256 << 10);
+    return cmocka_run_group_tests_name("eng_footprint", tests, NULL, NULL);
+}
