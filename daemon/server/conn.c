@@ -30,9 +30,11 @@
 #include "invariant.h"
 #include "linger.h"
 #include "monitor.h"
+#include "outlet.h"
 #include "pccd_types.h"
 #include "proto_limits.h"
 #include "reactor.h"
+#include "request.h"
 #include "seqpacket.h"
 #include "session.h"
 #include "shared.h"
@@ -165,6 +167,8 @@ static void close_handles(struct srv_conn *conn)
     uv_close((uv_handle_t *)&conn->poll, on_closed);
     uv_close((uv_handle_t *)&conn->timer, on_closed);
     shutdown(conn->fd, SHUT_RDWR); /* now, whenever it is closed */
+    srv_outlet_close(conn->outlet);
+    conn->outlet = NULL;
     srv_closer_push(conn->reactor->closer, conn->fd);
     conn->fd = -1;
 }
@@ -178,6 +182,7 @@ static void drop_reply(struct srv_conn *conn)
     }
     conn->reply_count--;
     conn->reactor->reply_count--;
+    srv_outlet_block(conn->outlet, conn->reply_count > 0);
     close_fds(reply->fds, reply->fd_count);
     free(reply);
 }
@@ -297,6 +302,7 @@ static int queue_reply(struct srv_conn *conn, const struct proto_encoder *messag
     conn->reply_last = reply;
     conn->reply_count++;
     conn->reactor->reply_count++;
+    srv_outlet_block(conn->outlet, true);
     return 0;
 }
 
@@ -342,6 +348,13 @@ void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *messag
 bool srv_conn_is_free(const struct srv_conn *conn)
 {
     return conn->state == SRV_CONN_OPEN && conn->reply_count == 0;
+}
+
+struct srv_outlet *srv_conn_outlet(struct srv_conn *conn)
+{
+    srv_assert_loop();
+    return srv_conn_is_free(conn) && !conn->is_corked ? srv_outlet_hold(conn->outlet)
+                                                      : NULL;
 }
 
 gid_t srv_conn_group(const struct srv_conn *conn)
@@ -424,6 +437,7 @@ static bool read_one(struct srv_conn *conn)
     }
     reactor->loop.metrics.counters.messages++;
     conn->put_off_turns = 0;
+    srv_request_catch_up(&reactor->loop);
     srv_dispatch(conn->session, reactor->buffer, bytes);
     return conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
            conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
@@ -539,10 +553,15 @@ int srv_conn_new(struct srv_reactor *reactor, int fd, const struct srv_peer *pee
     conn->reactor = reactor;
     conn->fd = fd;
     conn->is_new = true;
-    if (uv_poll_init(&reactor->uv, &conn->poll, fd) != 0) {
+    conn->outlet = srv_outlet_new(fd);
+    if (conn->outlet == NULL || uv_poll_init(&reactor->uv, &conn->poll, fd) != 0) {
+        int status = conn->outlet == NULL ? PCCD_E_NOMEM : PCCD_E_SYSTEM;
+        if (conn->outlet != NULL) {
+            srv_outlet_close(conn->outlet);
+        }
         srv_closer_push(reactor->closer, fd);
         free(conn);
-        return PCCD_E_SYSTEM;
+        return status;
     }
     uv_timer_init(&reactor->uv, &conn->timer);
     conn->open_count = 2;

@@ -30,6 +30,7 @@ enum srv_conn_state {
 
 struct srv_peer;
 struct srv_message;
+struct srv_outlet;
 struct srv_reactor;
 struct srv_reply;
 
@@ -39,6 +40,7 @@ struct srv_conn {
     struct srv_reactor *reactor;
     struct srv_session *session; /* NULL: it went on over another connection */
     int fd;
+    struct srv_outlet *outlet; /* of fd */
     enum srv_conn_state state;
     int events;          /* being watched for */
     uint32_t open_count; /* libuv handles not closed yet */

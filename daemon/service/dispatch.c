@@ -94,6 +94,17 @@ static void answer(struct srv_session *session, const struct question *question,
                     question->method, question->id);
 }
 
+/* It has been sent; if it is lost, whoever comes back asks for it when this is over. */
+static void note_reply(struct srv_session *session, const struct srv_request *request)
+{
+    struct srv_loop *loop = session->loop;
+    if (session->replies != NULL) {
+        encode(session, request->id, request->method, &request->result, NULL);
+    }
+    srv_metrics_add_duration(&loop->metrics, PCCD_HISTOGRAM_REQUESTS,
+                             request->replied_ns - request->arrival_ns);
+}
+
 void srv_dispatch_answer(struct srv_session *session, struct srv_request *request)
 {
     srv_assert_loop();
@@ -110,6 +121,10 @@ void srv_dispatch_answer(struct srv_session *session, struct srv_request *reques
         return;
     }
     PCCD_ASSERT(session->state == SRV_SESSION_OPEN);
+    if (request->is_replied) {
+        note_reply(session, request);
+        return;
+    }
     const struct question question = {request->arrival_ns, request->id, request->method};
     answer(session, &question, &request->result, error, request->fds, fd_count);
 }

@@ -513,6 +513,7 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
                             .takes_slot = submit->segments > 0,
                             .answer_early = answer_submit_early,
                             .can_be_brief = submit->hold ? NULL : can_be_brief,
+                            .replies = !submit->hold && scene->shared == NULL,
                             .deadline_ns =
                                 deadline_of(submit->deadline_ns, call->arrival_ns)};
     return submit->hold ? srv_held_start(call, &plan) : srv_request_start(call, &plan);

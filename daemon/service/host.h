@@ -18,6 +18,7 @@
 
 struct srv_conn; /* the way to a client; the host's */
 struct srv_loop;
+struct srv_outlet; /* a way to a client for the thread that computes; the host's */
 struct srv_quota_user;
 struct srv_session;
 
@@ -30,6 +31,12 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
                    const int *fds, int fd_count);
 /* Whether nothing waits to be sent, so that a message would go now. */
 bool srv_conn_is_free(const struct srv_conn *conn);
+/* A way to send from another thread what would go now, to be dropped; it outlives the
+ * connection, and takes nothing any more then. NULL: there is none, or messages wait. */
+struct srv_outlet *srv_conn_outlet(struct srv_conn *conn);
+/* Returns 0, or a negative status: nothing was sent, or others wait to be. [compute] */
+int srv_outlet_send(struct srv_outlet *outlet, const struct proto_encoder *message);
+void srv_outlet_drop(struct srv_outlet *outlet);
 /* The same message to all of them. */
 void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message);
 

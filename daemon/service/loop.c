@@ -34,8 +34,10 @@ int srv_loop_init(struct srv_loop *loop, const struct srv_options *options)
     srv_quota_init(&loop->quota, options->quota);
     loop->decoder = proto_decoder_new();
     loop->encoder = malloc(sizeof *loop->encoder);
+    loop->reply_encoder = malloc(sizeof *loop->reply_encoder);
     loop->segments = malloc(PROTO_SEGMENTS_MAX * sizeof *loop->segments);
-    if (loop->decoder == NULL || loop->encoder == NULL || loop->segments == NULL) {
+    if (loop->decoder == NULL || loop->encoder == NULL || loop->reply_encoder == NULL ||
+        loop->segments == NULL) {
         return PCCD_E_NOMEM;
     }
     int status = srv_linger_init(loop);
@@ -52,5 +54,6 @@ void srv_loop_deinit(struct srv_loop *loop)
     srv_laststep_deinit(&loop->spare_step);
     proto_decoder_free(loop->decoder);
     free(loop->encoder);
+    free(loop->reply_encoder);
     free(loop->segments);
 }

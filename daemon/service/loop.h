@@ -9,6 +9,7 @@
 #ifndef SRV_LOOP_H
 #define SRV_LOOP_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -50,10 +51,13 @@ struct srv_loop {
     struct srv_overdue overdue;
     struct srv_laststep *last_step; /* of any session; NULL: none yet */
     struct srv_laststep_spare spare_step;
-    struct srv_tracing *tracing;    /* the one recording; NULL: none */
-    struct eng_trace *step_trace;   /* [compute] what steps record to; NULL: nothing */
-    struct proto_decoder *decoder;  /* one message is decoded at a time */
-    struct proto_encoder *encoder;  /* and one encoded */
+    struct srv_tracing *tracing;   /* the one recording; NULL: none */
+    struct eng_trace *step_trace;  /* [compute] what steps record to; NULL: nothing */
+    struct proto_decoder *decoder; /* one message is decoded at a time */
+    struct proto_encoder *encoder; /* and one encoded */
+    struct proto_encoder *reply_encoder; /* [compute] likewise */
+    atomic_uint_least64_t replies_tried; /* [compute] answers that it has tried to send */
+    uint64_t replies_done;               /* of these, concluded */
     struct proto_segment *segments; /* [compute] PROTO_SEGMENTS_MAX: the step's table */
     struct srv_monitor *monitors;   /* of the sessions that watch; NULL: none does */
     struct srv_session *sessions;   /* newest first, closed ones included */

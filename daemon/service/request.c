@@ -7,6 +7,7 @@
  */
 #include "request.h"
 
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,6 +69,53 @@ static void conclude(struct srv_request *request)
     }
 }
 
+/* Answers of what a session has computed keep its order, as pages of the result region go
+ * back in that in which they came: not while the loop is to send an earlier one. */
+static bool may_reply(const struct srv_request *request)
+{
+    return request->outlet != NULL && request->status == 0 && !request->is_answered &&
+           !request->is_brief && request->taken == NULL &&
+           atomic_load(&request->session->owed_count) == 0;
+}
+
+/* Waking the loop for it is 25 us where processors sleep. What goes wrong, or cannot be
+ * sent now, or belongs to others as well, is the loop's. [compute] */
+static void reply(struct srv_request *request)
+{
+    struct srv_loop *loop = request->session->loop;
+    struct proto_encoder *encoder = loop->reply_encoder;
+    if (may_reply(request)) {
+        int status =
+            proto_encode_result(encoder, request->id, request->method, &request->result);
+        PCCD_ASSERT(status == 0);
+        request->has_tried = true;
+        /* Pairs with the loop's load before it handles what a client has sent: that
+         * client may have this answer. */
+        atomic_fetch_add(&loop->replies_tried, 1);
+        request->is_replied = srv_outlet_send(request->outlet, encoder) == 0;
+        request->replied_ns = srv_now_ns();
+    }
+    if (!request->is_replied) {
+        request->is_owed = true;
+        atomic_fetch_add(&request->session->owed_count, 1);
+    }
+}
+
+static bool is_behind(const struct srv_loop *loop)
+{
+    return atomic_load(&loop->replies_tried) != loop->replies_done;
+}
+
+void srv_request_catch_up(struct srv_loop *loop)
+{
+    srv_assert_loop();
+    while (is_behind(loop)) {
+        if (srv_compute_drain(&loop->compute) == 0) {
+            sched_yield(); /* it may have lost its processor to this thread */
+        }
+    }
+}
+
 /* A ring is made on a thread of its own, beside what is computed: nothing in its session
  * is in flight, and nothing of the engine is touched. [pages] */
 static void run_pages(struct srv_job *job)
@@ -97,6 +145,7 @@ static void run(struct srv_job *job)
     PCCD_ASSERT(request->status == 0 || !job->goes_on);
     if (!job->goes_on) {
         conclude(request);
+        reply(request);
     }
 }
 
@@ -197,6 +246,14 @@ void srv_request_conclude(struct srv_request *request)
     if (!request->is_answered) {
         srv_dispatch_answer(session, request);
     }
+    session->loop->replies_done += request->has_tried;
+    session->loop->metrics.counters.steps_replied += request->is_replied;
+    if (request->is_owed) {
+        atomic_fetch_sub(&session->owed_count, 1);
+    }
+    if (request->outlet != NULL) {
+        srv_outlet_drop(request->outlet);
+    }
     drop_copy(request);
     release(&request->plan);
     srv_session_unlist(session, request);
@@ -266,6 +323,16 @@ static bool run_here(struct srv_request *request)
     return true;
 }
 
+/* NULL: the loop answers, as always while it is recorded what it does: what a recording
+ * has of a session lies one inside the other, or apart. */
+static struct srv_outlet *open_outlet(const struct srv_session *session,
+                                      const struct srv_plan *plan)
+{
+    return plan->replies && session->loop->tracing == NULL
+               ? srv_conn_outlet(session->conn)
+               : NULL;
+}
+
 int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
 {
     srv_assert_loop();
@@ -290,11 +357,15 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
     request->overdue_at = SRV_OVERDUE_NOWHERE;
     acquire(plan);
     srv_session_enlist(session, request);
+    request->outlet = open_outlet(session, plan);
     if (run_here(request)) {
         return SRV_LATER;
     }
     int status = enqueue(request);
     if (status != 0) {
+        if (request->outlet != NULL) {
+            srv_outlet_drop(request->outlet);
+        }
         srv_session_unlist(session, request);
         release(plan);
         give_memory(session, request);

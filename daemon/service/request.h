@@ -17,6 +17,8 @@
 
 struct srv_held;
 struct srv_laststep;
+struct srv_loop;
+struct srv_outlet;
 struct srv_replacement;
 struct srv_request;
 struct srv_seat;
@@ -52,6 +54,7 @@ struct srv_plan {
      * NULL: it is not. */
     bool (*can_be_brief)(struct srv_request *request);
     uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0: none */
+    bool replies;         /* the answer may go out from where it was computed */
 };
 
 struct srv_request {
@@ -79,11 +82,16 @@ struct srv_request {
     uint64_t deadline_ns;           /* [loop] as the plan's */
     uint32_t overdue_at;            /* [loop] its place in overdue.h */
     bool is_answered;               /* before its turn; changes only while it is queued */
-    uint8_t *copy;          /* likewise: of its slot, charged to its user; NULL: none */
-    uint64_t copy_bytes;    /* likewise */
-    struct srv_held *held;  /* that it has brought; NULL: none, or it was answered */
-    struct srv_held *taken; /* [compute] then [loop]: by its step */
-    bool is_waiting;        /* for a step of another session (held.h) */
+    uint8_t *copy;       /* likewise: of its slot, charged to its user; NULL: none */
+    uint64_t copy_bytes; /* likewise */
+    struct srv_outlet *outlet; /* [loop] may answer by it on [compute]; NULL: on [loop] */
+    bool has_tried;            /* [compute] to answer it, */
+    bool is_replied;           /* and has, */
+    uint64_t replied_ns;       /* then; */
+    bool is_owed;              /* or it is one of the session's owed_count */
+    struct srv_held *held;     /* that it has brought; NULL: none, or it was answered */
+    struct srv_held *taken;    /* [compute] then [loop]: by its step */
+    bool is_waiting;           /* for a step of another session (held.h) */
 };
 
 /* Admission: the session's ring, or PCCD_E_STATE with call->error set. [loop] */
@@ -109,6 +117,11 @@ bool srv_request_answer_early(struct srv_request *request,
 /* Queue a request for `call`. Returns SRV_LATER, or PCCD_E_BUSY or PCCD_E_NOMEM with
  * call->error set: then neither function of the plan is called. [loop] */
 int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
+
+/* Before a message is handled: conclude what was answered where it was computed, so that
+ * who has an answer finds what it says everywhere. Where one is just on its way it waits
+ * for the few microseconds until the compute thread has put the request down. [loop] */
+void srv_request_catch_up(struct srv_loop *loop);
 
 /* The session is over: the memory that it has kept for requests goes. [loop] */
 void srv_request_free_spares(struct srv_session *session);

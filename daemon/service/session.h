@@ -8,6 +8,7 @@
 #ifndef SRV_SESSION_H
 #define SRV_SESSION_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -84,6 +85,7 @@ struct srv_session {
     uint32_t submit_count;  /* other steps */
     uint32_t reap_count;    /* resources that are being freed */
     uint32_t scene_count;   /* scenes in memory, those being freed too */
+    atomic_uint owed_count; /* [compute] has run them, [loop] is to answer them */
 };
 
 /* A session for a new connection of `peer`. It is REFUSED when the user's quota of

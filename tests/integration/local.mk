@@ -25,6 +25,7 @@ integration_names = \
     tests/integration/test_int_replace \
     tests/integration/test_int_reconnect \
     tests/integration/test_int_restore \
+    tests/integration/test_int_reply \
     tests/integration/test_int_resume \
     tests/integration/test_int_rivals \
     tests/integration/test_int_room \
@@ -148,6 +149,10 @@ tests_integration_test_int_restore_SOURCES = \
     tests/integration/test_int_restore.c
 tests_integration_test_int_restore_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_restore_LDADD = $(integration_libs)
+tests_integration_test_int_reply_SOURCES = tests/integration/test_int_reply.c
+tests_integration_test_int_reply_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_reply_LDADD = $(integration_libs)
+
 tests_integration_test_int_resume_SOURCES = tests/integration/test_int_resume.c
 tests_integration_test_int_resume_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_resume_LDADD = $(integration_libs)

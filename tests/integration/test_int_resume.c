@@ -236,6 +236,32 @@ static void resume__runs_what_is_said_twice_once(void **state)
     test_raw_close(&f->raw);
 }
 
+/* If it failed, an answer that was sent over a connection that is lost would count as
+ * had. */
+static void resume__tells_again_what_nobody_has_read(void **state)
+{
+    struct fixture *f = &fixture;
+    struct proto_FRAME_SUBMIT_result answer;
+    (void)state;
+    open_scene(f);
+    for (int i = 0; i < 100; i++) {
+        struct proto_FRAME_SUBMIT_request request = turn(f, 0, i % 2 == 0 ? -1.0f : 1.0f);
+        request.method = PCCD_METHOD_PAPER; /* not the loop's */
+        uint32_t id = test_raw_request(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request);
+        for (int spin = 0; spin < i * 20000; spin++) { /* until it is answered */
+            __asm__ volatile("");
+        }
+        lose(f);
+        assert_true(come_back(f));
+        say_again(f, id, PROTO_METHOD_FRAME_SUBMIT, &request);
+        assert_int_equal(test_raw_answer(&f->raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer),
+                         0);
+        assert_int_equal(answer.total, 3);
+        atomic_store(&test_raw_upload(&f->raw)->result_head.value, answer.release);
+    }
+    test_raw_close(&f->raw);
+}
+
 /* If it failed, the answer to a later step could come before that to an earlier one, and
  * pages would be released in another order than they were written. */
 static void resume__answers_only_what_is_asked_again(void **state)
@@ -517,6 +543,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         WITH(resume__goes_on_with_everything, setup),
         WITH(resume__runs_what_is_said_twice_once, setup),
+        WITH(resume__tells_again_what_nobody_has_read, setup),
         WITH(resume__answers_only_what_is_asked_again, setup),
         WITH(resume__tells_again_what_is_held, setup),
         WITH(resume__creates_once, setup),

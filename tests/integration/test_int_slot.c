@@ -116,6 +116,28 @@ static void slot__stale_sequence_numbers_are_refused(void **state)
     expect_good_step();
 }
 
+/* If it failed, the answer to a step could overtake that to an earlier one of the same
+ * session, and pages of results go back in another order than they came. */
+static void slot__answers_come_in_the_order_of_the_steps(void **state)
+{
+    struct proto_FRAME_SUBMIT_request stale = {.scene = scene, .seq = 2, .segments = 1};
+    struct proto_FRAME_SUBMIT_request good = {
+        .scene = scene, .segments = 1, .method = PCCD_METHOD_PAPER}; /* not the loop's */
+
+    (void)state;
+    stale.seq = write_good_step() + 2;
+    good.seq = stale.seq - 2;
+    for (int i = 0; i < 200; i++) {
+        uint32_t first = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &stale);
+        uint32_t second = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &good);
+
+        assert_int_equal(test_raw_receive(&raw), 0);
+        assert_int_equal(raw.envelope.id, first);
+        assert_int_equal(test_raw_receive(&raw), 0);
+        assert_int_equal(raw.envelope.id, second);
+    }
+}
+
 /* If it failed, a submit without a ring would touch memory that is not there. */
 static void slot__without_a_ring_is_refused(void **state)
 {
@@ -379,7 +401,7 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
     create.vertex_count = UINT32_MAX;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
                      PCCD_E_INVAL);
-    if (!test_is_direct()) { /* where some machines have the memory */
+    if (!test_is_direct()) {             /* where some machines have the memory */
         create.vertex_count = INT32_MAX; /* legal, but beyond any quota */
         assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
                          PCCD_E_QUOTA);
@@ -490,6 +512,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         RAW_TEST(slot__stale_sequence_numbers_are_refused),
+        RAW_TEST(slot__answers_come_in_the_order_of_the_steps),
         RAW_TEST(slot__without_a_ring_is_refused),
         RAW_TEST(slot__torn_while_it_is_read_is_refused),
         RAW_TEST(segment__lies_are_refused_one_by_one),

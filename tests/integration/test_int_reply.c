@@ -1,0 +1,152 @@
+/* test_int_reply.c - steps that are answered by the thread that has computed them.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     which steps those are, that whoever has an answer finds the step ended, that
+ *           answers keep their order, and clients that are killed meanwhile.
+ * Does not: lose connections (test_int_resume) or look at times (bench/redis).
+ * Threads:  one; children are forked to be killed.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "fixture.h"
+#include "grid.h"
+
+#define TURNS  100
+#define SIDE   12 /* of a grid that is no brief step */
+#define KILLED 20
+
+static uint64_t replied(const struct test_crossing *crossing)
+{
+    return test_stat(crossing->client, "steps_replied");
+}
+
+static void turn(struct test_grid *grid)
+{
+    uint64_t step;
+
+    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
+    assert_int_equal(test_grid_await(grid, step), 0);
+}
+
+/* If it failed: every step would wait for one more processor to wake; or a client that
+ * has an answer would hear from the daemon that the step goes on. */
+static void reply__comes_from_where_it_was_computed(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct test_grid grid;
+    uint64_t before;
+
+    assert_int_equal(test_grid_make(test_connect(test_shared.url), SIDE, &grid), 0);
+    before = replied(crossing);
+    for (int i = 0; i < TURNS; i++) {
+        uint64_t steps = test_stat(crossing->client, "steps");
+
+        turn(&grid);
+        assert_int_equal(test_stat(crossing->client, "steps"), steps + 1);
+    }
+    if (test_is_direct()) {
+        assert_int_equal(replied(crossing), before);
+    } else {
+        assert_int_equal(replied(crossing), before + TURNS);
+    }
+    pccd_close(grid.client);
+    grid.client = NULL;
+    test_grid_free(&grid);
+}
+
+/* If it failed: a step that was answered would count as one in flight, and the next one
+ * be refused; or pages would come in another order than they go back. */
+static void reply__leaves_room_for_the_next_step(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct test_grid grid;
+    uint64_t steps[4];
+
+    (void)crossing;
+    pccd_options_init(&options);
+    options.url = test_shared.url;
+    options.slot_count = 4;
+    options.spin_us = 20;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+    }
+    for (int i = 0; i < 10 * TURNS; i++) {
+        struct pccd_answer answer;
+
+        assert_int_equal(pccd_wait(client, steps[i % 4], -1, &answer), 0);
+        assert_true(test_grid_is_right(&grid, &answer));
+        pccd_answer_release(client, &answer);
+        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i % 4]), 0);
+    }
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(test_grid_await(&grid, steps[i]), 0);
+    }
+    pccd_close(client);
+    grid.client = NULL;
+    test_grid_free(&grid);
+}
+
+/* If it failed: what is sent to a client that is gone could end the daemon, or reach the
+ * next one, whose socket has the same number. */
+static void reply__is_nobodys_when_the_client_is_killed(void **state)
+{
+    struct test_crossing *crossing = *state;
+
+    if (test_is_direct()) {
+        skip();
+    }
+    for (int i = 0; i < KILLED; i++) {
+        pid_t child = fork();
+
+        if (child == 0) {
+            struct test_grid grid;
+            uint64_t step;
+            struct pccd_client *client = test_connect(test_shared.url);
+
+            if (client == NULL || test_grid_make(client, SIDE, &grid) != 0) {
+                _exit(1);
+            }
+            while (test_grid_submit(&grid, NULL, &step) == 0 &&
+                   test_grid_await(&grid, step) == 0) {
+                ;
+            }
+            _exit(1);
+        }
+        assert_true(child > 0);
+        test_sleep_ms(20 + (uint32_t)i % 7);
+        assert_true(test_crossing_turn(crossing));
+        assert_int_equal(kill(child, SIGKILL), 0);
+        assert_int_equal(waitpid(child, NULL, 0), child);
+        assert_true(test_crossing_turn(crossing));
+    }
+    assert_int_equal(test_stat_await(crossing->client, "sessions_now", 1), 1);
+}
+
+#define CASE(name)                                                                       \
+    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        CASE(reply__comes_from_where_it_was_computed),
+        CASE(reply__leaves_room_for_the_next_step),
+        CASE(reply__is_nobodys_when_the_client_is_killed),
+    };
+
+    return cmocka_run_group_tests(tests, test_shared_start, test_shared_stop);
+}
