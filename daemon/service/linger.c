@@ -22,7 +22,7 @@
 
 #define TICK_MS 50u /* between looks at the sessions that wait */
 
-/* Of the engine for a triangle of a mesh while that is committed (three times the 56
+/* Of the engine for a triangle of a mesh while that is committed (five times the 40
  * that stay), or of an object; on the safe side, as nothing depends on it but whether a
  * session that waits makes room before a refusal or after it. */
 #define TRIANGLE_BYTES 512u
