@@ -45,7 +45,9 @@ set output folder . '/growth-triangle.' . kind
 set title 'Of one triangle: time, and the work that is counted (one thread)'
 set ylabel 'ns'
 set y2label 'box tests, candidates'
-set y2range [0:*]
+set y2range [0:10]
+set xrange [1e3:1.1e7]
+set key below
 set y2tics nomirror
 set border 11 back
 plot rows('size.csv', 'wide') using 'triangles':(1e6 * each('register_ms')) \
@@ -53,12 +55,15 @@ plot rows('size.csv', 'wide') using 'triangles':(1e6 * each('register_ms')) \
     '' using 'triangles':(1e6 * (each('register_ms') - each('register_kernel_ms'))) \
         with linespoints lw 2 pt 6 title 'of it, outside of the kernel', \
     '' using 'triangles':(1e6 * each('step_ms')) with linespoints lw 2 pt 7 title 'step', \
-    '' using 'triangles':(each('box_tests')) axes x1y2 with linespoints dt 2 pt 4 \
+    '' using 'triangles':(each('box_tests')) axes x1y2 with linespoints dt 2 pt 4 lc 8 \
         title 'box tests of a step (right; exponent ' . slope('box_tests', 'triangles') . ')', \
-    '' using 'triangles':(each('candidates')) axes x1y2 with linespoints dt 2 pt 8 \
+    '' using 'triangles':(each('candidates')) axes x1y2 with linespoints dt 2 pt 8 lc 4 \
         title 'candidates (right; ' . slope('candidates', 'triangles') . ')'
 unset y2label
 unset y2tics
+set xrange [*:*]
+set key default
+set key left top
 set border 3 back
 
 set output folder . '/growth-memory.' . kind

@@ -11,15 +11,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "measure.h"
 #include "report.h"
 #include "schedule.h"
 #include "sim.h"
 #include "table.h"
-
-#define SPINCOUNT "2000" /* as the daemon's unit file sets it */
 
 #define VALIDATE_MAX 7
 
@@ -405,13 +402,7 @@ int main(int argc, char **argv)
     struct model_machine machine;
     struct eng_places places;
     int exit_status;
-    /* The runtime reads it before main. */
-    if (!getenv("GOMP_SPINCOUNT")) {
-        setenv("GOMP_SPINCOUNT", SPINCOUNT, 1);
-        execv("/proc/self/exe", argv);
-        perror("exec");
-        return 2;
-    }
+    bench_team_environment(argv);
     if (!parse(argc, argv, &options)) {
         fprintf(
             stderr,
