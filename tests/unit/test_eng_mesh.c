@@ -251,6 +251,18 @@ static void mesh__counts_describe_duplicates_degenerates_and_isolated(void **sta
     eng_mesh_release(mesh);
 }
 
+static void check_order(const struct eng_mesh *mesh)
+{
+    struct eng_mesh_info info;
+    eng_mesh_get_info(mesh, &info);
+    const uint32_t(*edges)[2] = eng_mesh_edges(mesh);
+    for (uint32_t i = 0; i < info.edge_count; i++) {
+        assert_true(edges[i][0] < edges[i][1]);
+        assert_true(i == 0 || edges[i - 1][1] < edges[i][1] ||
+                    (edges[i - 1][1] == edges[i][1] && edges[i - 1][0] < edges[i][0]));
+    }
+}
+
 /* If it failed: edge numbers would not be those of public ground-truth data. */
 static void mesh__edges_are_unique_and_sorted_by_higher_then_lower(void **state)
 {
@@ -266,12 +278,7 @@ static void mesh__edges_are_unique_and_sorted_by_higher_then_lower(void **state)
     mesh = kit_sheet(20, 0);
     eng_mesh_get_info(mesh, &info);
     assert_int_equal(info.edge_count, 20 * 21 * 2 + 20 * 20);
-    const uint32_t(*edges)[2] = eng_mesh_edges(mesh);
-    for (uint32_t i = 0; i < info.edge_count; i++) {
-        assert_true(edges[i][0] < edges[i][1]);
-        assert_true(i == 0 || edges[i - 1][1] < edges[i][1] ||
-                    (edges[i - 1][1] == edges[i][1] && edges[i - 1][0] < edges[i][0]));
-    }
+    check_order(mesh);
     eng_mesh_release(mesh);
 }
 
@@ -301,6 +308,8 @@ static void check_ownership(const struct eng_mesh *mesh)
                 continue;
             }
             assert_true(edge < info.edge_count);
+            /* The owner is the first that has it. */
+            assert_true(edge_owners[edge] > 0 || triangle->owns & ENG_OWNS_EDGE(k));
             assert_int_equal(mesh->edges[edge][0], a < b ? a : b);
             assert_int_equal(mesh->edges[edge][1], a < b ? b : a);
             edge_owners[edge] += (triangle->owns & ENG_OWNS_EDGE(k)) != 0;
@@ -357,6 +366,34 @@ static void mesh__every_feature_is_owned_exactly_once(void **state)
     }
 }
 
+/* If it failed: a vertex with many edges would have them in another order, or twice, or
+ * many triangles at one vertex would be no duplicates. */
+static void mesh__many_edges_at_a_vertex_are_like_few(void **state)
+{
+    (void)state;
+    enum { RIM = 300, TWICE = 40 };
+    double x[RIM + 1][3] = {{0}};
+    uint32_t fan[RIM + TWICE][3];
+    for (uint32_t i = 0; i < RIM; i++) {
+        uint32_t v = i * 77 % RIM; /* all of them, in no order */
+        fan[i][0] = RIM;
+        fan[i][1] = v;
+        fan[i][2] = (v + 1) % RIM;
+    }
+    for (uint32_t i = 0; i < TWICE; i++) { /* the same triangle, its corners turned */
+        for (uint32_t k = 0; k < 3; k++) {
+            fan[RIM + i][k] = fan[5][(k + i) % 3];
+        }
+    }
+    struct eng_mesh *mesh =
+        kit_mesh((const double(*)[3])x, RIM + 1, (const uint32_t(*)[3])fan, RIM + TWICE);
+    assert_int_equal(mesh->info.edge_count, 2 * RIM);
+    assert_int_equal(mesh->info.duplicate_count, TWICE);
+    check_order(mesh);
+    check_ownership(mesh);
+    eng_mesh_release(mesh);
+}
+
 /* If it failed: a mesh would go while an instance of it is in use, or stay for ever. */
 static void mesh__last_release_frees(void **state)
 {
@@ -387,6 +424,7 @@ int main(void)
         cmocka_unit_test(mesh__counts_describe_duplicates_degenerates_and_isolated),
         cmocka_unit_test(mesh__edges_are_unique_and_sorted_by_higher_then_lower),
         cmocka_unit_test(mesh__every_feature_is_owned_exactly_once),
+        cmocka_unit_test(mesh__many_edges_at_a_vertex_are_like_few),
         cmocka_unit_test(mesh__last_release_frees),
     };
     return cmocka_run_group_tests_name("eng_mesh", tests, NULL, NULL);

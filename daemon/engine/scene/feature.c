@@ -2,7 +2,9 @@
  *
  * Room:     engine.
  * Does:     sort the sides of all triangles by (higher, lower) vertex; runs of equal
- *           sides are one edge, owned by the first triangle of the run.
+ *           sides are one edge, owned by the first triangle of the run. Sides are dealt
+ *           out to their higher vertices, each of which has a few: linear time, where
+ *           sorting all of them takes a pass more for each byte of a vertex's number.
  * Threads:  one thread for one mesh.
  * Source:   paper section 3.1; Curtis 2008 (representative triangles).
  */
@@ -14,12 +16,135 @@
 #include "memory.h"
 #include "radix.h"
 
-static uint64_t side_key(const uint32_t *corners, unsigned k)
+/* ---- by vertices ------------------------------------------------------------------- */
+
+/* Entries of a vertex that are sorted where they are. */
+#define INSERTED_MAX 24u
+
+/* What triangles say of their vertices: of v entry[first[v]] to entry[first[v + 1]],
+ * ascending. */
+struct by_vertex {
+    size_t *first;              /* [vertex_count + 1] */
+    uint64_t *entry;            /* [3 * triangle_count] */
+    struct eng_radix_key *keys; /* for vertices with many; NULL: none has */
+    size_t count;               /* of entries */
+    size_t repeats;             /* of these, like the one before them of their vertex */
+};
+
+struct said {
+    uint32_t vertex;
+    uint64_t entry;
+};
+
+/* What triangle `t` says; returns how many. */
+typedef unsigned (*say_fn)(const uint32_t *corners, uint32_t t, struct said said[3]);
+
+/* Each side that is an edge: of its higher vertex (lower, triangle). */
+static inline unsigned say_sides(const uint32_t *corners, uint32_t t, struct said said[3])
 {
-    uint32_t a = corners[k];
-    uint32_t b = corners[(k + 1) % 3];
-    return a < b ? (uint64_t)b << 32 | a : (uint64_t)a << 32 | b;
+    unsigned count = 0;
+    for (unsigned k = 0; k < 3; k++) {
+        uint32_t a = corners[k];
+        uint32_t b = corners[(k + 1) % 3];
+        if (a != b) {
+            said[count].vertex = a < b ? b : a;
+            said[count].entry = (uint64_t)(a < b ? a : b) << 32 | t;
+            count++;
+        }
+    }
+    return count;
 }
+
+/* All corners: of the highest (middle, lowest). */
+static inline unsigned say_corners(const uint32_t *corners, uint32_t t,
+                                   struct said said[3])
+{
+    uint32_t a = corners[0];
+    uint32_t b = corners[1];
+    uint32_t c = corners[2];
+    uint32_t low = a < b ? (a < c ? a : c) : (b < c ? b : c);
+    uint32_t high = a > b ? (a > c ? a : c) : (b > c ? b : c);
+    uint32_t middle = a ^ b ^ c ^ low ^ high;
+    (void)t;
+    said[0].vertex = high;
+    said[0].entry = (uint64_t)middle << 32 | low;
+    return 1;
+}
+
+/* Deal out what is said, in the order of the triangles. Returns the most of a vertex. */
+static inline size_t deal(const struct eng_mesh *mesh, say_fn say, struct by_vertex *by)
+{
+    size_t vertex_count = mesh->info.vertex_count;
+    struct said said[3];
+    size_t most = 0;
+    memset(by->first, 0, (vertex_count + 1) * sizeof *by->first);
+    by->count = 0;
+    for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
+        for (unsigned i = say(mesh->corners[t], t, said); i-- > 0;) {
+            by->first[said[i].vertex]++;
+        }
+    }
+    for (size_t v = 0; v <= vertex_count; v++) { /* its end; while dealing, its begin */
+        most = by->first[v] > most ? by->first[v] : most;
+        by->count += by->first[v];
+        by->first[v] = by->count;
+    }
+    for (uint32_t t = mesh->info.triangle_count; t-- > 0;) {
+        for (unsigned i = say(mesh->corners[t], t, said); i-- > 0;) {
+            by->entry[--by->first[said[i].vertex]] = said[i].entry;
+        }
+    }
+    return most;
+}
+
+static void sort_entries(uint64_t *entry, size_t count, struct eng_radix_key *keys)
+{
+    if (count > INSERTED_MAX) {
+        for (size_t i = 0; i < count; i++) {
+            keys[i] = (struct eng_radix_key){.key = entry[i]};
+        }
+        keys = eng_radix_sort_keys(keys, keys + count, count);
+        for (size_t i = 0; i < count; i++) {
+            entry[i] = keys[i].key;
+        }
+        return;
+    }
+    for (size_t i = 1; i < count; i++) {
+        uint64_t one = entry[i];
+        size_t at = i;
+        while (at > 0 && entry[at - 1] > one) {
+            entry[at] = entry[at - 1];
+            at--;
+        }
+        entry[at] = one;
+    }
+}
+
+/* Sort those of each vertex; the one with the most has `most`. Entries are alike that
+ * differ in their `ignored` lowest bits alone. */
+static int sort_all(const struct eng_mesh *mesh, size_t most, unsigned ignored,
+                    struct by_vertex *by)
+{
+    if (most > INSERTED_MAX) {
+        eng_free(by->keys);
+        by->keys = eng_alloc(most, 2 * sizeof *by->keys);
+        if (!by->keys) {
+            return ENG_E_NOMEM;
+        }
+    }
+    by->repeats = 0;
+    for (size_t v = 0; v < mesh->info.vertex_count; v++) {
+        uint64_t *entry = by->entry + by->first[v];
+        size_t count = by->first[v + 1] - by->first[v];
+        sort_entries(entry, count, by->keys);
+        for (size_t i = 1; i < count; i++) {
+            by->repeats += entry[i] >> ignored == entry[i - 1] >> ignored;
+        }
+    }
+    return ENG_OK;
+}
+
+/* ---- triangles, edges, vertices ---------------------------------------------------- */
 
 /* Zero area: all three 2x2 minors of the edge vectors vanish. Each minor is compared
  * through its two products, exactly (product and its rounding error); the edge vectors
@@ -48,24 +173,6 @@ static bool has_zero_area(const double (*x)[3], const uint32_t *v)
     return true;
 }
 
-/* Sort items for all sides that are edges. Returns their number. */
-static size_t collect_sides(const struct eng_mesh *mesh, struct eng_radix_item *items)
-{
-    size_t count = 0;
-    for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
-        const uint32_t *corners = mesh->corners[t];
-        for (unsigned k = 0; k < 3; k++) {
-            if (corners[k] != corners[(k + 1) % 3]) {
-                items[count].hi = 0;
-                items[count].lo = side_key(corners, k);
-                items[count].index = 3ull * t + k;
-                count++;
-            }
-        }
-    }
-    return count;
-}
-
 static void init_triangles(const struct eng_mesh *mesh, struct eng_face *triangles)
 {
     for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
@@ -74,27 +181,32 @@ static void init_triangles(const struct eng_mesh *mesh, struct eng_face *triangl
     }
 }
 
-static uint64_t count_runs(const struct eng_radix_item *sides, size_t count)
+/* The first side of a triangle between these two, which has one. */
+static unsigned side_of(const uint32_t *v, uint32_t low, uint32_t high)
 {
-    uint64_t runs = 0;
-    for (size_t i = 0; i < count; i++) {
-        runs += i == 0 || sides[i].lo != sides[i - 1].lo;
+    unsigned k = 0;
+    while (k < 2 &&
+           !((v[k] == low && v[k + 1] == high) || (v[k] == high && v[k + 1] == low))) {
+        k++;
     }
-    return runs;
+    return k;
 }
 
-/* Number the edges and let the first triangle of each run own its edge (the sort is
- * stable, so that is the lowest triangle). */
-static void assign_edges(struct eng_face *triangles, uint32_t (*edges)[2],
-                         const struct eng_radix_item *sides, size_t count)
+/* Number the edges and let the lowest triangle with a side own its edge. */
+static void assign_edges(const struct eng_mesh *mesh, const struct by_vertex *by,
+                         struct eng_face *triangles, uint32_t (*edges)[2])
 {
     uint32_t edge = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (i == 0 || sides[i].lo != sides[i - 1].lo) {
-            edges[edge][0] = (uint32_t)sides[i].lo;
-            edges[edge][1] = (uint32_t)(sides[i].lo >> 32);
-            triangles[sides[i].index / 3].owns |= ENG_OWNS_EDGE(sides[i].index % 3);
-            edge++;
+    for (uint32_t v = 0; v < mesh->info.vertex_count; v++) {
+        for (size_t i = by->first[v]; i < by->first[v + 1]; i++) {
+            uint32_t low = (uint32_t)(by->entry[i] >> 32);
+            if (i == by->first[v] || low != (uint32_t)(by->entry[i - 1] >> 32)) {
+                struct eng_face *owner = &triangles[(uint32_t)by->entry[i]];
+                owner->owns |= ENG_OWNS_EDGE(side_of(owner->v, low, v));
+                edges[edge][0] = low;
+                edges[edge][1] = v;
+                edge++;
+            }
         }
     }
 }
@@ -119,75 +231,69 @@ static uint32_t assign_vertices(const struct eng_mesh *mesh, struct eng_face *tr
     return isolated;
 }
 
-/* Sort the triangles by their sorted corners and count repetitions. */
-static uint32_t count_duplicates(const struct eng_mesh *mesh,
-                                 struct eng_radix_item *items,
-                                 struct eng_radix_item *spare)
+/* Count repetitions of triangles, whose corners are in any order, and list the sides. */
+static int look_at_all(const struct eng_mesh *mesh, struct by_vertex *by,
+                       struct eng_mesh_info *info)
 {
-    uint32_t n = mesh->info.triangle_count;
-    for (uint32_t t = 0; t < n; t++) {
-        uint32_t a = mesh->corners[t][0];
-        uint32_t b = mesh->corners[t][1];
-        uint32_t c = mesh->corners[t][2];
-        uint32_t low = a < b ? (a < c ? a : c) : (b < c ? b : c);
-        uint32_t high = a > b ? (a > c ? a : c) : (b > c ? b : c);
-        uint32_t middle = a ^ b ^ c ^ low ^ high;
-        items[t].hi = high;
-        items[t].lo = (uint64_t)middle << 32 | low;
-        items[t].index = t;
+    int status = sort_all(mesh, deal(mesh, say_corners, by), 0, by);
+    if (status != ENG_OK) {
+        return status;
     }
-    const struct eng_radix_item *sorted = eng_radix_sort(items, spare, n);
-    uint32_t duplicates = 0;
-    for (uint32_t t = 1; t < n; t++) {
-        duplicates +=
-            sorted[t].hi == sorted[t - 1].hi && sorted[t].lo == sorted[t - 1].lo;
+    info->duplicate_count = (uint32_t)by->repeats;
+    status = sort_all(mesh, deal(mesh, say_sides, by), 32, by);
+    if (status != ENG_OK) {
+        return status;
     }
-    return duplicates;
+    if (by->count - by->repeats > ENG_COUNT_MAX) {
+        return ENG_E_LIMIT;
+    }
+    info->edge_count = (uint32_t)(by->count - by->repeats);
+    return ENG_OK;
 }
 
 int eng_feature_derive(struct eng_mesh *mesh)
 {
     uint32_t n = mesh->info.triangle_count;
+    size_t vertex_count = mesh->info.vertex_count;
     int status = ENG_E_NOMEM;
+    struct eng_mesh_info info = mesh->info;
+    struct by_vertex by = {.first = eng_alloc(vertex_count + 1, sizeof *by.first),
+                           .entry = eng_alloc((size_t)n * 3, sizeof *by.entry)};
+    uint8_t *seen = eng_alloc(vertex_count, 1);
+    struct eng_face *triangles = NULL;
     uint32_t(*edges)[2] = NULL;
-    struct eng_face *triangles = eng_alloc(n, sizeof *triangles);
-    struct eng_radix_item *items = eng_alloc((size_t)n * 3, sizeof *items);
-    struct eng_radix_item *spare = eng_alloc((size_t)n * 3, sizeof *spare);
-    uint8_t *seen = eng_alloc(mesh->info.vertex_count, 1);
-    if (!triangles || !items || !spare || !seen) {
+    if (!by.first || !by.entry || !seen) {
         goto out;
     }
-    struct eng_mesh_info info = mesh->info;
-    info.duplicate_count = count_duplicates(mesh, items, spare);
+    status = look_at_all(mesh, &by, &info);
+    if (status != ENG_OK) {
+        goto out;
+    }
+    triangles = eng_alloc(n, sizeof *triangles);
+    edges = eng_alloc(info.edge_count, sizeof *edges);
+    if (!triangles || !edges) {
+        status = ENG_E_NOMEM;
+        goto out;
+    }
     for (uint32_t t = 0; t < n; t++) {
         info.degenerate_count +=
             has_zero_area((const double(*)[3])mesh->x, mesh->corners[t]);
     }
     init_triangles(mesh, triangles);
     info.isolated_count = assign_vertices(mesh, triangles, seen);
-    size_t side_count = collect_sides(mesh, items);
-    const struct eng_radix_item *sides = eng_radix_sort(items, spare, side_count);
-    uint64_t edge_count = count_runs(sides, side_count);
-    if (edge_count > ENG_COUNT_MAX) {
-        status = ENG_E_LIMIT;
-        goto out;
-    }
-    info.edge_count = (uint32_t)edge_count;
-    edges = eng_alloc(info.edge_count, sizeof *edges);
-    if (!edges) {
-        goto out;
-    }
-    assign_edges(triangles, edges, sides, side_count);
+    assign_edges(mesh, &by, triangles, edges);
     mesh->triangles = triangles;
     mesh->edges = edges;
     mesh->info = info;
     triangles = NULL;
-    status = ENG_OK;
+    edges = NULL;
 out:
+    eng_free(edges);
     eng_free(triangles);
-    eng_free(items);
-    eng_free(spare);
     eng_free(seen);
+    eng_free(by.keys);
+    eng_free(by.entry);
+    eng_free(by.first);
     return status;
 }
 
