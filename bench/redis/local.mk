@@ -11,6 +11,8 @@ bench_redis_beside_redis_SOURCES = \
     bench/asker.h \
     bench/redis/busy.c \
     bench/redis/crowd.c \
+    bench/redis/least.c \
+    bench/redis/least.h \
     bench/redis/main.c \
     bench/redis/pairs.c \
     bench/redis/pairs.h \
@@ -23,7 +25,8 @@ bench_redis_beside_redis_SOURCES = \
     bench/report.h
 bench_redis_beside_redis_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/bench/redis \
     -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
-bench_redis_beside_redis_LDADD = libpccd.la libproto.la
+bench_redis_beside_redis_CFLAGS = $(AM_CFLAGS) $(SECCOMP_CFLAGS)
+bench_redis_beside_redis_LDADD = libpccd.la libproto.la $(SECCOMP_LIBS)
 
 .PHONY: bench-ipc
 bench-ipc: bench/redis/beside_redis$(EXEEXT) pccdd$(EXEEXT)

@@ -34,6 +34,7 @@ int main(int argc, char **argv)
 {
     struct bench_options options;
     struct redis redis;
+    struct least least;
     int exit_status;
     if (!bench_begin("beside_redis", argc, argv, &options, &exit_status)) {
         return exit_status;
@@ -42,12 +43,14 @@ int main(int argc, char **argv)
         bench_skip("all", "it needs redis-server (Debian: apt install redis-server)");
         return 77;
     }
-    struct rows rows = {.redis = &redis, .smoke = options.smoke};
+    least_start(&least, 3 * sizeof(float) * (size_t)ROWS_VERTICES_MAX);
+    struct rows rows = {.redis = &redis, .least = &least, .smoke = options.smoke};
     rows.blocking = bench_connect(0, NULL);
     rows.spinning = bench_connect(50, pccd_url(rows.blocking));
     measure(&rows, &options);
     pccd_close(rows.spinning);
     pccd_close(rows.blocking);
+    least_stop(&least);
     redis_stop(&redis);
     return bench_end();
 }

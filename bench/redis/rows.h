@@ -1,6 +1,7 @@
 /* rows.h - the rows of the table, by what they need.
  *
- * Room:     bench/redis. May include: redis.h, the public header of the client library.
+ * Room:     bench/redis. May include: least.h, redis.h, the public header of the client
+ *           library.
  * Does:     measure ours and Redis by turns, and print.
  * Threads:  one.
  */
@@ -9,15 +10,19 @@
 
 #include <stdbool.h>
 
+#include "least.h"
 #include "pccd.h"
 #include "redis.h"
 
 struct rows {
     const struct redis *redis;
+    const struct least *least;    /* told beside rows that depend on the machine most */
     struct pccd_client *blocking; /* waits in the kernel */
     struct pccd_client *spinning; /* for 50 us before it does */
     bool smoke;                   /* the least that shows that it works */
 };
+
+#define ROWS_VERTICES_MAX 1000000u /* of an update */
 
 /* Rows 1 and 3: one client, one message at a time. */
 void rows_trips(const struct rows *rows);

@@ -19,7 +19,17 @@
 
 #define TURN 50u
 
-enum side { REDIS_TWO, PING_TWO, REDIS_ONE, PING_ONE, BLOCKING, SPINNING, SIDES };
+enum side {
+    REDIS_TWO,
+    PING_TWO,
+    LEAST_TWO,
+    REDIS_ONE,
+    PING_ONE,
+    LEAST_ONE,
+    BLOCKING,
+    SPINNING,
+    SIDES
+};
 
 struct trips {
     const struct rows *rows;
@@ -33,6 +43,7 @@ static void place(const struct trips *trips, int client, int server)
     bench_pin(0, client);
     bench_pin(trips->rows->redis->pid, server);
     bench_pin(trips->daemon, server);
+    bench_pin(trips->rows->least->pid, server);
 }
 
 static double trip_us(const struct trips *trips, enum side side)
@@ -43,6 +54,11 @@ static double trip_us(const struct trips *trips, enum side side)
     case REDIS_ONE:
         begin_ns = bench_now_ns();
         bench_check(redis_ping(trips->redis_fd), "redis", "PING without PONG");
+        return 1e-3 * (double)(bench_now_ns() - begin_ns);
+    case LEAST_TWO:
+    case LEAST_ONE:
+        begin_ns = bench_now_ns();
+        least_ask(trips->rows->least, 0);
         return 1e-3 * (double)(bench_now_ns() - begin_ns);
     case BLOCKING:
         return bench_empty_step_us(trips->rows->blocking, trips->scenes[0]);
@@ -83,9 +99,11 @@ void rows_trips(const struct rows *rows)
         {PING_TWO,
          REDIS_TWO,
          {"1", "ping, two processors", "PING, two", "us", PAIRS_AT_MOST, 1.15}},
+        {LEAST_TWO, REDIS_TWO, {"", "the least", "PING, two", "us", PAIRS_TOLD, 0}},
         {PING_ONE,
          REDIS_ONE,
          {"1", "ping, one processor", "PING, one", "us", PAIRS_AT_MOST, 1.0}},
+        {LEAST_ONE, REDIS_ONE, {"", "the least", "PING, one", "us", PAIRS_TOLD, 0}},
         {BLOCKING,
          REDIS_TWO,
          {"3", "empty step, blocking", "PING, two", "us", PAIRS_AT_MOST, 1.5}},

@@ -33,9 +33,10 @@ struct size {
     double set;   /* of SET's time */
 };
 
-/* Updates without what is computed, of positions made in the slot (SPINNING, WAITING) and
- * of those copied into it; and one with it. */
-enum quantity { COPY, SET, SPINNING, WAITING, COPIED, WHOLE, QUANTITIES };
+/* The copy by a process that sleeps and does nothing else (least.h), for a client that
+ * waits in the kernel; updates without what is computed, of positions made in the slot
+ * (SPINNING, WAITING) and of those copied into it; and one with it. */
+enum quantity { COPY, LEAST, SET, SPINNING, WAITING, COPIED, WHOLE, QUANTITIES };
 
 /* Microseconds of the step, and of it what is computed. */
 static void take(struct bench_soup *soup, uint64_t begin_ns, uint64_t step, double *whole,
@@ -71,7 +72,7 @@ static void update(struct bench_soup *soup, const void *x, bool in_place, double
 
 /* The blocking client's scene, and the other's. */
 static void take_turn(struct bench_soup soups[2], unsigned i, unsigned char *shared,
-                      int redis_fd, double us[QUANTITIES])
+                      const struct least *servers, int redis_fd, double us[QUANTITIES])
 {
     const struct bench_soup *soup = &soups[0];
     double whole;
@@ -80,8 +81,12 @@ static void take_turn(struct bench_soup soups[2], unsigned i, unsigned char *sha
     uint64_t t1 = bench_now_ns();
     bench_check(redis_set(redis_fd, soup->x[1], soup->bytes), "redis", "SET is not OK");
     uint64_t t2 = bench_now_ns();
+    memcpy(servers->shared, soup->x[1], soup->bytes);
+    uint64_t t3 = bench_now_ns();
+    least_ask(servers, soup->bytes);
     us[COPY] = 1e-3 * (double)(t1 - t0);
     us[SET] = 1e-3 * (double)(t2 - t1);
+    us[LEAST] = 1e-3 * (double)(bench_now_ns() - t3);
     update(&soups[0], soup->x[1], false, &us[WHOLE], &us[COPIED]);
     update(&soups[0], soup->x[0], true, &whole, &us[WAITING]);
     update(&soups[1], soup->x[(i + 1) % 2], true, &whole, &us[SPINNING]);
@@ -92,16 +97,19 @@ enum row {
     PUBLISH,
     PUBLISH_WAITING,
     PUBLISH_COPIED,
+    PUBLISH_LEAST,
     UPDATE,
     UPDATE_COPIED,
-    UPDATE_WHOLE
+    UPDATE_WHOLE,
+    ROWS
 };
 
-static void keep(struct pairs pairs[6], double kb, const double us[QUANTITIES])
+static void keep(struct pairs pairs[ROWS], double kb, const double us[QUANTITIES])
 {
     pairs_add(&pairs[PUBLISH], kb / us[SPINNING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_WAITING], kb / us[WAITING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_COPIED], kb / us[COPIED], kb / us[COPY]);
+    pairs_add(&pairs[PUBLISH_LEAST], kb / us[LEAST], kb / us[COPY]);
     pairs_add(&pairs[UPDATE], us[WAITING], us[SET]);
     pairs_add(&pairs[UPDATE_COPIED], us[COPIED], us[SET]);
     pairs_add(&pairs[UPDATE_WHOLE], us[WHOLE], us[SET]);
@@ -113,7 +121,7 @@ static void tell(const char *what, const char *anchor, const char *unit,
     pairs_print(&(struct pairs_row){"", what, anchor, unit, PAIRS_TOLD, 0}, pairs);
 }
 
-static void print(const struct size *size, struct pairs pairs[6])
+static void print(const struct size *size, struct pairs pairs[ROWS])
 {
     char name[64];
     const char *copy = "memcpy into shared";
@@ -123,6 +131,8 @@ static void print(const struct size *size, struct pairs pairs[6])
                 &pairs[PUBLISH]);
     tell("the same, waiting in the kernel", copy, "GB/s", &pairs[PUBLISH_WAITING]);
     tell("the same, copied into the slot", copy, "GB/s", &pairs[PUBLISH_COPIED]);
+    tell("the least: a message, the copy, a message", copy, "GB/s",
+         &pairs[PUBLISH_LEAST]);
     snprintf(name, sizeof name, "%s, update", size->name);
     pairs_print(&(struct pairs_row){"5", name, set, "us", PAIRS_AT_MOST, size->set},
                 &pairs[UPDATE]);
@@ -132,7 +142,7 @@ static void print(const struct size *size, struct pairs pairs[6])
 
 static void measure(const struct rows *rows, const struct size *size, int redis_fd)
 {
-    struct pairs pairs[6] = {0};
+    struct pairs pairs[ROWS] = {0};
     struct bench_soup soups[2];
     double us[QUANTITIES];
     uint32_t vertices = rows->smoke ? 300 : size->vertex_count;
@@ -141,7 +151,7 @@ static void measure(const struct rows *rows, const struct size *size, int redis_
     unsigned char *shared = bench_shared_new(BENCH_SLOTS * soups[0].bytes);
     double kb = 1e-3 * (double)soups[0].bytes; /* KB a us are GB/s */
     for (unsigned i = 0, turns = rows->smoke ? 3 : size->turns; i < turns + 4; i++) {
-        take_turn(soups, i, shared, redis_fd, us);
+        take_turn(soups, i, shared, rows->least, redis_fd, us);
         if (i >= 4) { /* every slot has been written */
             keep(pairs, kb, us);
         }
@@ -157,7 +167,7 @@ void rows_updates(const struct rows *rows)
     static const struct size sizes[] = {
         {"46 K vertices", 46000, 200, 0.35, 1.4},
         {"250 K vertices", 250000, 60, 0.45, 0.7},
-        {"1 M vertices", 1000000, 20, 0.45, 0.25},
+        {"1 M vertices", ROWS_VERTICES_MAX, 20, 0.45, 0.25},
     };
     int redis_fd = redis_connect(rows->redis);
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {

@@ -65,6 +65,7 @@ bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/conf
 bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
 bench/peers         CGAL/Box_intersection_d/Box_d.h CGAL/box_intersection_d.h CGAL/version.h
 bench/peers         atomic cstdio cstdlib memory string vector
+bench/redis         seccomp.h
 bench/run           jansson.h xxhash.h
 tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 '

@@ -1,0 +1,37 @@
+/* least.h - the least that a process can do that sleeps until it is asked.
+ *
+ * Room:     bench/redis. May include: the C library.
+ * Does:     a server of its own with what is common to all that serve as the daemon does:
+ *           it waits in epoll, reads one message of a socket that keeps them apart, with
+ *           room for descriptors, and sends one as long, under a filter of system calls;
+ *           where it is told to it copies shared memory in between. It decodes nothing,
+ *           knows no client and computes nothing: what it takes is the machine's.
+ * Threads:  one, and one of the server.
+ */
+#ifndef BENCH_LEAST_H
+#define BENCH_LEAST_H
+
+#include <stddef.h>
+#include <sys/types.h>
+
+#define LEAST_CLIENTS       51u /* the last is alone in its row */
+#define LEAST_MESSAGE_BYTES 8u
+
+struct least {
+    pid_t pid;
+    int fds[LEAST_CLIENTS];
+    unsigned char *shared; /* written here, read there */
+    size_t shared_bytes;
+};
+
+/* What is asked, and answered. */
+extern const char least_ping[LEAST_MESSAGE_BYTES];
+
+/* It ends with this process, whatever ends that. Exits with 2 when it cannot start. */
+void least_start(struct least *least, size_t shared_bytes);
+void least_stop(struct least *least);
+
+/* One message there and back; with a copy of so many bytes, unless that is 0. */
+void least_ask(const struct least *least, size_t copy_bytes);
+
+#endif
