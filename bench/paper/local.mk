@@ -1,6 +1,6 @@
 # bench/paper/local.mk - the paper's evaluation, section 7.
 #
-# make bench                               all of it, some 40 minutes, into BENCH_INTO
+# make bench                               all of it, some 25 minutes, into BENCH_INTO
 # make bench BENCH_PARTS="peers figures"   parts of it (evaluate.sh has their names)
 # make bench BENCH_MACHINE=desk            a name for this machine
 
