@@ -157,6 +157,8 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_order.h \
     daemon/engine/wide/wide_owner.c \
     daemon/engine/wide/wide_owner.h \
+    daemon/engine/wide/wide_pieces.c \
+    daemon/engine/wide/wide_pieces.h \
     daemon/engine/wide/wide_resort.c \
     daemon/engine/wide/wide_resort.h \
     daemon/engine/wide/wide_refit.c \

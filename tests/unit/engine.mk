@@ -64,6 +64,7 @@ ENG_TESTS = \
     tests/unit/test_eng_boxes \
     tests/unit/test_eng_rounds \
     tests/unit/test_eng_narrow \
+    tests/unit/test_eng_order \
     tests/unit/test_eng_resort \
     tests/unit/test_eng_wide \
     tests/unit/test_eng_footprint \
@@ -246,6 +247,10 @@ tests_unit_test_eng_rounds_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_boxes_SOURCES = tests/unit/test_eng_boxes.c
 tests_unit_test_eng_boxes_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_boxes_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_order_SOURCES = tests/unit/test_eng_order.c
+tests_unit_test_eng_order_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_order_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_resort_SOURCES = tests/unit/test_eng_resort.c
 tests_unit_test_eng_resort_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

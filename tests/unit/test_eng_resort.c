@@ -229,12 +229,119 @@ static void resort__shares_are_short_and_end_with_the_step(void **state)
         assert_int_equal(resort->state, ENG_WIDE_SORTING);
         eng_wide_resort_share(resort, soup.scene, &stop);
     }
-    assert_int_equal(resort->listed, 16384); /* of 18000 edges */
-    assert_false(resort->is_begun);
+    assert_int_equal(resort->sources, 16384); /* of 18000 edges */
+    assert_int_equal(resort->sorted, 0);
     eng_wide_resort_share(resort, soup.scene, &stop);
-    assert_int_equal(resort->listed, 3 * COUNT);
-    assert_true(resort->is_begun);
+    assert_int_equal(resort->sources, 3 * COUNT);
+    assert_int_equal(resort->sorted, 0);
+    eng_wide_resort_share(resort, soup.scene, &stop);
+    assert_int_equal(resort->sorted, 1); /* they are not told apart: all are one */
     end();
+}
+
+/* ---- pieces ------------------------------------------------------------------------ */
+
+#define PIECES  48u
+#define SIDE    9u /* vertices */
+#define SHEET   (SIDE * SIDE)
+#define SQUARES ((SIDE - 1) * (SIDE - 1))
+
+/* Sheets one upon the other, or each somewhere else. */
+static void put_pieces(double (*x)[3], bool apart)
+{
+    for (uint32_t i = 0; i < PIECES * SHEET; i++) {
+        uint32_t piece = i / SHEET, k = i % SHEET;
+        uint32_t place = apart ? piece * 29 % PIECES : 0;
+        x[i][0] = k % SIDE + 12.0 * (place % 7) + 0.01 * piece;
+        x[i][1] = k / SIDE % SIDE + 12.0 * (place / 7);
+        x[i][2] = 0.05 * piece;
+    }
+}
+
+static uint32_t add_pieces(struct eng_scene *scene, const double (*x)[3])
+{
+    static uint32_t triangles[2 * PIECES * SQUARES][3];
+    uint32_t count = 0, idx;
+    for (uint32_t i = 0; i < PIECES * SQUARES; i++) {
+        uint32_t square = i % SQUARES;
+        uint32_t v =
+            i / SQUARES * SHEET + square / (SIDE - 1) * SIDE + square % (SIDE - 1);
+        const uint32_t two[2][3] = {{v, v + 1, v + SIDE},
+                                    {v + 1, v + SIDE + 1, v + SIDE}};
+        memcpy(triangles[count], two, sizeof two);
+        count += 2;
+    }
+    struct eng_mesh *mesh =
+        kit_mesh(x, PIECES * SHEET, (const uint32_t(*)[3])triangles, count);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), ENG_OK);
+    eng_mesh_release(mesh);
+    return idx;
+}
+
+/* A step of pieces to x. */
+static struct eng_step_result step_pieces(struct eng_scene *scene, uint32_t idx,
+                                          const double (*x)[3])
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    settings.method = ENG_METHOD_WIDE;
+    settings.mode = ENG_MODE_PAIRS;
+    eng_stage_begin(scene);
+    assert_int_equal(eng_stage_x0x1(scene, idx, ENG_F64, 0, PIECES * SHEET, x, x),
+                     ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    return result;
+}
+
+/* Which piece the features of an order are of: each piece's follow each other. */
+static void check_pieces(const struct eng_object *object)
+{
+    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        uint32_t changes = 0, last = PIECES;
+        for (uint32_t i = 0; i < object->order->count[kind]; i++) {
+            uint32_t f = object->order->feature[kind][i];
+            if (f == ENG_WIDE_NO_FEATURE) {
+                continue;
+            }
+            uint32_t vertex = kind == ENG_WIDE_VERTICES ? f
+                              : kind == ENG_WIDE_EDGES  ? object->mesh->edges[f][0]
+                                                        : object->mesh->triangles[f].v[0];
+            changes += vertex / SHEET != last;
+            last = vertex / SHEET;
+        }
+        assert_int_equal(changes, PIECES);
+    }
+}
+
+/* If it failed: what breaks would be many times as slow from then on, until its features
+ * had been sorted; or they would be sorted so that the next break is as bad. */
+static void resort__pieces_may_fly_apart(void **state)
+{
+    (void)state;
+    static double x[PIECES * SHEET][3];
+    struct eng_scene *scenes[2]; /* stacked first; apart from the beginning */
+    uint32_t idx[2];
+    for (int i = 0; i < 2; i++) {
+        put_pieces(x, i == 1);
+        assert_int_equal(eng_scene_new(NULL, &scenes[i]), ENG_OK);
+        idx[i] = add_pieces(scenes[i], (const double(*)[3])x);
+        check_pieces(&scenes[i]->objects[idx[i]]);
+    }
+    struct eng_step_result flown = step_pieces(scenes[0], idx[0], (const double(*)[3])x);
+    struct eng_step_result fresh = step_pieces(scenes[1], idx[1], (const double(*)[3])x);
+    assert_int_equal(flown.hash_lo, fresh.hash_lo);
+    assert_true(flown.counters.box_tests < 2 * fresh.counters.box_tests);
+
+    scenes[0]->wide.resort.state = ENG_WIDE_WANTED;
+    struct eng_step_result sorted;
+    do {
+        sorted = step_pieces(scenes[0], idx[0], (const double(*)[3])x);
+    } while (sorted.counters.swaps == 0);
+    check_pieces(&scenes[0]->objects[idx[0]]);
+    assert_int_equal(sorted.hash_lo, fresh.hash_lo);
+    assert_int_equal(sorted.counters.box_tests, fresh.counters.box_tests);
+    eng_scene_free(scenes[0]);
+    eng_scene_free(scenes[1]);
 }
 
 int main(void)
@@ -245,6 +352,7 @@ int main(void)
         cmocka_unit_test(resort__forgets_what_it_began_when_objects_change),
         cmocka_unit_test(resort__takes_back_an_order_that_is_worse),
         cmocka_unit_test(resort__shares_are_short_and_end_with_the_step),
+        cmocka_unit_test(resort__pieces_may_fly_apart),
     };
     return cmocka_run_group_tests_name("eng_resort", tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* tests/unit/test_eng_wide.c - the trees of the method wide.
  *
  * Room:     engine (wide.h, wide_sweep.h, step.h, world.h).
- * Does:     orders, slots and boxes as objects come and go; pairs against brute force;
+ * Does:     slots and boxes as objects come and go; pairs against brute force;
  *           the same answers as the method paper.
  * Does not: test the box kernels (test_eng_boxes.c).
  * Threads:  one.
@@ -106,80 +106,6 @@ static struct eng_step_result step(struct fixture *f, enum eng_mode mode,
                                    enum eng_method method)
 {
     return step_by(f, mode, method, 1, ENG_SCHEDULER_STEAL);
-}
-
-/* If a feature were missing from its order it would never be tested; if an aligned group
- * were spread over the object, its box would be useless. */
-static void wide__order_has_every_feature_once_in_tight_groups(void **state)
-{
-    (void)state;
-    enum { STRIP = 700 };
-    static double x[STRIP + 3][3];
-    static uint32_t triangles[STRIP][3];
-    struct kit_random random = {5};
-    for (uint32_t i = 0; i < STRIP + 3; i++) { /* the last one is in no triangle */
-        x[i][0] = (double)(i * 577 % (STRIP + 3));
-        x[i][1] = kit_between(&random, 0, 0.5);
-    }
-    for (uint32_t i = 0; i < STRIP; i++) {
-        triangles[i][0] = i;
-        triangles[i][1] = i + 1;
-        triangles[i][2] = i; /* an edge and a face for each pair of neighbours */
-    }
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, STRIP + 3,
-                                     (const uint32_t(*)[3])triangles, STRIP);
-    struct eng_wide_order *order;
-    assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, 1, &order),
-                     ENG_OK);
-    assert_int_equal(order->count[ENG_WIDE_VERTICES], STRIP + 1);
-    assert_int_equal(order->count[ENG_WIDE_EDGES], STRIP);
-    assert_int_equal(order->count[ENG_WIDE_FACES], STRIP);
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        static bool seen[STRIP + 3];
-        memset(seen, 0, sizeof seen);
-        for (uint32_t i = 0; i < order->count[kind]; i++) {
-            uint32_t feature = order->feature[kind][i];
-            assert_true(feature <= STRIP && !seen[feature]);
-            seen[feature] = true;
-        }
-    }
-    const uint32_t *vertex = order->feature[ENG_WIDE_VERTICES];
-    for (uint32_t group = 16; group <= 256; group *= 16) {
-        for (uint32_t first = 0; first + group < STRIP + 1; first += group) {
-            double last = 0; /* groups follow each other along the longest axis */
-            for (uint32_t i = 0; i < group; i++) {
-                last = x[vertex[first + i]][0] > last ? x[vertex[first + i]][0] : last;
-            }
-            for (uint32_t i = first + group; i < STRIP + 1; i++) {
-                assert_true(x[vertex[i]][0] > last);
-            }
-        }
-    }
-    eng_free(order);
-    eng_mesh_release(mesh);
-}
-
-/* If it failed: how fast a step is would depend on how many threads there were when its
- * mesh came. */
-static void wide__order_is_the_same_by_any_number_of_threads(void **state)
-{
-    (void)state;
-    struct eng_mesh *mesh = kit_sheet(100, 0.3); /* more features than one thread takes */
-    struct eng_wide_order *orders[2];
-    const uint32_t threads[] = {2, 7, 16};
-    const double(*x)[3] = (const double(*)[3])mesh->x;
-    assert_int_equal(eng_wide_order_new(mesh, x, 0, &orders[0]), ENG_OK);
-    for (int i = 0; i < 3; i++) {
-        assert_int_equal(eng_wide_order_new(mesh, x, threads[i], &orders[1]), ENG_OK);
-        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-            assert_int_equal(orders[1]->count[kind], orders[0]->count[kind]);
-            assert_memory_equal(orders[1]->feature[kind], orders[0]->feature[kind],
-                                orders[0]->count[kind] * sizeof(uint32_t));
-        }
-        eng_free(orders[1]);
-    }
-    eng_free(orders[0]);
-    eng_mesh_release(mesh);
 }
 
 /* Every slot of a tree is one feature of one object, with its own vertices. */
@@ -574,8 +500,6 @@ static void wide__stops_when_cancelled(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wide__order_has_every_feature_once_in_tight_groups),
-        cmocka_unit_test(wide__order_is_the_same_by_any_number_of_threads),
         cmocka_unit_test_setup_teardown(wide__trees_follow_objects_that_come_and_go,
                                         setup, teardown),
         cmocka_unit_test_setup_teardown(wide__sweep_finds_the_pairs_of_brute_force, setup,

@@ -364,7 +364,7 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
     uint64_t orders = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
-            orders += eng_wide_order_bytes(scene->objects[i].order);
+            orders += scene->objects[i].order->bytes;
         }
     }
     return orders + eng_wide_bytes(&scene->wide) + eng_masks_bytes(&scene->masks) +

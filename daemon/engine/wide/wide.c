@@ -265,6 +265,10 @@ static void fill(struct eng_wide *wide, const struct eng_object *object,
     for (uint32_t i = 0; i < object->order->count[kind]; i++) {
         uint32_t feature = object->order->feature[kind][i];
         uint32_t slot = first + i;
+        if (feature == ENG_WIDE_NO_FEATURE) {
+            clear(wide, kind, slot, slot + 1);
+            continue;
+        }
         eng_wide_key key = (uint64_t)object->id << 32 | feature;
         if (kind == ENG_WIDE_VERTICES) {
             uint32_t vertex = object->vertices.first + feature;

@@ -14,6 +14,7 @@
 #include "boxes.h"
 #include "memory.h"
 #include "topology.h"
+#include "wide_pieces.h"
 
 /* Features of an object below which one thread orders them: some 3 ms. */
 #define TEAM_FEATURES_MIN 32768u
@@ -22,36 +23,57 @@
 #define PARTS_PER_THREAD 8u
 #define PARTS_MAX        (ENG_WIDE_KINDS << 8)
 
-/* Where to split `count` > least items. */
-static uint32_t middle_of(uint32_t count, uint32_t least)
+/* Pieces of a mesh that are told apart, and triangles of each on average: with fewer,
+ * more than an eighth of all slots would be behind pieces. */
+#define PIECES_MIN          16u
+#define PIECES_MAX          4096u
+#define PIECE_TRIANGLES_MIN 64u
+
+static bool is_across(struct eng_wide_range range, uint64_t step)
 {
-    uint64_t step = least;
-    while (step * ENG_WIDE < count) {
-        step *= ENG_WIDE;
-    }
-    uint64_t middle = (count / 2 + step / 2) / step * step;
-    return (uint32_t)(middle > 0 ? middle : step);
+    return range.slot % step + range.count > step;
 }
 
-/* Split a part that is longer than `least` in two; returns the second, or none. */
+/* Of a range across a multiple of `least`: how many items come before the split. */
+static uint32_t middle_of(struct eng_wide_range range, uint32_t least)
+{
+    uint64_t step = least;
+    while (is_across(range, step * ENG_WIDE)) {
+        step *= ENG_WIDE;
+    }
+    uint64_t middle = ((uint64_t)range.slot + range.count / 2 + step / 2) / step * step;
+    assert(middle > range.slot && middle - range.slot < range.count);
+    return (uint32_t)(middle - range.slot);
+}
+
+static struct eng_wide_range behind(struct eng_wide_range range, uint32_t middle)
+{
+    return (struct eng_wide_range){range.first + middle, range.slot + middle,
+                                   range.count - middle};
+}
+
+/* Split a part that is across a multiple of `least` in two; returns the second, or an
+ * empty one. */
 static struct eng_wide_range split(struct eng_split_item *items,
                                    struct eng_wide_range *part, uint32_t least)
 {
-    struct eng_split_item *first = items + part->first;
-    uint32_t count = part->count;
-    if (count <= least) {
-        return (struct eng_wide_range){part->first + count, 0};
+    struct eng_wide_range second = behind(*part, part->count);
+    if (is_across(*part, least)) {
+        struct eng_split_item *first = items + part->first;
+        uint32_t middle = middle_of(*part, least);
+        eng_median_split(first, part->count, middle, eng_median_axis(first, part->count));
+        second = behind(*part, middle);
+        part->count = middle;
     }
-    part->count = middle_of(count, least);
-    eng_median_split(first, count, part->count, eng_median_axis(first, count));
-    return (struct eng_wide_range){part->first + part->count, count - part->count};
+    return second;
 }
 
-void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, uint32_t count, uint32_t least)
+void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, struct eng_wide_range range,
+                           uint32_t least)
 {
     sorter->least = least;
     sorter->waiting = 1;
-    sorter->stack[0] = (struct eng_wide_range){0, count};
+    sorter->stack[0] = range;
     sorter->is_splitting = false;
 }
 
@@ -67,11 +89,11 @@ static void sort_range(struct eng_split_item *items, struct eng_wide_range all,
                        uint32_t least)
 {
     struct eng_wide_sorter sorter;
-    eng_wide_sorter_begin(&sorter, all.count, least);
+    eng_wide_sorter_begin(&sorter, all, least);
     while (sorter.waiting > 0) {
         struct eng_wide_range range = sorter.stack[--sorter.waiting];
-        if (range.count > least) {
-            struct eng_wide_range second = split(items + all.first, &range, least);
+        if (is_across(range, least)) {
+            struct eng_wide_range second = split(items, &range, least);
             push(&sorter, second);
             push(&sorter, range);
         }
@@ -83,9 +105,10 @@ static void pass(struct eng_wide_sorter *sorter, struct eng_split_item *items)
 {
     struct eng_wide_range range = sorter->range;
     if (eng_median_round(&sorter->median, items + range.first)) {
-        uint32_t middle = sorter->median.middle;
-        push(sorter, (struct eng_wide_range){range.first + middle, range.count - middle});
-        push(sorter, (struct eng_wide_range){range.first, middle});
+        struct eng_wide_range second = behind(range, sorter->median.middle);
+        range.count = sorter->median.middle;
+        push(sorter, second);
+        push(sorter, range);
         sorter->is_splitting = false;
     }
 }
@@ -103,11 +126,10 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
     struct eng_wide_range range = sorter->stack[--sorter->waiting];
     if (range.count <= whole) {
         sort_range(items, range, sorter->least);
-    } else if (range.count > sorter->least) {
+    } else if (is_across(range, sorter->least)) {
         sorter->range = range;
         sorter->is_splitting = true;
-        eng_median_begin(&sorter->median, range.count,
-                         middle_of(range.count, sorter->least),
+        eng_median_begin(&sorter->median, range.count, middle_of(range, sorter->least),
                          eng_median_axis(items + range.first, range.count));
     }
     return true;
@@ -115,7 +137,7 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
 
 void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
 {
-    sort_range(items, (struct eng_wide_range){0, count}, least);
+    sort_range(items, (struct eng_wide_range){0, 0, count}, least);
 }
 
 /* All parts, by as many threads. */
@@ -156,28 +178,70 @@ uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind 
     return kind == ENG_WIDE_EDGES ? mesh->info.edge_count : mesh->info.triangle_count;
 }
 
-uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
-                             enum eng_wide_kind kind, uint32_t first, uint32_t count,
-                             struct eng_split_item *items)
+void eng_wide_order_sum(const struct eng_wide_order *order, const double (*x)[3],
+                        uint32_t first, uint32_t count, struct eng_split_item *pieces)
 {
-    uint32_t listed = 0;
-    for (uint32_t i = first; i < first + count; i++) {
-        if (kind == ENG_WIDE_EDGES) {
-            items[listed++] = item_of(x, mesh->edges[i], 2, i);
-            continue;
+    for (uint32_t i = first; order->piece_of && i < first + count; i++) {
+        uint32_t piece = order->piece_of[i];
+        for (int k = 0; k < 3 && piece != ENG_WIDE_NO_PIECE; k++) {
+            pieces[piece].centroid[k] += (float)x[i][k];
         }
-        const struct eng_face *triangle = &mesh->triangles[i];
-        if (kind == ENG_WIDE_FACES) {
-            items[listed++] = item_of(x, triangle->v, 3, i);
+    }
+}
+
+void eng_wide_order_sequence(const struct eng_wide_order *order,
+                             struct eng_split_item *pieces)
+{
+    for (uint32_t i = 0; i < order->piece_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            pieces[i].centroid[k] /= (float)order->piece_size[ENG_WIDE_VERTICES][i];
+        }
+        pieces[i].id = i;
+    }
+    eng_wide_sort(pieces, order->piece_count, 1);
+}
+
+uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum eng_wide_kind kind,
+                              uint32_t piece)
+{
+    uint32_t size = order->piece_size[kind][piece];
+    return order->piece_of ? (size + ENG_WIDE - 1) / ENG_WIDE * ENG_WIDE : size;
+}
+
+void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind kind,
+                          const struct eng_split_item *pieces,
+                          struct eng_split_item *items, uint32_t *next)
+{
+    uint32_t slot = 0;
+    for (uint32_t i = 0; i < order->piece_count; i++) {
+        uint32_t piece = pieces[i].id;
+        uint32_t end = slot + eng_wide_order_slots(order, kind, piece);
+        next[piece] = slot;
+        for (slot += order->piece_size[kind][piece]; slot < end; slot++) {
+            items[slot].id = ENG_WIDE_NO_FEATURE;
+        }
+    }
+}
+
+void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
+                         const double (*x)[3], enum eng_wide_kind kind, uint32_t first,
+                         uint32_t count, struct eng_split_item *items, uint32_t *next)
+{
+    const uint32_t *piece_of = order->piece_of;
+    for (uint32_t i = first; i < first + count; i++) {
+        const uint32_t *v =
+            kind == ENG_WIDE_EDGES ? mesh->edges[i] : mesh->triangles[i].v;
+        uint32_t *place = &next[piece_of ? piece_of[v[0]] : 0];
+        if (kind != ENG_WIDE_VERTICES) {
+            items[(*place)++] = item_of(x, v, kind == ENG_WIDE_EDGES ? 2 : 3, i);
             continue;
         }
         for (unsigned k = 0; k < 3; k++) {
-            if (triangle->owns & ENG_OWNS_VERTEX(k)) {
-                items[listed++] = item_of(x, &triangle->v[k], 1, triangle->v[k]);
+            if (mesh->triangles[i].owns & ENG_OWNS_VERTEX(k)) {
+                items[(*place)++] = item_of(x, &v[k], 1, v[k]);
             }
         }
     }
-    return listed;
 }
 
 static int threads_for(size_t features, uint32_t threads)
@@ -188,48 +252,170 @@ static int threads_for(size_t features, uint32_t threads)
                                                         : (int)most;
 }
 
+/* How many pieces of a mesh are to be told apart, 1 of most: those of[vertex_count]. */
+static uint32_t tell_apart(const struct eng_mesh *mesh, uint32_t *of)
+{
+    uint32_t size[PIECES_MAX] = {0};
+    uint32_t largest = 0;
+    uint32_t count = eng_wide_pieces_find(mesh, of);
+    if (count < PIECES_MIN || count > PIECES_MAX ||
+        count > mesh->info.triangle_count / PIECE_TRIANGLES_MIN) {
+        return 1;
+    }
+    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
+        uint32_t now = ++size[of[mesh->triangles[i].v[0]]];
+        largest = now > largest ? now : largest;
+    }
+    return largest > mesh->info.triangle_count / 2 ? 1 : count;
+}
+
+/* What an order is made with; freed together. */
+struct making {
+    uint32_t *of;                  /* [vertex_count] */
+    uint32_t piece_count;          /* 1: not told apart */
+    uint32_t *size;                /* [ENG_WIDE_KINDS][piece_count] */
+    struct eng_split_item *items;  /* of all three trees */
+    struct eng_split_item *pieces; /* [piece_count] */
+    uint32_t *next;                /* [piece_count] */
+    struct eng_wide_range *parts;  /* of a tree each piece, or more parts */
+};
+
+static void making_free(struct making *making)
+{
+    eng_free(making->of);
+    eng_free(making->size);
+    eng_free(making->items);
+    eng_free(making->pieces);
+    eng_free(making->next);
+    eng_free(making->parts);
+}
+
+static void count_features(const struct making *making, const struct eng_mesh *mesh)
+{
+    const struct eng_mesh_info *info = &mesh->info;
+    uint32_t n = making->piece_count;
+    uint32_t *vertices = making->size;
+    uint32_t *edges = vertices + n;
+    uint32_t *faces = edges + n;
+    if (n == 1) {
+        *vertices = info->vertex_count - info->isolated_count;
+        *edges = info->edge_count;
+        *faces = info->triangle_count;
+        return;
+    }
+    memset(vertices, 0, (size_t)ENG_WIDE_KINDS * n * sizeof *vertices);
+    for (uint32_t i = 0; i < info->vertex_count; i++) {
+        if (making->of[i] != ENG_WIDE_NO_PIECE) {
+            vertices[making->of[i]]++;
+        }
+    }
+    for (uint32_t i = 0; i < info->edge_count; i++) {
+        edges[making->of[mesh->edges[i][0]]]++;
+    }
+    for (uint32_t i = 0; i < info->triangle_count; i++) {
+        faces[making->of[mesh->triangles[i].v[0]]]++;
+    }
+}
+
+/* An order whose features are not in it yet. */
+static struct eng_wide_order *order_of(const struct making *making,
+                                       const struct eng_mesh *mesh)
+{
+    struct eng_wide_order shape = {.piece_count = making->piece_count};
+    size_t slots = 0;
+    size_t numbers = (size_t)ENG_WIDE_KINDS * making->piece_count;
+    size_t vertices = making->piece_count > 1 ? mesh->info.vertex_count : 0;
+    shape.piece_of = vertices > 0 ? making->of : NULL;
+    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        shape.piece_size[kind] = making->size + (size_t)kind * making->piece_count;
+        for (uint32_t i = 0; i < making->piece_count; i++) {
+            shape.count[kind] += eng_wide_order_slots(&shape, kind, i);
+        }
+        slots += shape.count[kind];
+    }
+    shape.bytes = sizeof shape + (slots + numbers + vertices) * sizeof(uint32_t);
+    struct eng_wide_order *order = eng_alloc(1, shape.bytes);
+    if (order) {
+        uint32_t *next = (uint32_t *)(void *)(order + 1);
+        *order = shape;
+        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+            order->feature[kind] = next;
+            next += order->count[kind];
+        }
+        memcpy(next, making->size, numbers * sizeof *next);
+        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+            order->piece_size[kind] = next;
+            next += order->piece_count;
+        }
+        if (order->piece_of) {
+            order->piece_of = memcpy(next, making->of, vertices * sizeof *next);
+        }
+    }
+    return order;
+}
+
+static struct eng_wide_order *making_begin(struct making *making,
+                                           const struct eng_mesh *mesh)
+{
+    struct eng_wide_order *order = NULL;
+    memset(making, 0, sizeof *making);
+    making->of = eng_alloc((size_t)mesh->info.vertex_count + 1, sizeof *making->of);
+    if (making->of) {
+        making->piece_count = tell_apart(mesh, making->of);
+        making->size = eng_alloc(making->piece_count, ENG_WIDE_KINDS * sizeof(uint32_t));
+    }
+    if (making->size) {
+        count_features(making, mesh);
+        order = order_of(making, mesh);
+    }
+    if (order) {
+        size_t slots = (size_t)order->count[0] + order->count[1] + order->count[2];
+        size_t parts = (size_t)ENG_WIDE_KINDS * order->piece_count;
+        parts = parts > PARTS_MAX ? parts : PARTS_MAX;
+        making->items = eng_alloc(slots, sizeof *making->items);
+        making->pieces =
+            !making->items ? NULL : eng_alloc(order->piece_count, sizeof *making->pieces);
+        making->next =
+            !making->pieces ? NULL : eng_alloc(order->piece_count, sizeof *making->next);
+        making->parts = !making->next ? NULL : eng_alloc(parts, sizeof *making->parts);
+    }
+    if (!making->parts) {
+        making_free(making);
+        eng_free(order);
+        return NULL;
+    }
+    memset(making->pieces, 0, order->piece_count * sizeof *making->pieces);
+    return order;
+}
+
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order)
 {
-    const struct eng_mesh_info *info = &mesh->info;
-    const uint32_t count[ENG_WIDE_KINDS] = {info->vertex_count - info->isolated_count,
-                                            info->edge_count, info->triangle_count};
-    size_t all = (size_t)count[0] + count[1] + count[2];
-    struct eng_wide_order *made =
-        eng_alloc(1, sizeof *made + all * sizeof *made->feature[0]);
-    struct eng_split_item *items = made ? eng_alloc(all, sizeof *items) : NULL;
-    struct eng_wide_range *parts = items ? eng_alloc(PARTS_MAX, sizeof *parts) : NULL;
-    if (!parts) {
-        eng_free(items);
-        eng_free(made);
+    struct making making;
+    struct eng_wide_order *made = making_begin(&making, mesh);
+    if (!made) {
         return ENG_E_NOMEM;
     }
-    uint32_t *next = (uint32_t *)(void *)(made + 1);
+    eng_wide_order_sum(made, x, 0, mesh->info.vertex_count, making.pieces);
+    eng_wide_order_sequence(made, making.pieces);
     size_t first = 0;
+    uint32_t parts = 0;
     for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        uint32_t listed = eng_wide_order_list(
-            mesh, x, kind, 0, eng_wide_order_sources(mesh, kind), items + first);
-        assert(listed == count[kind]);
-        made->count[kind] = listed;
-        made->feature[kind] = next + first;
-        parts[kind] = (struct eng_wide_range){first, listed};
-        first += listed;
+        struct eng_split_item *items = making.items + first;
+        eng_wide_order_place(made, kind, making.pieces, items, making.next);
+        for (uint32_t i = 0; i < made->piece_count; i++) {
+            making.parts[parts++] = (struct eng_wide_range){
+                first + making.next[i], making.next[i], made->piece_size[kind][i]};
+        }
+        eng_wide_order_list(made, mesh, x, kind, 0, eng_wide_order_sources(mesh, kind),
+                            items, making.next);
+        first += made->count[kind];
     }
-    sort_parts(items, parts, ENG_WIDE_KINDS, threads_for(all, threads));
-    for (size_t i = 0; i < all; i++) {
-        next[i] = items[i].id;
+    sort_parts(making.items, making.parts, parts, threads_for(first, threads));
+    for (size_t i = 0; i < first; i++) {
+        made->feature[0][i] = making.items[i].id; /* the trees follow each other */
     }
-    eng_free(parts);
-    eng_free(items);
+    making_free(&making);
     *order = made;
     return ENG_OK;
-}
-
-uint64_t eng_wide_order_bytes(const struct eng_wide_order *order)
-{
-    uint64_t bytes = sizeof *order;
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        bytes += (uint64_t)order->count[kind] * sizeof *order->feature[kind];
-    }
-    return bytes;
 }

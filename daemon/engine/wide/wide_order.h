@@ -4,6 +4,13 @@
  * Does:     put features that are near each other next to each other, so that every
  *           aligned group of 16, 256, .. of them has a tight box.
  * Threads:  [any]; one caller for one order.
+ *
+ * Pieces of a mesh that do not hang together may fly apart, and a group with features of
+ * two of them would soon be as large as the scene. So a mesh of many pieces is put in
+ * order piece by piece: by where the pieces are, and then within each; no group of 16 is
+ * of two. Meshes of a few pieces, or of one and its splinters, are not: their groups of
+ * two pieces are few. Nor are those of small ones, such as a thousand triangles each for
+ * itself: they would leave most slots free.
  */
 #ifndef ENG_WIDE_ORDER_H
 #define ENG_WIDE_ORDER_H
@@ -16,10 +23,17 @@
 /* The three trees of the method `wide`. */
 enum eng_wide_kind { ENG_WIDE_VERTICES, ENG_WIDE_EDGES, ENG_WIDE_FACES, ENG_WIDE_KINDS };
 
+/* In the place of a feature, behind those of a piece. */
+#define ENG_WIDE_NO_FEATURE UINT32_MAX
+
 /* Local indices, first to last; vertices in no triangle are left out. One allocation. */
 struct eng_wide_order {
-    uint32_t count[ENG_WIDE_KINDS];
-    uint32_t *feature[ENG_WIDE_KINDS]; /* [count] */
+    uint32_t count[ENG_WIDE_KINDS];       /* slots: features, and those behind pieces */
+    uint32_t *feature[ENG_WIDE_KINDS];    /* [count] */
+    uint32_t piece_count;                 /* 1: pieces are not told apart */
+    uint32_t *piece_of;                   /* [vertex_count] of 1: NULL */
+    uint32_t *piece_size[ENG_WIDE_KINDS]; /* [piece_count] features */
+    uint64_t bytes;                       /* of all this */
 };
 
 /* Of a committed mesh, at the positions `x` of its vertices, by that many threads, whose
@@ -28,40 +42,64 @@ struct eng_wide_order {
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order);
 
-uint64_t eng_wide_order_bytes(const struct eng_wide_order *order);
-
 /* Edges or, for the two other trees, triangles of a mesh. */
 uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind kind);
 
-/* The features of one tree that edges or triangles first .. first + count - 1 of a mesh
- * own, with the mesh's vertices at `x`, in no order: item ids are local indices. Returns
- * how many. */
-uint32_t eng_wide_order_list(const struct eng_mesh *mesh, const double (*x)[3],
-                             enum eng_wide_kind kind, uint32_t first, uint32_t count,
-                             struct eng_split_item *items);
+/* What it takes to put the features of a mesh in order, some at a time:
+ *
+ *   Add vertices first .. first + count - 1, at x of the mesh's, to the sums of their
+ *   pieces, pieces[piece_count], which were 0. */
+void eng_wide_order_sum(const struct eng_wide_order *order, const double (*x)[3],
+                        uint32_t first, uint32_t count, struct eng_split_item *pieces);
 
-/* Sort items[count] by splits at the median of the longest axis, each at a multiple of
- * the largest power of 16 below its range; down to ranges of `least`, 1 or 16. */
+/*   After all of them: the pieces, by id, so that neighbours are near. */
+void eng_wide_order_sequence(const struct eng_wide_order *order,
+                             struct eng_split_item *pieces);
+
+/*   The slots of a piece, a multiple of 16 if pieces are told apart. */
+uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum eng_wide_kind kind,
+                              uint32_t piece);
+
+/*   In this sequence: next[piece] is the slot of the first feature of a piece; of
+ *   items[count], which are in slots, those behind a piece are no features. */
+void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind kind,
+                          const struct eng_split_item *pieces,
+                          struct eng_split_item *items, uint32_t *next);
+
+/*   The features of one tree that edges or triangles first .. first + count - 1 own, with
+ *   vertices at `x`, to the next slots of their pieces, which go on: item ids are local
+ *   indices. After all of them each piece's are to be sorted. */
+void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
+                         const double (*x)[3], enum eng_wide_kind kind, uint32_t first,
+                         uint32_t count, struct eng_split_item *items, uint32_t *next);
+
+/* Items first .. first + count - 1 of a list; the first goes to a slot. */
+struct eng_wide_range {
+    size_t first;
+    uint32_t slot;
+    uint32_t count;
+};
+
+/* Sort items[count], from slot 0 on, by splits at the median of the longest axis, each at
+ * a multiple of the largest power of 16 at which the range can be split; until none is
+ * across a multiple of `least`, 1 or 16. */
 void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least);
 
-/* The same in pieces, for who has to stop between. */
+/* The same of any range, by parts, for who has to stop between. */
 struct eng_wide_sorter {
     uint32_t least;
     uint32_t waiting; /* ranges of the stack */
-    struct eng_wide_range {
-        size_t first;
-        uint32_t count;
-    } stack[64];
+    struct eng_wide_range stack[64];
     bool is_splitting; /* the one at hand */
     struct eng_wide_range range;
     struct eng_median median;
 };
 
-void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, uint32_t count,
+void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, struct eng_wide_range range,
                            uint32_t least);
 
 /* One pass over a range of the items, or everything that is below a range of at most
- * `whole` items. False: they are sorted. */
+ * `whole` items. False: it is sorted. */
 bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_item *items,
                              uint32_t whole);
 

@@ -53,11 +53,14 @@ void eng_wide_resort_init(struct eng_wide_resort *resort)
 void eng_wide_resort_deinit(struct eng_wide_resort *resort)
 {
     eng_free(resort->items);
+    eng_free(resort->pieces);
+    eng_free(resort->next);
 }
 
 uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort)
 {
-    return resort->item_count * sizeof *resort->items;
+    return resort->item_count * sizeof *resort->items +
+           resort->piece_capacity * (sizeof *resort->pieces + sizeof *resort->next);
 }
 
 /* What the order at hand asks for is not known yet. */
@@ -73,8 +76,19 @@ void eng_wide_resort_unlearn(struct eng_wide_resort *resort)
     memset(resort->refused_tests, 0, sizeof resort->refused_tests);
 }
 
+/* What only the sort itself takes. */
+static void end_sorting(struct eng_wide_resort *resort)
+{
+    eng_free(resort->pieces);
+    eng_free(resort->next);
+    resort->pieces = NULL;
+    resort->next = NULL;
+    resort->piece_capacity = 0;
+}
+
 static void end(struct eng_wide_resort *resort)
 {
+    end_sorting(resort);
     eng_free(resort->items);
     resort->items = NULL;
     resort->item_count = 0;
@@ -88,33 +102,59 @@ static void forget(struct eng_wide_resort *resort)
     eng_wide_resort_unlearn(resort);
 }
 
-static size_t feature_count(const struct eng_scene *scene)
+/* Room for the features of all objects, and for the pieces of any of them. */
+static bool make_room(struct eng_wide_resort *resort, const struct eng_scene *scene)
 {
-    size_t sum = 0;
+    size_t count = 0;
+    uint32_t pieces = 1;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
-        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-            sum += object->mesh ? object->order->count[kind] : 0;
+        for (int kind = 0; object->mesh && kind < ENG_WIDE_KINDS; kind++) {
+            count += object->order->count[kind];
+        }
+        if (object->mesh && object->order->piece_count > pieces) {
+            pieces = object->order->piece_count;
         }
     }
-    return sum;
+    if (count == 0) {
+        return false;
+    }
+    resort->items = eng_alloc(count, sizeof *resort->items);
+    resort->item_count = resort->items ? count : 0;
+    resort->pieces = !resort->items ? NULL : eng_alloc(pieces, sizeof *resort->pieces);
+    resort->next = !resort->pieces ? NULL : eng_alloc(pieces, sizeof *resort->next);
+    resort->piece_capacity = pieces;
+    return resort->next != NULL;
+}
+
+/* The first part of an object. */
+static void begin_object(struct eng_wide_resort *resort, uint32_t object)
+{
+    memset(resort->pieces, 0, resort->piece_capacity * sizeof *resort->pieces);
+    resort->object = object;
+    resort->kind = ENG_WIDE_VERTICES;
+    resort->summed = 0;
+    resort->is_sequenced = false;
+}
+
+static void begin_part(struct eng_wide_resort *resort)
+{
+    resort->sources = 0;
+    resort->sorted = 0;
+    resort->slot = 0;
+    resort->sorter.waiting = 0;
+    resort->sorter.is_splitting = false;
 }
 
 static void begin(struct eng_wide_resort *resort, const struct eng_scene *scene)
 {
-    size_t count = feature_count(scene);
-    resort->items = count > 0 ? eng_alloc(count, sizeof *resort->items) : NULL;
-    if (!resort->items) {
+    if (!make_room(resort, scene)) {
         forget(resort);
         return;
     }
-    resort->item_count = count;
-    resort->object = 0;
-    resort->kind = ENG_WIDE_VERTICES;
     resort->first = 0;
-    resort->sources = 0;
-    resort->listed = 0;
-    resort->is_begun = false;
+    begin_object(resort, 0);
+    begin_part(resort);
     resort->state = ENG_WIDE_SORTING;
 }
 
@@ -145,6 +185,7 @@ void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *s
     if (scene->wide.is_stale) {
         forget(resort);
     } else if (resort->state == ENG_WIDE_SORTED) {
+        end_sorting(resort);
         exchange(resort, scene);
         resort->state = ENG_WIDE_TRIED;
     } else if (resort->state == ENG_WIDE_REFUSED) {
@@ -159,36 +200,54 @@ void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *s
 static void go_on(struct eng_wide_resort *resort, const struct eng_scene *scene)
 {
     const struct eng_object *object = &scene->objects[resort->object];
-    resort->sources = 0;
-    resort->listed = 0;
-    resort->is_begun = false;
+    begin_part(resort);
     resort->first += object->mesh ? object->order->count[resort->kind] : 0;
     if (object->mesh && resort->kind + 1 < ENG_WIDE_KINDS) {
         resort->kind++;
-        return;
-    }
-    resort->kind = ENG_WIDE_VERTICES;
-    if (++resort->object == scene->object_capacity) {
+    } else if (resort->object + 1 < scene->object_capacity) {
+        begin_object(resort, resort->object + 1);
+    } else {
         resort->state = ENG_WIDE_SORTED;
     }
 }
 
-/* List some more features of the part at hand; its sort begins with the last of them. */
-static void list_more(struct eng_wide_resort *resort, const struct eng_scene *scene,
-                      const struct eng_object *object)
+/* See where some more vertices are; the pieces are in order with the last of them. */
+static void sum_more(struct eng_wide_resort *resort, const struct eng_object *object,
+                     const double (*x)[3])
 {
-    const double(*x)[3] = (const double(*)[3])scene->x[scene->now];
-    uint32_t left = eng_wide_order_sources(object->mesh, resort->kind) - resort->sources;
+    uint32_t left = object->mesh->info.vertex_count - resort->summed;
     uint32_t count = left < PIECE_SOURCES ? left : PIECE_SOURCES;
-    resort->listed += eng_wide_order_list(object->mesh, x + object->vertices.first,
-                                          resort->kind, resort->sources, count,
-                                          resort->items + resort->first + resort->listed);
-    resort->sources += count;
+    eng_wide_order_sum(object->order, x, resort->summed, count, resort->pieces);
+    resort->summed += count;
     if (count == left) {
-        assert(resort->listed == object->order->count[resort->kind]);
-        eng_wide_sorter_begin(&resort->sorter, resort->listed, ENG_WIDE);
-        resort->is_begun = true;
+        eng_wide_order_sequence(object->order, resort->pieces);
+        resort->is_sequenced = true;
     }
+}
+
+/* List some more features of the part at hand. */
+static void list_more(struct eng_wide_resort *resort, const struct eng_object *object,
+                      const double (*x)[3], uint32_t left)
+{
+    struct eng_split_item *items = resort->items + resort->first;
+    uint32_t count = left < PIECE_SOURCES ? left : PIECE_SOURCES;
+    if (resort->sources == 0) {
+        eng_wide_order_place(object->order, resort->kind, resort->pieces, items,
+                             resort->next);
+    }
+    eng_wide_order_list(object->order, object->mesh, x, resort->kind, resort->sources,
+                        count, items, resort->next);
+    resort->sources += count;
+}
+
+/* Have the sorter take the next piece, in the sequence in which they lie. */
+static void sort_next(struct eng_wide_resort *resort, const struct eng_wide_order *order)
+{
+    uint32_t piece = resort->pieces[resort->sorted++].id;
+    struct eng_wide_range range = {resort->slot, resort->slot,
+                                   order->piece_size[resort->kind][piece]};
+    eng_wide_sorter_begin(&resort->sorter, range, ENG_WIDE);
+    resort->slot += eng_wide_order_slots(order, resort->kind, piece);
 }
 
 /* A piece of the part at hand. */
@@ -199,11 +258,20 @@ static void advance(struct eng_wide_resort *resort, const struct eng_scene *scen
         go_on(resort, scene);
         return;
     }
-    if (!resort->is_begun) {
-        list_more(resort, scene, object);
+    const double(*x)[3] =
+        (const double(*)[3])scene->x[scene->now] + object->vertices.first;
+    uint32_t left = eng_wide_order_sources(object->mesh, resort->kind) - resort->sources;
+    if (!resort->is_sequenced) {
+        sum_more(resort, object, x);
+    } else if (left > 0) {
+        list_more(resort, object, x, left);
     } else if (!eng_wide_sorter_advance(&resort->sorter, resort->items + resort->first,
                                         PIECE_ITEMS)) {
-        go_on(resort, scene);
+        if (resort->sorted < object->order->piece_count) {
+            sort_next(resort, object->order);
+        } else {
+            go_on(resort, scene);
+        }
     }
 }
 

@@ -9,12 +9,13 @@
  * Threads:  functions say.
  *
  * The parts of an order, one for each tree of each object, are sorted one after the other
- * from where the features were in the step at hand: that some places are a few steps old
- * costs a little quality and nothing else.
- *
- * Where layers wind about each other the new order may well be the worse one: the old one
- * is kept until a step has shown what the new one asks for, and taken back if that is
- * more. Then no sort is wanted until steps ask for twice as much as with it.
+ * from where the features were in the step at hand, pieces as wide_order.h says. Where
+ * they keep their neighbours from then on it does not matter that places are some steps
+ * old. Where layers slide along each other it does: of a cloth that turns, an order by
+ * its places asks for half the box tests of the one at rest, and seven steps later, while
+ * the sort still goes on, for as many. So the old order is kept until a step has shown
+ * what the new one asks for, and taken back if that is more. Then no sort is wanted until
+ * steps ask for twice as much as with it.
  *
  *   idle -> wanted -> sorting -> sorted -> (taken) tried -> idle
  *                                                        -> refused -> (taken back) idle
@@ -49,15 +50,20 @@ struct eng_wide_resort {
     uint64_t budget_ns;                         /* of a step's share */
     uint64_t sorts; /* taken in this step, with their triangles */
     uint64_t sorted_triangles;
-    /* While sorting: features of all objects, object by object, tree by tree. */
+    /* While sorting: slots of all objects, object by object, tree by tree. */
     struct eng_split_item *items; /* [item_count] */
     size_t item_count;
+    struct eng_split_item *pieces; /* [piece_capacity] of the object at hand, .. */
+    uint32_t *next; /* [piece_capacity] .. and the slot of each one's next feature */
+    uint32_t piece_capacity;
     uint32_t object; /* the part at hand: its object's index, .. */
     enum eng_wide_kind kind;
-    size_t first;     /* .. and its first item */
-    uint32_t sources; /* edges or triangles whose features are listed, .. */
-    uint32_t listed;  /* .. and these features */
-    bool is_begun;    /* all are, and `sorter` is at work on them */
+    size_t first;      /* .. and its first item */
+    uint32_t summed;   /* vertices whose places are in those of the pieces, .. */
+    bool is_sequenced; /* .. all, and the pieces are in order */
+    uint32_t sources;  /* edges or triangles whose features are listed */
+    uint32_t sorted;   /* pieces that are, or are with `sorter`: of all features listed */
+    uint32_t slot;     /* behind them */
     struct eng_wide_sorter sorter;
 };
 
