@@ -22,9 +22,10 @@
 
 #define TICK_MS 50u /* between looks at the sessions that wait */
 
-/* Of the engine for a triangle of a mesh while that is committed (five times the 40
- * that stay), or of an object; on the safe side, as nothing depends on it but whether a
- * session that waits makes room before a refusal or after it. */
+/* Of the engine for a triangle of a mesh while that is committed (twice the 40 that
+ * stay, four times where all meet at a vertex), or of an object; on the safe side, as
+ * nothing depends on it but whether a session that waits makes room before a refusal or
+ * after it. */
 #define TRIANGLE_BYTES 512u
 
 void srv_linger_enable(struct srv_session *session)
