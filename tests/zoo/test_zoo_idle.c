@@ -114,6 +114,10 @@ static void idle__daemon_is_not_woken_by_silent_clients(void **state)
     int *sockets = calloc(count, sizeof(*sockets));
 
     (void)state;
+    if (TEST_HAS_FOREIGN_THREAD) { /* it wakes the daemon ten times a second */
+        free(sockets);
+        skip();
+    }
     assert_non_null(sockets);
     assert_true(test_daemon_start(&daemon, options));
     for (uint32_t i = 0; i < count; i++) {
