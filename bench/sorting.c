@@ -107,11 +107,62 @@ static void copy_all(const struct eng_found *found, unsigned char *to)
     }
 }
 
+/* ---- whole names, a byte at a time ------------------------------------------------- */
+
+struct whole {
+    uint64_t hi; /* more significant half of the name */
+    uint64_t lo;
+    uint64_t index; /* of its record: the address */
+};
+
+static unsigned digit_of(const struct whole *item, unsigned digit)
+{
+    uint64_t half = digit < 8 ? item->lo : item->hi;
+    return (unsigned)(half >> (8 * (digit & 7))) & 255u;
+}
+
+static void pass(const struct whole *from, struct whole *to, size_t count, unsigned digit)
+{
+    size_t offset[256] = {0};
+    for (size_t i = 0; i < count; i++) {
+        offset[digit_of(&from[i], digit)]++;
+    }
+    size_t sum = 0;
+    for (unsigned d = 0; d < 256; d++) {
+        size_t n = offset[d];
+        offset[d] = sum;
+        sum += n;
+    }
+    for (size_t i = 0; i < count; i++) {
+        to[offset[digit_of(&from[i], digit)]++] = from[i];
+    }
+}
+
+static struct whole *radix_sort(struct whole *items, struct whole *spare, size_t count)
+{
+    uint64_t differ_hi = 0;
+    uint64_t differ_lo = 0;
+    for (size_t i = 1; i < count; i++) {
+        differ_hi |= items[i].hi ^ items[0].hi;
+        differ_lo |= items[i].lo ^ items[0].lo;
+    }
+    for (unsigned digit = 0; digit < 16; digit++) {
+        uint64_t half = digit < 8 ? differ_lo : differ_hi;
+        if (((half >> (8 * (digit & 7))) & 255u) == 0) {
+            continue;
+        }
+        pass(items, spare, count, digit);
+        struct whole *swap = items;
+        items = spare;
+        spare = swap;
+    }
+    return items;
+}
+
 /* One thread, one kind after the other: names of 128 bits, 24 bytes an item, byte by byte
  * over all items, then gather and hash. */
-static void sort_whole_names(const struct eng_found *found, struct eng_radix_item *items,
-                             struct eng_radix_item *spare, unsigned char *to,
-                             uint64_t hash[2])
+static void sort_whole_names(const struct eng_found *found, struct whole *items,
+                             struct whole *spare, unsigned char *to, uint64_t hash[2])
 {
     unsigned char *out = to;
     for (uint32_t kind = ENG_VF; kind <= ENG_EE; kind++) {
@@ -122,13 +173,13 @@ static void sort_whole_names(const struct eng_found *found, struct eng_radix_ite
                     block->data + (size_t)i * found->record_bytes;
                 struct eng_name name = eng_name_of(record, found->record_bytes);
                 if (name.word[0] == kind) {
-                    items[count++] = (struct eng_radix_item){
+                    items[count++] = (struct whole){
                         (uint64_t)name.word[1] << 32 | name.word[2],
                         (uint64_t)name.word[3] << 32 | name.word[4], (uintptr_t)record};
                 }
             }
         }
-        const struct eng_radix_item *sorted = eng_radix_sort(items, spare, count);
+        const struct whole *sorted = radix_sort(items, spare, count);
         for (size_t i = 0; i < count; i++) {
             memcpy(out, (const void *)(uintptr_t)sorted[i].index, found->record_bytes);
             out += found->record_bytes;
@@ -136,6 +187,8 @@ static void sort_whole_names(const struct eng_found *found, struct eng_radix_ite
     }
     eng_hash(to, (size_t)(out - to), hash);
 }
+
+/* ---- merge ------------------------------------------------------------------------ */
 
 static bool merge_alone(struct eng_merge *merge, struct lists *lists,
                         struct eng_records *out, uint64_t hash[2])
@@ -179,12 +232,12 @@ static bool is_right(const struct eng_records *out, const unsigned char *expecte
 }
 
 static bool measure_once(struct lists *lists, struct eng_merge *merge,
-                         struct eng_records *out, struct eng_radix_item *items,
+                         struct eng_records *out, struct whole *items,
                          unsigned char *expected, double ns[4])
 {
     uint64_t whole[2];
     uint64_t hash[2];
-    struct eng_radix_item *spare = items + lists->total;
+    struct whole *spare = items + lists->total;
     uint64_t t0 = bench_now_ns();
     sort_whole_names(&lists->all, items, spare, expected, whole);
     uint64_t t1 = bench_now_ns();
@@ -231,7 +284,7 @@ static void measure(const char *scene, const char *kind, struct lists *lists,
     struct times times;
     memset(&times, 0, sizeof times);
     eng_merge_init(&merge);
-    struct eng_radix_item *items = bench_alloc(2 * lists->total, sizeof *items);
+    struct whole *items = bench_alloc(2 * lists->total, sizeof *items);
     unsigned char *expected = bench_alloc(lists->total, lists->record_bytes);
     bool good = lists->total > 0;
     for (unsigned r = 0; r < repeats && good; r++) {

@@ -20,7 +20,7 @@ static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20,
 static void sort_items(const struct eng_merge *merge, struct eng_radix_key *items,
                        struct eng_radix_key *spare, size_t count, uint32_t word)
 {
-    struct eng_radix_key *sorted = eng_radix_sort_keys(items, spare, count);
+    struct eng_radix_key *sorted = eng_radix_sort(items, spare, count);
     if (sorted != items) {
         memcpy(items, sorted, count * sizeof *items);
     }

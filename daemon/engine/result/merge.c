@@ -205,7 +205,7 @@ static void choose_buckets(struct eng_merge *merge)
         }
     }
     eng_splitters_set(&merge->splitters,
-                      eng_radix_sort_keys(merge->items, merge->other, count), count,
+                      eng_radix_sort(merge->items, merge->other, count), count,
                       bucket_count(merge->total, merge->threads));
 }
 

@@ -1,4 +1,4 @@
-/* daemon/engine/result/radix.c - stable radix sorts.
+/* daemon/engine/result/radix.c - a stable radix sort.
  *
  * Room:     engine.
  * Does:     least significant digit first, 8 bits a pass or a little less; few items are
@@ -8,54 +8,6 @@
 #include "radix.h"
 
 #include <string.h>
-
-#define DIGITS 16 /* bytes of a key */
-
-static unsigned digit_of(const struct eng_radix_item *item, unsigned digit)
-{
-    uint64_t half = digit < 8 ? item->lo : item->hi;
-    return (unsigned)(half >> (8 * (digit & 7))) & 255u;
-}
-
-static void pass(const struct eng_radix_item *from, struct eng_radix_item *to,
-                 size_t count, unsigned digit)
-{
-    size_t offset[256] = {0};
-    for (size_t i = 0; i < count; i++) {
-        offset[digit_of(&from[i], digit)]++;
-    }
-    size_t sum = 0;
-    for (unsigned d = 0; d < 256; d++) {
-        size_t n = offset[d];
-        offset[d] = sum;
-        sum += n;
-    }
-    for (size_t i = 0; i < count; i++) {
-        to[offset[digit_of(&from[i], digit)]++] = from[i];
-    }
-}
-
-struct eng_radix_item *eng_radix_sort(struct eng_radix_item *items,
-                                      struct eng_radix_item *spare, size_t count)
-{
-    uint64_t differ_hi = 0;
-    uint64_t differ_lo = 0;
-    for (size_t i = 1; i < count; i++) {
-        differ_hi |= items[i].hi ^ items[0].hi;
-        differ_lo |= items[i].lo ^ items[0].lo;
-    }
-    for (unsigned digit = 0; digit < DIGITS; digit++) {
-        uint64_t half = digit < 8 ? differ_lo : differ_hi;
-        if (((half >> (8 * (digit & 7))) & 255u) == 0) {
-            continue;
-        }
-        pass(items, spare, count, digit);
-        struct eng_radix_item *swap = items;
-        items = spare;
-        spare = swap;
-    }
-    return items;
-}
 
 /* Items that are sorted sooner by insertion than by passes. */
 #define INSERTION_MAX 24u
@@ -73,8 +25,8 @@ static void insert_all(struct eng_radix_key *items, size_t count)
     }
 }
 
-static void pass_keys(const struct eng_radix_key *from, struct eng_radix_key *to,
-                      size_t count, unsigned shift, unsigned bits)
+static void pass(const struct eng_radix_key *from, struct eng_radix_key *to, size_t count,
+                 unsigned shift, unsigned bits)
 {
     size_t offset[256] = {0};
     uint64_t mask = ((uint64_t)1 << bits) - 1;
@@ -92,8 +44,8 @@ static void pass_keys(const struct eng_radix_key *from, struct eng_radix_key *to
     }
 }
 
-struct eng_radix_key *eng_radix_sort_keys(struct eng_radix_key *items,
-                                          struct eng_radix_key *spare, size_t count)
+struct eng_radix_key *eng_radix_sort(struct eng_radix_key *items,
+                                     struct eng_radix_key *spare, size_t count)
 {
     uint64_t differ = 0;
     if (count <= INSERTION_MAX) {
@@ -116,7 +68,7 @@ struct eng_radix_key *eng_radix_sort_keys(struct eng_radix_key *items,
         if ((differ >> shift & (((uint64_t)1 << size) - 1)) == 0) {
             continue;
         }
-        pass_keys(items, spare, count, shift, size);
+        pass(items, spare, count, shift, size);
         struct eng_radix_key *swap = items;
         items = spare;
         spare = swap;

@@ -103,7 +103,7 @@ static void sort_entries(uint64_t *entry, size_t count, struct eng_radix_key *ke
         for (size_t i = 0; i < count; i++) {
             keys[i] = (struct eng_radix_key){.key = entry[i]};
         }
-        keys = eng_radix_sort_keys(keys, keys + count, count);
+        keys = eng_radix_sort(keys, keys + count, count);
         for (size_t i = 0; i < count; i++) {
             entry[i] = keys[i].key;
         }
