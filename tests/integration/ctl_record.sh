@@ -154,10 +154,10 @@ root = tree.parse('a.vtp').getroot()
 assert root.get('type') == 'PolyData' and root.get('header_type') == 'UInt64'
 piece = root.find('PolyData/Piece')
 forms = {'Float32': 'f', 'UInt32': 'I'}
-def read(array):
-    text = array.text
-    count, = struct.unpack('<Q', base64.b64decode(text[:12]))
-    data = base64.b64decode(text[12:])
+def read(array): # as VTK does: length and values are one piece of base64
+    data = base64.b64decode(array.text, validate=True)
+    count, = struct.unpack('<Q', data[:8])
+    data = data[8:]
     assert len(data) == count
     return struct.unpack('<%d%s' % (count // 4, forms[array.get('type')]), data)
 points, verts, polys = [int(piece.get('NumberOf' + n)) for n in ('Points', 'Verts', 'Polys')]

@@ -23,7 +23,8 @@ struct vtp {
     const struct still *still;
     FILE *to;
     uint64_t vertices, triangles, contacts;
-    void *scratch; /* of an array: 12 bytes for each point or cell */
+    uint64_t *bytes; /* of the array below: VTK wants both in one piece of base64 */
+    void *scratch;   /* an array: 12 bytes for each point or cell */
     bool is_ok;
 };
 
@@ -34,8 +35,9 @@ static void put_array(struct vtp *vtp, const char *type, const char *name,
             "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%u\" "
             "format=\"binary\">",
             type, name, components);
-    vtp->is_ok = vtp->is_ok && base64_write(&bytes, sizeof(bytes), vtp->to) &&
-                 base64_write(vtp->scratch, bytes, vtp->to);
+    *vtp->bytes = bytes;
+    vtp->is_ok =
+        vtp->is_ok && base64_write(vtp->bytes, sizeof(*vtp->bytes) + bytes, vtp->to);
     fputs("</DataArray>\n", vtp->to);
 }
 
@@ -223,10 +225,11 @@ int vtp_write(const struct still *still, FILE *to, const char *path,
         return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than 32-bit indices name",
                              path);
     }
-    vtp.scratch = calloc(most + 1, sizeof(float[3]));
-    if (vtp.scratch == NULL) {
+    vtp.bytes = calloc(most + 1, sizeof(float[3]));
+    if (vtp.bytes == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
     }
+    vtp.scratch = vtp.bytes + 1;
     fprintf(to,
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
             "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<!-- pccdctl export, "
@@ -241,7 +244,7 @@ int vtp_write(const struct still *still, FILE *to, const char *path,
     put_contact_cells(&vtp);
     put_triangle_cells(&vtp);
     fputs("</Piece>\n</PolyData>\n</VTKFile>\n", to);
-    free(vtp.scratch);
+    free(vtp.bytes);
     return vtp.is_ok && ferror(to) == 0
                ? PCCD_OK
                : ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
