@@ -89,6 +89,38 @@ timeout 60 "$PCCDCTL" replay bad.rec >"$log" 2>&1
 [ $? -eq 4 ] && grep -q 'at byte [0-9]*' "$log"
 report replay__says_where_a_file_is_damaged
 
+# If it failed, what is before the damage would be lost with it, or passed for everything.
+timeout 60 "$PCCDCTL" record -o long.rec --contacts -- \
+    "$PCCDCTL" load --times 50 --private frame0.ply frame1.ply >"$log" 2>&1
+bytes=$(wc -c <long.rec)
+{ head -c $((bytes / 2)) long.rec; printf 'damage'; tail -c +$((bytes / 2 + 7)) long.rec; } >bad.rec
+for command in replay verify 'inspect -o a.html'; do
+    # shellcheck disable=SC2086 # words
+    timeout 60 "$PCCDCTL" $command bad.rec >said 2>&1
+    [ $? -eq 4 ] || echo "$command takes it" >>"$log"
+    [ "${command%% *}" = inspect ] && grep -q 'built without' said && continue
+    before=$(grep -o -e '--steps \.\.[0-9]*' said) || { echo "$command: $(cat said)" >>"$log"; continue; }
+    # shellcheck disable=SC2086 # words
+    timeout 60 "$PCCDCTL" $command $before bad.rec >said 2>&1 && grep -q 'is damaged after' said ||
+        { echo "$command $before: $(cat said)" >>"$log"; }
+done
+timeout 60 "$PCCDCTL" render -o a.png bad.rec >said 2>&1 && grep -q 'is damaged after' said ||
+    echo "render: $(cat said)" >>"$log"
+! grep -v -e '^pccdctl: long.rec: ' -e '^steps ' -e '^triangles ' -e '^contacts ' -e '^round trip ' "$log"
+report replay__keeps_what_is_before_the_damage
+
+# If it failed, a mistyped range would be called right, because nothing in it is wrong.
+{ head -c 16 session.rec; } >empty.rec
+status=0
+for wrong in 'replay --steps 99' 'verify --steps 99..' 'replay --json --steps 6..7'; do
+    # shellcheck disable=SC2086 # words
+    timeout 60 "$PCCDCTL" $wrong session.rec >"$log" 2>&1
+    [ $? -eq 4 ] && grep -q 'holds no such step' "$log" || { echo "$wrong" >>"$log"; status=1; break; }
+done
+[ $status -eq 0 ] && ! timeout 60 "$PCCDCTL" verify empty.rec >"$log" 2>&1 &&
+    grep -q 'none of 0 steps' "$log" && ! grep -q PASS "$log"
+report verify__passes_nothing_that_it_has_not_checked
+
 # If it failed, right answers would not be called right, or by a daemon that is not there.
 timeout 60 "$PCCDCTL" verify session.rec >"$log" 2>&1 && grep -q '^PASS: ' "$log"
 report verify__passes_right_answers

@@ -120,6 +120,7 @@ int ctl_cmd_export(int argc, char **argv)
         status = write_still(&export, &still, &error);
     }
     if (status == PCCD_OK) {
+        play_options_warn(&export.options.play, &summary);
         still_report(&still, export.path, export.options.is_json);
     } else {
         play_complain(&error);

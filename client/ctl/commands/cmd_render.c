@@ -270,6 +270,7 @@ int ctl_cmd_render(int argc, char **argv)
         status = draw(&render, &still, file, &error);
     }
     if (status == PCCD_OK) {
+        play_options_warn(&render.options.play, &summary);
         still_report(&still, render.path, render.options.is_json);
     } else {
         play_complain(&error);

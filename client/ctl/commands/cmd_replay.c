@@ -209,7 +209,10 @@ int ctl_cmd_replay(int argc, char **argv)
     }
     status = play(&replay.options.play, compare, &replay, &summary, &error);
     if (summary.frames > 0 || status == PCCD_OK) {
-        play_options_warn(&replay.options.play, &summary);
+        if (status == PCCD_OK || summary.ending != RECORD_ENDING_UNKNOWN) {
+            play_options_warn(&replay.options.play,
+                              &summary); /* else the error says it */
+        }
         if (replay.options.is_json && !print_json(&replay, &summary)) {
             status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report cannot be written");
         } else if (!replay.options.is_json) {

@@ -193,6 +193,12 @@ int ctl_cmd_verify(int argc, char **argv)
         return CTL_USAGE;
     }
     int status = play(&verification.options.play, check, &verification, &summary, &error);
+    if (status == PCCD_OK && !verification.has_failed &&
+        verification.counts.steps == verification.counts.unchecked) {
+        status = ctl_error_set(&error, PCCD_E_STATE,
+                               "%s: none of %" PRIu64 " steps has an answer to check",
+                               verification.options.play.path, verification.counts.steps);
+    }
     if (status == PCCD_OK) {
         play_options_warn(&verification.options.play, &summary);
         if (verification.options.is_json && !print_json(&verification)) {

@@ -36,6 +36,8 @@ struct player {
     size_t record_room;
     uint64_t begun_ns; /* now, and then, of the first step that is repeated */
     uint64_t begun_then_ns;
+    uint64_t wanted;    /* steps of the range that the file has */
+    uint64_t last_step; /* read of the log */
 };
 
 static uint64_t now_ns(void)
@@ -179,6 +181,8 @@ static int follow_frame(struct player *player, const struct record_view *view,
         player->settings.source == PLAY_DAEMON || (player->answers.begin.flags & 1u) == 0;
     int status = PCCD_OK;
     progress_update(&player->progress, frame.step);
+    player->wanted += is_shown(player, frame.step);
+    player->last_step = frame.step;
     if (recorded != NULL && !play_is_repeatable(recorded->status)) {
         player->summary->skipped++;
         return PCCD_OK;
@@ -207,14 +211,24 @@ static int follow_move(struct player *player, const struct record_view *view,
     return status == PCCD_OK ? world_step(&player->world, &frame, slot, error) : status;
 }
 
+/* What to do about it is to stop before; a range ends where the next step is read. */
+static int damaged(const struct player *player, int status, struct ctl_error *error)
+{
+    const char *path = player->settings.path, *text = player->reader.text;
+    return player->last_step <= 1
+               ? ctl_error_set(error, status, "%s: %s", path, text)
+               : ctl_error_set(error, status,
+                               "%s: %s; --steps ..%" PRIu64 " is what comes before", path,
+                               text, player->last_step - 1);
+}
+
 static int follow(struct player *player, struct ctl_error *error)
 {
     struct record_view view;
     int got, status = PCCD_OK;
     while (status == PCCD_OK && (got = record_reader_next(&player->reader, &view)) != 0) {
         if (got < 0) {
-            return ctl_error_set(error, got, "%s: %s", player->settings.path,
-                                 player->reader.text);
+            return damaged(player, got, error);
         }
         if (view.kind == RECORD_FRAME) {
             struct record_frame frame;
@@ -237,6 +251,19 @@ static int follow(struct player *player, struct ctl_error *error)
         }
     }
     return status == PCCD_E_CANCELLED ? PCCD_OK : status;
+}
+
+/* A range that the file has nothing of is a mistake, not a success. */
+static int judge_range(const struct player *player, struct ctl_error *error)
+{
+    const struct play_settings *settings = &player->settings;
+    bool is_range = settings->first > 1 || settings->last != 0;
+    return player->wanted > 0 || !is_range
+               ? PCCD_OK
+               : ctl_error_set(
+                     error, PCCD_E_INVAL,
+                     "%s holds no such step; it has %" PRIu64 ", the last %" PRIu64,
+                     settings->path, player->summary->frames, player->summary->last_step);
 }
 
 /* The range becomes its last step that was answered with success. */
@@ -295,6 +322,7 @@ int play(const struct play_settings *settings, play_fn show, void *context,
                        player.settings.last != 0 ? player.settings.last
                                                  : summary->last_step);
         status = follow(&player, error);
+        status = status == PCCD_OK ? judge_range(&player, error) : status;
         progress_clear(&player.progress);
     }
     drive_deinit(&player.drive);

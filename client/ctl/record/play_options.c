@@ -123,6 +123,9 @@ void play_options_warn(const struct play_settings *settings,
         ctl_complain("%s is cut off after byte %" PRIu64
                      ": what was being written then is lost",
                      settings->path, summary->ending_offset);
+    } else if (summary->ending == RECORD_ENDING_UNKNOWN) {
+        ctl_complain("%s is damaged after byte %" PRIu64 ": what comes then is lost",
+                     settings->path, summary->ending_offset);
     } else if (summary->ending == RECORD_ENDING_OPEN) {
         ctl_complain("%s has no end: its program was killed, or still runs",
                      settings->path);
