@@ -41,23 +41,35 @@ static void complain(const struct load_actor *actor, const char *what)
 
 /* ---- what it registers ------------------------------------------------------------- */
 
+/* Of positions that follow the registered ones, and of these: a sheet that comes round
+ * is where it was. */
+static enum pccd_format format_of(const struct load_actor *actor)
+{
+    return actor->kind == LOAD_PAIRS ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;
+}
+
 static int create_sheet(struct load_actor *actor, bool replace, void *x,
                         uint32_t (*triangles)[3])
 {
     uint32_t vertices = load_sheet_vertices(&actor->shape);
     uint32_t count = load_sheet_triangle_count(&actor->shape);
     const uint32_t(*constant)[3] = (const uint32_t(*)[3])(const void *)triangles;
-    load_sheet_f32(&actor->shape, 0, x);
+    enum pccd_format format = format_of(actor);
+    if (format == PCCD_FORMAT_F64) {
+        load_sheet_f64(&actor->shape, 0, x);
+    } else {
+        load_sheet_f32(&actor->shape, 0, x);
+    }
     load_sheet(&actor->shape, triangles);
-    return replace ? pccd_mesh_replace(actor->client, actor->sheet_mesh, x,
-                                       PCCD_FORMAT_F32, vertices, constant, count, NULL)
-                   : pccd_mesh_create(actor->client, x, PCCD_FORMAT_F32, vertices,
-                                      constant, count, &actor->sheet_mesh, NULL);
+    return replace ? pccd_mesh_replace(actor->client, actor->sheet_mesh, x, format,
+                                       vertices, constant, count, NULL)
+                   : pccd_mesh_create(actor->client, x, format, vertices, constant, count,
+                                      &actor->sheet_mesh, NULL);
 }
 
 static int add_sheet(struct load_actor *actor, bool replace)
 {
-    void *x = malloc(sizeof(float[3]) * load_sheet_vertices(&actor->shape));
+    void *x = malloc(sizeof(double[3]) * load_sheet_vertices(&actor->shape));
     void *triangles =
         malloc(sizeof(uint32_t[3]) * load_sheet_triangle_count(&actor->shape));
     int rc = x && triangles ? create_sheet(actor, replace, x, triangles) : PCCD_E_NOMEM;
@@ -213,8 +225,9 @@ static enum load_mischief mischief_of(const struct load_actor *actor)
                                               LOAD_NOT_FINITE};
     uint64_t luck = load_mix(~actor->load->settings.seed,
                              (uint64_t)actor->number << 32 ^ actor->next);
-    if (shares(actor)) {
-        return luck % 8 == 0 ? LOAD_MASKED : LOAD_PLAIN;
+    if (shares(actor)) { /* boxes of the floor's own features touch, masked or not */
+        bool may_mask = actor->load->settings.mode != PCCD_MODE_PAIRS;
+        return may_mask && luck % 8 == 0 ? LOAD_MASKED : LOAD_PLAIN;
     }
     return actor->kind == LOAD_JUMP && !actor->is_alone && luck % 64 < 4 ? some[luck % 64]
                                                                          : LOAD_PLAIN;
@@ -255,8 +268,7 @@ static int write_step(const struct load_actor *actor, struct pccd_frame *frame,
         load_sheet_pose(shape, to, m1);
         return pccd_frame_rigid(frame, actor->sheet, 0, vertices, m0, m1);
     }
-    enum pccd_format format =
-        actor->kind == LOAD_PAIRS ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;
+    enum pccd_format format = format_of(actor);
     int rc = pccd_frame_x1(frame, actor->sheet, format, 0, vertices, &x1);
     if (rc == 0 && format == PCCD_FORMAT_F64) {
         load_sheet_f64(shape, to, x1);

@@ -77,8 +77,11 @@ int load_couple_set(struct load_actor *actor, bool may_meet)
 
 int load_couple_step(struct load_actor *actor)
 {
-    int rc =
-        pccd_submit_still(actor->second, actor->second_scene, NULL, &actor->second_step);
+    int mode = actor->load->settings.mode;
+    const struct pccd_step_settings settings = {.mode = mode >= 0 ? (enum pccd_mode)mode
+                                                                  : PCCD_MODE_ALL};
+    int rc = pccd_submit_still(actor->second, actor->second_scene, &settings,
+                               &actor->second_step);
     return rc == PCCD_E_BUSY ? PCCD_E_STATE : rc; /* nothing of it is in flight */
 }
 

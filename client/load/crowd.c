@@ -6,6 +6,7 @@
  */
 #include "crowd.h"
 
+#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -25,6 +26,7 @@ struct crowd {
     struct pollfd *fds;        /* two of each */
     uint32_t index;
     uint32_t count;
+    uint64_t enough_ns; /* when time was up; 0: it is not */
 };
 
 static uint32_t number_of(const struct crowd *crowd, uint32_t i)
@@ -75,6 +77,21 @@ static void join_if_due(struct crowd *crowd, uint32_t i)
     }
 }
 
+/* What overload has kept them from: no latency tells of what was not asked at all. What
+ * has waited for less than is allowed might have been in time. */
+static void count_unsent(struct crowd *crowd)
+{
+    const struct load_settings *settings = &crowd->load->settings;
+    double allowed_ns = 1e6 * fmax(settings->deadline_ms, settings->p99_ms);
+    for (uint32_t i = 0; i < crowd->count && settings->hz > 0; i++) {
+        struct load_pace *pace = &crowd->actors[i].pace;
+        while ((double)pace->due_ns + allowed_ns < (double)crowd->enough_ns) {
+            crowd->tally->unsent++;
+            load_pace_next(pace, crowd->load, crowd->enough_ns);
+        }
+    }
+}
+
 /* One turn of each that has something to do. Returns whether any of them goes on. */
 static bool take_turns(struct crowd *crowd, uint64_t *wake_ns)
 {
@@ -82,6 +99,9 @@ static bool take_turns(struct crowd *crowd, uint64_t *wake_ns)
     bool goes_on = false;
     uint64_t now_ns = load_now_ns();
     *wake_ns = now_ns + NAP_NS;
+    if (enough && crowd->enough_ns == 0) {
+        crowd->enough_ns = now_ns;
+    }
     for (uint32_t i = 0; i < crowd->count && !has_failed(crowd); i++) {
         struct load_actor *actor = &crowd->actors[i];
         bool more = !enough || actor->next < crowd->load->settings.requests;
@@ -139,6 +159,7 @@ static int run(struct load *load, uint32_t index)
     while (take_turns(&crowd, &wake_ns)) {
         nap(&crowd, wake_ns);
     }
+    count_unsent(&crowd);
     for (uint32_t i = 0; i < crowd.count; i++) {
         if (crowd.actors[i].client) {
             load_actor_close(&crowd.actors[i]);

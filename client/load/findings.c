@@ -72,6 +72,15 @@ static void judge_memory(struct load_findings *f, const struct load_watch *watch
     f->is_flat = (f->is_flat && f->is_little) || !settings->flat;
 }
 
+/* What was never asked is later than any answer. */
+static bool is_quick(const struct load_tally *crowd, double p99_ms)
+{
+    double due = (double)(crowd->measured + crowd->unsent);
+    double share = crowd->measured > 0 ? 0.99 * due / (double)crowd->measured : 2;
+    return share <= 1 &&
+           (double)load_hist_quantile(&crowd->latency, share) <= 1e6 * p99_ms;
+}
+
 void load_find(struct load_findings *f, const struct load *load,
                const struct load_outcome *outcome, const struct load_assault *assault,
                const struct load_watch *watch)
@@ -90,10 +99,7 @@ void load_find(struct load_findings *f, const struct load *load,
     f->checksum = checksum_of(load);
     f->measured_s = outcome->seconds - settings->ramp_s - settings->warm_up_s;
     f->is_back = load_holdings_equal(&outcome->before, &outcome->after);
-    f->is_quick =
-        settings->p99_ms <= 0 ||
-        (f->crowd.measured > 0 &&
-         (double)load_hist_quantile(&f->crowd.latency, 0.99) <= 1e6 * settings->p99_ms);
+    f->is_quick = settings->p99_ms <= 0 || is_quick(&f->crowd, settings->p99_ms);
     judge_counts(f);
     judge_memory(f, watch);
     /* A round without contacts would prove little, where there should be some. */

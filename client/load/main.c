@@ -130,30 +130,29 @@ static void prepare(struct load *load, struct load_outcome *outcome)
     outcome->idle_before_kib = load_is_direct(load) ? -1 : idle_memory(load);
 }
 
-static bool report(const struct load *load, const struct load_outcome *outcome,
-                   struct overseer *overseer)
+static enum load_exit report(const struct load *load, const struct load_outcome *outcome,
+                             struct overseer *overseer)
 {
     struct load_findings *findings = malloc(sizeof *findings);
     if (!findings) {
         load_say("no memory for a report");
-        return false;
+        return LOAD_FAILED;
     }
     load_find(findings, load, outcome, &overseer->assault, &overseer->watch);
     bool is_good = findings->is_good;
-    if (load->settings.plot) {
-        is_good = load_plot(load, &overseer->series, &findings->crowd.latency) && is_good;
-    }
-    is_good = load_series_end(&overseer->series) && is_good;
+    bool is_written = !load->settings.plot ||
+                      load_plot(load, &overseer->series, &findings->crowd.latency);
+    is_written = load_series_end(&overseer->series) && is_written;
     if (load->settings.json) {
         load_report_json(findings);
     } else {
         load_report_text(findings);
     }
     free(findings);
-    return is_good;
+    return !is_good ? LOAD_NEGATIVE : !is_written ? LOAD_FAILED : LOAD_DONE;
 }
 
-static bool run(struct load *load, struct load_target *target)
+static enum load_exit run(struct load *load, struct load_target *target)
 {
     struct load_outcome outcome = {.ended = true};
     struct overseer overseer;
@@ -178,9 +177,19 @@ static bool run(struct load *load, struct load_target *target)
     if (target->supervisor > 0) {
         outcome.ended = load_target_stop(target);
     }
-    bool is_good = report(load, &outcome, &overseer);
+    enum load_exit result = report(load, &outcome, &overseer);
     load_watch_deinit(&overseer.watch);
-    return is_good;
+    return result;
+}
+
+/* Before the load, not after it. */
+static bool can_write(const char *path)
+{
+    FILE *file = path ? fopen(path, "ab") : NULL;
+    if (path && !file) {
+        load_say("%s: %s", path, strerror(errno));
+    }
+    return !file ? !path : fclose(file) == 0;
 }
 
 int main(int argc, char **argv)
@@ -188,13 +197,17 @@ int main(int argc, char **argv)
     struct load load = {0};
     struct load_target target = {0};
     load_options_parse(argc, argv, &load.settings);
-    if ((load.settings.plot && !load_plot_can()) || !share_memory(&load)) {
+    if ((load.settings.plot && !load_plot_can()) || !can_write(load.settings.plot) ||
+        !can_write(load.settings.csv) || !share_memory(&load)) {
         return LOAD_FAILED;
     }
     if (load.settings.url) {
         snprintf(load.url, sizeof load.url, "%s", load.settings.url);
+        if (!load_is_direct(&load) && load_target_pid(&load) == 0) {
+            return LOAD_NO_DAEMON; /* it has been told */
+        }
     } else if (!load_target_start(&target, &load)) {
         return LOAD_NO_DAEMON;
     }
-    return run(&load, &target) ? LOAD_DONE : LOAD_NEGATIVE;
+    return run(&load, &target);
 }

@@ -286,11 +286,32 @@ static const struct row rows[] = {
 #define ROW_COUNT (sizeof rows / sizeof rows[0])
 #define KEY_BASE  0x100 /* of options without a letter */
 
+static void refuse_contradictions(const struct argp_state *state,
+                                  const struct input *input)
+{
+    const struct load_settings *settings = &input->settings;
+    const char *url = settings->url != NULL ? settings->url : "unix:";
+    bool is_direct = strncmp(url, "direct:", 7) == 0;
+    if (!is_direct && strncmp(url, "unix:", 5) != 0) {
+        argp_error(state, "--url: \"%s\" is neither unix:PATH nor direct:", url);
+    }
+    if (is_direct && settings->crashes > 0) {
+        argp_error(state, "--kill-worker: with direct: there is no daemon to kill");
+    }
+    if (settings->hz > 0 && input->rate > 0) {
+        argp_error(state, "--hz is of each client, --rate of all: one of the two");
+    }
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct input *input = state->input;
     if (key == ARGP_KEY_ARGS) { /* after --: for the daemon */
         input->settings.daemon_options = state->argv + state->next;
+        return 0;
+    }
+    if (key == ARGP_KEY_END) {
+        refuse_contradictions(state, input);
         return 0;
     }
     for (int i = 0; i < (int)ROW_COUNT; i++) {

@@ -14,7 +14,7 @@ enum load_exit {
     LOAD_DONE = 0,
     LOAD_NEGATIVE = 1, /* something is not as it must be */
     LOAD_USAGE = 2,
-    LOAD_NO_DAEMON = 3, /* none could be started */
+    LOAD_NO_DAEMON = 3, /* none could be started or reached */
     LOAD_FAILED = 4
 };
 

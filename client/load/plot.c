@@ -58,7 +58,7 @@ static void send_seconds(FILE *pipe, const struct load_series *series)
     fprintf(pipe, "$seconds << EOD\n");
     for (size_t i = 0; i < series->count; i++) {
         const struct load_second *s = &series->seconds[i];
-        if (s->answers > 0) {
+        if (s->measured > 0) {
             fprintf(pipe, "%.3f %.4f %.4f %.4f\n", s->at_s, s->p50_ms, s->p99_ms,
                     s->longest_ms);
         }

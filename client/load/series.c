@@ -44,6 +44,16 @@ void load_series_sum(const struct load *load, struct load_hist *sum)
     }
 }
 
+static uint64_t count_answers(const struct load *load)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < load->settings.processes; i++) {
+        const struct load_tally *tally = &load->shared->crowd[i];
+        count += tally->answered + tally->refused + tally->cancelled + tally->failed;
+    }
+    return count;
+}
+
 static double quantile_ms(const struct load_hist *hist, double share)
 {
     return 1e-6 * (double)load_hist_quantile(hist, share);
@@ -51,7 +61,7 @@ static double quantile_ms(const struct load_hist *hist, double share)
 
 static struct load_second second_of(const struct load_hist *since, double deadline_ms)
 {
-    struct load_second second = {.answers = since->count,
+    struct load_second second = {.measured = since->count,
                                  .p50_ms = quantile_ms(since, 0.5),
                                  .p90_ms = quantile_ms(since, 0.9),
                                  .p99_ms = quantile_ms(since, 0.99),
@@ -66,9 +76,14 @@ static struct load_second second_of(const struct load_hist *since, double deadli
 static void show(const struct load_series *series, const struct load_second *s)
 {
     if (series->csv) {
-        fprintf(series->csv, "%.3f,%.1f,%llu,%.4f,%.4f,%.4f,%.4f,%.4f\n", s->at_s,
-                (double)s->answers / s->length_s, (unsigned long long)s->missed,
-                s->p50_ms, s->p90_ms, s->p99_ms, s->p999_ms, s->longest_ms);
+        fprintf(series->csv, "%.3f,%.1f,%llu,", s->at_s, (double)s->answers / s->length_s,
+                (unsigned long long)s->missed);
+        if (s->measured > 0) {
+            fprintf(series->csv, "%.4f,%.4f,%.4f,%.4f,%.4f\n", s->p50_ms, s->p90_ms,
+                    s->p99_ms, s->p999_ms, s->longest_ms);
+        } else {
+            fputs(",,,,\n", series->csv); /* no latency is not one of 0 */
+        }
     }
     if (series->is_live) {
         fprintf(stderr,
@@ -105,6 +120,9 @@ void load_series_turn(struct load_series *series, const struct load *load, bool 
     load_series_sum(load, series->sum);
     load_hist_since(series->sum, series->last, series->since);
     struct load_second second = second_of(series->since, load->settings.deadline_ms);
+    uint64_t answers = count_answers(load);
+    second.answers = answers - series->answers;
+    series->answers = answers;
     second.at_s = 1e-9 * (double)(now_ns - series->begin_ns);
     second.length_s = length_s;
     struct load_hist *spare = series->last;

@@ -16,13 +16,15 @@
 struct load_second {
     double at_s; /* its end, from the start of the load */
     double length_s;
-    uint64_t answers; /* whose latency counts */
-    uint64_t missed;  /* of these, after the deadline, as far as bins tell */
+    uint64_t answers;  /* the warm-up's, too */
+    uint64_t measured; /* of these, whose latency counts */
+    uint64_t missed;   /* of these, after the deadline, as far as bins tell */
     double p50_ms, p90_ms, p99_ms, p999_ms, longest_ms;
 };
 
 struct load_series {
     uint64_t begin_ns, last_ns;
+    uint64_t answers; /* until last_ns */
     struct load_hist *sum, *last, *since;
     struct load_second *seconds;
     size_t count, capacity;

@@ -30,7 +30,8 @@
     X(stalled, "times that a client stopped on purpose")                                 \
     X(measured, "answers whose latency counts: the warm-up's do not")                    \
     X(late, "of these, submitted a millisecond or more after they were due")             \
-    X(missed, "of these, answered after the deadline")
+    X(missed, "of these, answered after the deadline")                                   \
+    X(unsent, "due in the open loop, not asked until the deadline, and time was up")
 
 struct load_tally {
 #define LOAD_COUNT_FIELD(name, text) uint64_t name;

@@ -49,6 +49,7 @@ static void become_daemon(const struct load_target *target, const struct load *l
     if (log >= 0 && dup2(log, 2) == 2 && prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 &&
         getppid() == parent) {
         execvp(load->settings.daemon, (char *const *)(uintptr_t)options);
+        dprintf(2, "%s: %s\n", load->settings.daemon, strerror(errno));
     }
     _exit(127);
 }
@@ -113,7 +114,12 @@ bool load_target_stop(struct load_target *target)
         waitpid(target->supervisor, &status, 0);
     }
     if (status != 0) {
-        load_say("the daemon ended with status %#x", (unsigned)status);
+        if (status != -1 && WIFSIGNALED(status)) {
+            load_say("the daemon was ended by signal %d", WTERMSIG(status));
+        } else {
+            load_say("the daemon ended with status %d",
+                     status != -1 ? WEXITSTATUS(status) : -1);
+        }
         show_log(target);
     }
     unlink(target->log);

@@ -50,7 +50,7 @@ value() {
 # If it failed, the report that programs read would not add up, or its percentiles not be in
 # order, and the open loop would not ask as often as it says.
 load paced --clients 12 --processes 3 --hz 50 --triangles 30..300 --scene wave \
-    --ramp 0.5 --warm-up 0.5 --seconds 2 --json --csv "$work/seconds" &&
+    --ramp 0.5 --warm-up 1.5 --seconds 2 --json --csv "$work/seconds" &&
     [ "$(value "$work/paced" clients submitted)" -eq $((
         $(value "$work/paced" clients answered) + $(value "$work/paced" clients refused) +
         $(value "$work/paced" clients cancelled))) ] &&
@@ -73,18 +73,57 @@ load stalled --clients 8 --processes 2 --hz 100 --depth 1 --stall 0.002,200 --se
     awk -v us="$(value "$work/stalled" latency_us p99.99)" 'BEGIN { exit us < 190000 }'
 tap_result $? load__stalls_show_in_what_was_due "$work/stalled"
 
+# If it failed, an option that everybody may set would make right answers seem wrong.
+rm -f "$work/modes"
+for mode in all first any pairs; do
+    load mode --clients 12 --processes 2 --requests 40 --mode $mode ||
+        { echo "--mode $mode" && cat "$work/mode"; } >>"$work/modes"
+done
+[ ! -e "$work/modes" ]
+tap_result $? load__takes_every_mode_of_every_kind "$work/modes"
+
+# If it failed, an overload would look as if less had been asked, and the seconds of a warm-up
+# as if nobody had answered.
+load overload --clients 4 --processes 2 --rate 50000 --triangles 2k --kinds follow \
+    --seconds 2 --json --p99-ms 100
+[ $? -eq 1 ] && [ "$(value "$work/overload" clients unsent)" -ge 20000 ] &&
+    [ $(($(value "$work/overload" clients unsent) +
+        $(value "$work/overload" clients submitted))) -ge 90000 ] &&
+    awk -F, 'NR == 2 && ($2 == 0 || $4 != "") { exit 1 } NR == 4 && $4 == "" { exit 1 }' \
+        "$work/seconds"
+tap_result $? load__tells_what_it_could_not_ask "$work/overload"
+
 # If it failed, a run would end well that was slower than was asked, or a wrong command line
 # would start one.
 load slow --clients 4 --requests 20 --p99-ms 0.0001
 [ $? -eq 1 ] && grep -q '^p99 as asked  *NO' "$work/slow"
 tap_result $? load__fails_where_p99_is_missed "$work/slow"
 load wrong --triangles 5..2
-[ $? -eq 2 ]
+status=$?
+for options in '--hz 60 --rate 100' '--url nowhere' '--url direct: --kill-worker 1'; do
+    # shellcheck disable=SC2086 # words
+    load contradiction --clients 4 --requests 5 $options
+    [ $? -eq 2 ] || { echo "$options" >>"$work/wrong"; status=1; }
+done
+[ $status -eq 2 ]
 tap_result $? load__refuses_a_wrong_command_line "$work/wrong"
 load absent --clients 4 --requests 20 --daemon /nowhere/pccdd
 # If it failed, a script could not tell an absent daemon from a wrong answer.
-[ $? -eq 3 ]
+status=$?
+load unreachable --clients 4 --requests 20 --url "unix:$work/nobody"
+[ $? -eq 3 ] && [ $status -eq 3 ] && grep -q 'No such file' "$work/absent" &&
+    [ "$(wc -l <"$work/unreachable")" -eq 1 ]
 tap_result $? load__tells_that_there_is_no_daemon "$work/absent"
+
+# If it failed, a long run would end without what was to be written.
+status=0
+for options in "--csv $work/no/file" "--plot $work/no/file.png"; do
+    # shellcheck disable=SC2086 # words
+    load unwritten --clients 4 --requests 5 $options
+    [ $? -eq 4 ] && ! grep -q '^submitted' "$work/unwritten" || status=1
+done
+[ $status -eq 0 ]
+tap_result $? load__looks_where_it_is_to_write_first "$work/unwritten"
 
 # If it failed, the picture would be missing, or gnuplot's absence be no error.
 if command -v gnuplot >/dev/null; then
