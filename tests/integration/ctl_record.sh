@@ -52,6 +52,24 @@ start && timeout 60 "$PCCDCTL" record -o session.rec --contacts -- \
 [ $? -eq 7 ] && [ -s session.rec ] && [ ! -e other.rec ]
 report record__keeps_what_a_program_asks_and_its_exit_status
 
+# If it failed, files of an earlier run would pass for parts of a new one, a second client's
+# would be told to nobody, or what is no recording would be removed with them.
+twice() { # OPTION...
+    # shellcheck disable=SC2016 # the inner shell expands it
+    timeout 60 "$PCCDCTL" record -o two.rec "$@" -- bash -c '"$0" load --times 2 --socket "$1" \
+        frame0.ply frame1.ply & "$0" load --times 2 --socket "$1" frame0.ply frame1.ply; wait' \
+        "$PCCDCTL" "$work/s" >>"$log" 2>said
+}
+: >"$log"
+twice && [ "$(grep -c '^pccdctl: two.rec.*2 steps, 2 answers' said)" -eq 2 ] && [ -s two.rec-2 ] &&
+    cp two.rec two.rec.1 && cp two.rec two.rec-2.3 && cp two.rec two.rec-old &&
+    echo mine >two.rec-9 && twice --force &&
+    [ "$(echo two.rec*)" = "two.rec two.rec-2 two.rec-9 two.rec-old" ] && ! twice &&
+    grep -q 'force removes it' said &&
+    mkfifo pipe && ! "$PCCDCTL" record --force -o pipe -- true 2>said &&
+    grep -q 'is not a file' said && [ -p pipe ]
+report record__removes_what_belongs_to_it
+
 # If it failed, the death of daemon and program together would cost more than the last event.
 timeout 60 "$PCCDCTL" record -o killed.rec -- \
     "$PCCDCTL" load --times 1000000 --socket "$work/s" frame0.ply frame1.ply >"$log" 2>&1 &

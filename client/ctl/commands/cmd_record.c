@@ -6,13 +6,17 @@
  * Threads:  one.
  * Source:   pccd.h, "recording a session".
  */
+#include <ctype.h>
+#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -23,6 +27,7 @@
 #define SEGMENTS_MAX  64u
 #define LEVEL_MAX     19u
 #define MAX_BYTES_MAX (1ull << 62)
+#define FILES_MAX     999u /* that the library names: FILE, FILE-2, ... */
 
 enum {
     OPTION_MAX_BYTES = 256 + 64,
@@ -54,7 +59,8 @@ static const struct argp_option option_list[] = {
      0},
     {"level", OPTION_LEVEL, "N", 0,
      "Of compression, 0 (none) to 19 (default: 1, the fastest)", 0},
-    {"force", OPTION_FORCE, NULL, 0, "Remove FILE if it is there", 0},
+    {"force", OPTION_FORCE, NULL, 0,
+     "Remove FILE if it is there, and the recordings FILE-2, FILE.1, ... beside it", 0},
     {0},
 };
 
@@ -136,7 +142,7 @@ static int set_environment(const struct record_command *command)
 }
 
 /* Signals from the terminal reach the program too, which decides what they mean. */
-static int run(char **command)
+static int run(char **command, bool *has_run)
 {
     pid_t pid;
     int state = 0;
@@ -156,11 +162,108 @@ static int run(char **command)
     if (why != 0) {
         return ctl_complain("%s cannot be run: %s", command[0], strerror(why));
     }
+    *has_run = true;
     while (waitpid(pid, &state, 0) < 0 && errno == EINTR) {
         ;
     }
     return WIFSIGNALED(state) ? 128 + WTERMSIG(state) : WEXITSTATUS(state);
 }
+
+/* ---- what is there already --------------------------------------------------------- */
+
+/* "-2", ".1", "-2.1": what the library puts behind FILE. */
+static bool is_ending(const char *text)
+{
+    const char *const marks = "-.";
+    for (int i = 0; i < 2 && *text != '\0'; i++) {
+        if (*text != marks[i]) {
+            continue;
+        }
+        do {
+            text++;
+        } while (isdigit((unsigned char)*text));
+        if (!isdigit((unsigned char)text[-1])) {
+            return false;
+        }
+    }
+    return *text == '\0';
+}
+
+static bool is_recording(int folder, const char *name)
+{
+    char magic[sizeof(RECORD_MAGIC)] = "";
+    int fd = openat(folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    bool is_one = fd >= 0 && read(fd, magic, sizeof(magic)) == (ssize_t)sizeof(magic) &&
+                  memcmp(magic, RECORD_MAGIC, sizeof(magic)) == 0;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return is_one;
+}
+
+/* Files of an earlier recording beside FILE, which would pass for parts of this one. */
+static int remove_others(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash != NULL ? slash + 1 : path;
+    size_t length = strlen(name);
+    char *folder =
+        slash != NULL ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
+    DIR *entries = folder != NULL ? opendir(folder) : NULL;
+    int status = CTL_DONE;
+    free(folder);
+    for (struct dirent *entry; entries != NULL && (entry = readdir(entries)) != NULL;) {
+        const char *end = entry->d_name + length;
+        if (strncmp(entry->d_name, name, length) == 0 && *end != '\0' && is_ending(end) &&
+            is_recording(dirfd(entries), entry->d_name) &&
+            unlinkat(dirfd(entries), entry->d_name, 0) != 0) {
+            status = ctl_complain("%s: %s", entry->d_name, strerror(errno));
+        }
+    }
+    if (entries != NULL) {
+        closedir(entries);
+    }
+    return status;
+}
+
+/* Make room for FILE, or say why there is none. */
+static int clear(const struct record_command *command)
+{
+    struct stat info;
+    bool is_there = lstat(command->path, &info) == 0;
+    if (is_there && !S_ISREG(info.st_mode) && !S_ISLNK(info.st_mode)) {
+        return ctl_complain("%s is not a file", command->path); /* /dev/null */
+    }
+    if (is_there && !command->is_forced) {
+        return ctl_complain("%s is there already; --force removes it", command->path);
+    }
+    if (is_there && unlink(command->path) != 0) {
+        return ctl_complain("%s: %s", command->path, strerror(errno));
+    }
+    return command->is_forced ? remove_others(command->path) : CTL_DONE;
+}
+
+/* The file of a client of the program, from 1; NULL without memory. */
+static char *name_of(const char *path, uint32_t client)
+{
+    size_t room = strlen(path) + 16;
+    char *name = malloc(room);
+    if (name != NULL) {
+        snprintf(name, room, client == 1 ? "%s" : "%s-%" PRIu32, path, client);
+    }
+    return name;
+}
+
+static void note_files(const char *path, bool is_there[FILES_MAX + 1])
+{
+    for (uint32_t i = 1; i <= FILES_MAX; i++) {
+        char *name = name_of(path, i);
+        is_there[i] = name != NULL && access(name, F_OK) == 0;
+        free(name);
+    }
+}
+
+/* ---- telling ----------------------------------------------------------------------- */
 
 /* To stderr: the standard output is the program's. */
 static void report(const char *path)
@@ -168,11 +271,6 @@ static void report(const char *path)
     struct record_reader reader;
     struct answers answers = {.count = 0};
     struct ctl_error error = {.text = ""};
-    if (access(path, F_OK) != 0) {
-        ctl_complain("nothing was recorded: the program has not connected to a daemon "
-                     "through libpccd");
-        return;
-    }
     int status = record_reader_open(&reader, path);
     if (status == PCCD_OK) {
         status = answers_read(&answers, &reader, &error);
@@ -182,10 +280,31 @@ static void report(const char *path)
             reader.bytes, answers.frames, answers.count,
             status != PCCD_OK ? "; damaged " : "", status != PCCD_OK ? reader.text : "");
     if (reader.end_reason == RECORD_FULL) {
-        ctl_complain("%s was full, or could not be written, before the end", path);
+        ctl_complain("%s was full, or could not be written, before the end: a larger "
+                     "--max-bytes keeps more, --segments the newest part",
+                     path);
     }
     answers_deinit(&answers);
     record_reader_deinit(&reader);
+}
+
+static void report_all(const char *path, const bool was_there[FILES_MAX + 1])
+{
+    bool is_there[FILES_MAX + 1];
+    uint32_t count = 0;
+    note_files(path, is_there);
+    for (uint32_t i = 1; i <= FILES_MAX; i++) {
+        char *name = is_there[i] && !was_there[i] ? name_of(path, i) : NULL;
+        if (name != NULL) {
+            report(name);
+            count++;
+        }
+        free(name);
+    }
+    if (count == 0) {
+        ctl_complain("nothing was recorded: the program has not connected to a daemon "
+                     "through libpccd");
+    }
 }
 
 int ctl_cmd_record(int argc, char **argv)
@@ -194,16 +313,18 @@ int ctl_cmd_record(int argc, char **argv)
     if (argp_parse(&ctl_argp_record, argc, argv, ARGP_IN_ORDER, NULL, &command) != 0) {
         return CTL_USAGE;
     }
-    if (command.is_forced && unlink(command.path) != 0 && errno != ENOENT) {
-        return ctl_complain("%s: %s", command.path, strerror(errno));
-    }
-    if (access(command.path, F_OK) == 0) {
-        return ctl_complain("%s is there already; --force removes it", command.path);
-    }
-    int status = set_environment(&command);
+    bool was_there[FILES_MAX + 1];
+    bool has_run = false;
+    int status = clear(&command);
     if (status == CTL_DONE) {
-        status = run(command.command);
-        report(command.path);
+        status = set_environment(&command);
+    }
+    if (status == CTL_DONE) {
+        note_files(command.path, was_there);
+        status = run(command.command, &has_run);
+    }
+    if (has_run) {
+        report_all(command.path, was_there);
     }
     return status;
 }
