@@ -156,6 +156,52 @@ int proto_await(int socket, void *buffer, size_t capacity, size_t *bytes, int *f
     return receive(socket, buffer, capacity, bytes, fds, fd_count, 0);
 }
 
+static int receive_bare(int socket, void *buffer, size_t capacity, size_t *bytes,
+                        int flags)
+{
+    ssize_t got;
+
+    do {
+        got = recvfrom(socket, buffer, capacity, flags | MSG_TRUNC, NULL, NULL);
+    } while (got < 0 && errno == EINTR);
+    if (got < 0) {
+        return status_of_errno(errno);
+    }
+    if (got == 0 || (size_t)got > capacity) {
+        return got == 0 ? PCCD_E_DISCONNECTED : PCCD_E_BADMSG;
+    }
+    *bytes = (size_t)got;
+    return 0;
+}
+
+int proto_receive_bare(int socket, void *buffer, size_t capacity, size_t *bytes)
+{
+    return receive_bare(socket, buffer, capacity, bytes, MSG_DONTWAIT);
+}
+
+int proto_await_bare(int socket, void *buffer, size_t capacity, size_t *bytes)
+{
+    return receive_bare(socket, buffer, capacity, bytes, 0);
+}
+
+/* Newer than the headers of many who build this; the number is that of all machines but
+ * these two. */
+#if !defined(SO_PASSRIGHTS) && !defined(__hppa__) && !defined(__sparc__)
+#define SO_PASSRIGHTS 83
+#endif
+
+bool proto_refuse_fds(int socket)
+{
+#ifdef SO_PASSRIGHTS
+    int passes = 0;
+
+    return setsockopt(socket, SOL_SOCKET, SO_PASSRIGHTS, &passes, sizeof(passes)) == 0;
+#else
+    (void)socket;
+    return false;
+#endif
+}
+
 int proto_default_socket_path(char *path, size_t capacity)
 {
     const char *directory = getenv("XDG_RUNTIME_DIR");

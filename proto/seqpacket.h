@@ -9,6 +9,7 @@
 #ifndef PROTO_SEQPACKET_H
 #define PROTO_SEQPACKET_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -40,6 +41,16 @@ int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int 
  * PCCD_E_AGAIN. */
 int proto_await(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                 int *fd_count);
+
+/* As proto_receive and proto_await with fds == NULL, but uncounted, where none is expected:
+ * the kernel has less to do (a twelfth of the call), and closes one that comes after all
+ * before the call returns. */
+int proto_receive_bare(int socket, void *buffer, size_t capacity, size_t *bytes);
+int proto_await_bare(int socket, void *buffer, size_t capacity, size_t *bytes);
+
+/* From here on the peer's sendmsg fails with EPERM where it passes descriptors; what it
+ * sent before can still bring some. False: the kernel cannot (Linux before 6.16). */
+bool proto_refuse_fds(int socket);
 
 /* As proto_receive, where every descriptor that came is the caller's, whatever is
  * returned: fds[0 .. *fd_count-1]. Closing one may block for as long as its sender

@@ -74,9 +74,12 @@ int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t sl
                                                .result_bytes = client->result_bytes};
     struct proto_SHM_ATTACH_result result;
     struct cli_ring ring;
-    int rc =
-        cli_call_sync(client, PROTO_METHOD_SHM_ATTACH, &request, &result, deadline_ns);
+    bool was_attaching = client->is_attaching; /* by one that a recovery interrupts */
+    int rc;
 
+    client->is_attaching = true;
+    rc = cli_call_sync(client, PROTO_METHOD_SHM_ATTACH, &request, &result, deadline_ns);
+    client->is_attaching = was_attaching;
     if (rc == PCCD_E_TIMEOUT) {
         /* It may still be attached: which ring the daemon reads is not known any more. */
         cli_ring_deinit(&client->ring);

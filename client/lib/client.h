@@ -169,6 +169,7 @@ struct pccd_client {
     uint64_t result_bytes; /* wanted */
     uint32_t next_id;
     uint64_t next_serial, next_step;
+    bool is_attaching;      /* the answer that is waited for brings descriptors */
     bool has_sent;          /* and not looked for answers since */
     int fds[PROTO_FDS_MAX]; /* that came with the answer to shm.attach; -1: none */
     struct cli_child child;
@@ -177,7 +178,7 @@ struct pccd_client {
     uint32_t calls_end; /* of those that have ever been used; others are not looked at */
     struct cli_page pages[CLI_PAGES]; /* a ring: serial modulo CLI_PAGES */
     uint64_t page_first, page_end; /* serials of the oldest unreleased page, the next */
-    struct cli_direct direct;         /* in the place of the socket */
+    struct cli_direct direct;      /* in the place of the socket */
     char url[CLI_SOCKET_BYTES + 8];
     char dead_text[CLI_TEXT_BYTES];
     char error[CLI_TEXT_BYTES];

@@ -220,6 +220,20 @@ static int lost(struct pccd_client *client, const char *why)
     return client->link.is_down ? PCCD_E_AGAIN : rc;
 }
 
+/* From the socket. Only one answer brings descriptors. */
+static int receive_message(struct pccd_client *client, bool waits, size_t *bytes,
+                           int *fd_count)
+{
+    if (client->is_attaching) {
+        return (waits ? proto_await : proto_receive)(client->socket, client->message,
+                                                     sizeof(client->message), bytes,
+                                                     client->fds, fd_count);
+    }
+    *fd_count = 0;
+    return (waits ? proto_await_bare : proto_receive_bare)(
+        client->socket, client->message, sizeof(client->message), bytes);
+}
+
 /* One message into client->message, as proto_receive; `waits`: as proto_await. */
 static int receive(struct pccd_client *client, bool waits, size_t *bytes, int *fd_count)
 {
@@ -229,14 +243,11 @@ static int receive(struct pccd_client *client, bool waits, size_t *bytes, int *f
         return cli_direct_receive(client, bytes, fd_count);
     }
     errno = 0;
-    rc = (waits ? proto_await : proto_receive)(client->socket, client->message,
-                                               sizeof(client->message), bytes,
-                                               client->fds, fd_count);
+    rc = receive_message(client, waits, bytes, fd_count);
     /* A peer that closed with our messages unread is a reset first; what it had said
      * before can still be read after it. */
     if (rc == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
-        rc = proto_receive(client->socket, client->message, sizeof(client->message),
-                           bytes, client->fds, fd_count);
+        rc = receive_message(client, false, bytes, fd_count);
     }
     return rc;
 }

@@ -392,16 +392,23 @@ static void flush(struct srv_conn *conn)
 /* ---- receiving --------------------------------------------------------------------- */
 
 /* The next message, in the loop's buffer; descriptors with it are closed and counted.
- * Returns as proto_receive. */
+ * Returns as proto_receive. Where they are refused, those that came before can only be
+ * in front of the first time that there is nothing. */
 static int receive(struct srv_conn *conn, size_t *bytes, int *fd_count)
 {
     struct srv_reactor *reactor = conn->reactor;
     int fds[PROTO_FDS_RECEIVED_MAX];
+    if (conn->is_bare) {
+        *fd_count = 0;
+        return proto_receive_bare(conn->fd, reactor->buffer, PROTO_MESSAGE_BYTES_MAX,
+                                  bytes);
+    }
     int status = proto_receive_all(conn->fd, reactor->buffer, PROTO_MESSAGE_BYTES_MAX,
                                    bytes, fds, fd_count);
     for (int i = 0; i < *fd_count; i++) {
         srv_closer_push(reactor->closer, fds[i]);
     }
+    conn->is_bare = conn->refuses_fds && status == PCCD_E_AGAIN;
     return status;
 }
 
@@ -465,8 +472,7 @@ void srv_conn_read(struct srv_conn *conn)
     }
     conn->is_corked = conn->is_new;
     conn->is_new = false;
-    bool asks =
-        conn->is_corked || conn->is_ahead || conn->turns++ % ASK_AHEAD_EVERY == 0;
+    bool asks = conn->is_corked || conn->is_ahead || conn->turns++ % ASK_AHEAD_EVERY == 0;
     uint32_t count = 0;
     while (count < (asks ? PROTO_MESSAGES_PER_TURN : 1) && read_one(conn)) {
         count++;
@@ -553,6 +559,7 @@ int srv_conn_new(struct srv_reactor *reactor, int fd, const struct srv_peer *pee
     conn->reactor = reactor;
     conn->fd = fd;
     conn->is_new = true;
+    conn->refuses_fds = proto_refuse_fds(fd);
     conn->outlet = srv_outlet_new(fd);
     if (conn->outlet == NULL || uv_poll_init(&reactor->uv, &conn->poll, fd) != 0) {
         int status = conn->outlet == NULL ? PCCD_E_NOMEM : PCCD_E_SYSTEM;

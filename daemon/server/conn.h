@@ -51,10 +51,12 @@ struct srv_conn {
     struct srv_reply *reply_first;
     struct srv_reply *reply_last;
     uint32_t reply_count;
-    uint32_t turns; /* at which something was read */
-    bool is_ahead;  /* its client sends before it has an answer */
-    bool is_new;    /* nothing has been read yet */
-    bool is_corked; /* replies wait until what has come first is read */
+    uint32_t turns;   /* at which something was read */
+    bool is_ahead;    /* its client sends before it has an answer */
+    bool is_new;      /* nothing has been read yet */
+    bool refuses_fds; /* none can be sent any more (seqpacket.h) */
+    bool is_bare;     /* and none is on its way */
+    bool is_corked;   /* replies wait until what has come first is read */
 };
 
 /* A connection on an accepted, non-blocking socket. Takes `fd` over, also on failure.

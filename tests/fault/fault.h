@@ -42,9 +42,11 @@
     X(pthread_create)                                                                    \
     X(realloc)                                                                           \
     X(read)                                                                              \
+    X(recvfrom)                                                                          \
     X(recvmsg)                                                                           \
     X(sendmsg)                                                                           \
     X(sendto)                                                                            \
+    X(setsockopt)                                                                        \
     X(shutdown)                                                                          \
     X(sigaction)                                                                         \
     X(socket)                                                                            \

@@ -12,7 +12,8 @@ FAULT_WRAP_CALLS = \
     -Wl,--wrap=epoll_wait,--wrap=eventfd,--wrap=fcntl,--wrap=flock,--wrap=fork,--wrap=getrandom \
     -Wl,--wrap=getsockopt,--wrap=listen,--wrap=lstat,--wrap=memfd_create,--wrap=mkdir \
     -Wl,--wrap=mmap,--wrap=open,--wrap=pipe2,--wrap=posix_fallocate \
-    -Wl,--wrap=pthread_create,--wrap=read,--wrap=recvmsg,--wrap=sendmsg,--wrap=sendto,--wrap=shutdown \
+    -Wl,--wrap=pthread_create,--wrap=read,--wrap=recvfrom,--wrap=recvmsg,--wrap=sendmsg \
+    -Wl,--wrap=sendto,--wrap=setsockopt,--wrap=shutdown \
     -Wl,--wrap=sigaction,--wrap=socket,--wrap=unlink,--wrap=write
 fault_sources = \
     tests/fault/fault.c \

@@ -36,9 +36,11 @@ static const struct plausible all[] = {
     {FAULT_mmap, {ENOMEM, EAGAIN, ENFILE}},
     {FAULT_posix_fallocate, {EINTR, ENOMEM, ENOSPC}},
     {FAULT_read, {EINTR, EAGAIN}},
+    {FAULT_recvfrom, {EINTR, EAGAIN, ENOMEM, ENOBUFS, ECONNRESET}},
     {FAULT_recvmsg, {EINTR, EAGAIN, ENOMEM, ENOBUFS, ECONNRESET}},
     {FAULT_sendmsg, {EINTR, EAGAIN, ENOMEM, ENOBUFS, EPIPE, ECONNRESET, ETOOMANYREFS}},
     {FAULT_sendto, {EINTR, EAGAIN, ENOMEM, ENOBUFS, EPIPE, ECONNRESET}},
+    {FAULT_setsockopt, {ENOPROTOOPT}}, /* as of Linux before 6.16 */
     {FAULT_shutdown, {ENOTCONN}},
     {FAULT_write, {EINTR}}, /* the wake-up of the loop is full only when it is awake */
 };

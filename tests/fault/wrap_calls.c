@@ -45,6 +45,10 @@ WRAP(int, memfd_create, (const char *name, unsigned flags), (name, flags))
 WRAP(int, mkdir, (const char *path, mode_t mode), (path, mode))
 WRAP(int, pipe2, (int fds[2], int flags), (fds, flags))
 WRAP(ssize_t, read, (int fd, void *at, size_t bytes), (fd, at, bytes))
+WRAP(ssize_t, recvfrom,
+     (int fd, void *at, size_t bytes, int flags, struct sockaddr *address,
+      socklen_t *address_bytes),
+     (fd, at, bytes, flags, address, address_bytes))
 WRAP(ssize_t, recvmsg, (int fd, struct msghdr *message, int flags), (fd, message, flags))
 WRAP(ssize_t, sendmsg, (int fd, const struct msghdr *message, int flags),
      (fd, message, flags))
@@ -52,6 +56,8 @@ WRAP(ssize_t, sendto,
      (int fd, const void *from, size_t bytes, int flags, const struct sockaddr *address,
       socklen_t address_bytes),
      (fd, from, bytes, flags, address, address_bytes))
+WRAP(int, setsockopt, (int fd, int level, int name, const void *value, socklen_t bytes),
+     (fd, level, name, value, bytes))
 WRAP(int, shutdown, (int fd, int how), (fd, how))
 WRAP(int, sigaction,
      (int number, const struct sigaction *action, struct sigaction *before),

@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -246,6 +247,38 @@ static void message__wrong_requests_are_answered_and_survived(void **state)
 
 /* ---- descriptors ------------------------------------------------------------------- */
 
+/* Where the kernel can refuse them (seqpacket.h) none comes any more when the daemon has
+ * taken the connection: what is to come must be there before. */
+static pid_t stop_daemon(void)
+{
+    pid_t pid = (pid_t)pccd_daemon_pid(test_witness.crossing.client);
+    char path[64];
+    char state = 'R';
+
+    (void)snprintf(path, sizeof(path), "/proc/%d/stat", (int)pid);
+    assert_int_equal(kill(pid, SIGSTOP), 0);
+    for (int i = 0; i < 1000 && state != 'T'; i++) {
+        FILE *file = fopen(path, "r");
+
+        assert_non_null(file);
+        assert_int_equal(fscanf(file, "%*d (%*[^)]) %c", &state), 1);
+        (void)fclose(file);
+        test_sleep_ms(1);
+    }
+    assert_int_equal(state, 'T');
+    return pid;
+}
+
+/* Connect, and pass `count` copies of a descriptor before the daemon looks. */
+static void open_with_fds(int count)
+{
+    pid_t pid = stop_daemon();
+
+    assert_true(test_raw_open(&raw, test_witness.daemon.socket));
+    assert_true(test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), count));
+    assert_int_equal(kill(pid, SIGCONT), 0);
+}
+
 /* If it failed, a client could fill the daemon's table of descriptors. */
 static void descriptors__from_clients_are_closed_and_refused(void **state)
 {
@@ -254,9 +287,7 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
 
     (void)state;
     for (int i = 0; i < 36; i++) {
-        test_witness_open_raw(&raw, 0);
-        assert_true(
-            test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), counts[i % 6]));
+        open_with_fds(counts[i % 6]);
         expect_refusal("descriptors", PCCD_E_BADMSG);
         test_raw_close(&raw);
     }
@@ -265,6 +296,29 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
         test_sleep_ms(2);
     }
     assert_true(test_witness_fd_count() <= before);
+}
+
+/* If it failed, descriptors could come unseen to a daemon that does not look for them, or
+ * a client that tried would be dropped for nothing. */
+static void descriptors__are_refused_by_the_kernel_where_it_can(void **state)
+{
+    struct proto_PING_request ping = {.token = 1};
+    int before = test_witness_fd_count();
+
+    (void)state;
+    test_witness_open_raw(&raw, 0);
+    for (int i = 0; i < 40; i++) { /* so that it has seen, once, that there is no more */
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL), 0);
+    }
+    if (test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), 3)) {
+        expect_refusal("descriptors", PCCD_E_BADMSG); /* Linux before 6.16 */
+    } else {
+        assert_int_equal(errno, EPERM);
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL), 0);
+        assert_true(test_witness_fd_count() <= before + 1); /* the connection's */
+    }
+    test_raw_close(&raw);
+    test_witness_turn();
 }
 
 /* A socket whose close(2) takes LINGER_S: it has sent more than its peer, which does not
@@ -302,17 +356,23 @@ static void descriptors__that_do_not_close_hold_up_nobody(void **state)
         uint64_t begin_ms;
         int peer = -1;
         int fd = make_lingering(&peer);
+        pid_t pid = stop_daemon();
 
-        test_witness_open_raw(&raw, 0);
-        for (int i = 0; round == 1 && i < 200; i++) { /* until it is not read any more */
-            (void)send(raw.socket, "\x94\x00\x01\xa4ping\x80", 9, MSG_DONTWAIT);
+        assert_true(test_raw_open(&raw, test_witness.daemon.socket));
+        for (int i = 0; round == 1 && i < 66; i++) { /* more than are read of the dead */
+            assert_int_equal(
+                send(raw.socket, "\x94\x00\x01\xa4ping\x80", 9, MSG_DONTWAIT), 9);
         }
         assert_true(test_raw_send_fd(&raw, "\x94\x00\x01\xa4ping\x80", 9, fd));
         (void)close(fd); /* the daemon, or its queue, has the last one */
+        if (round == 1) {
+            test_raw_close(&raw);
+        }
+        assert_int_equal(kill(pid, SIGCONT), 0);
         if (round == 0) {
             expect_refusal("a descriptor", PCCD_E_BADMSG);
+            test_raw_close(&raw);
         }
-        test_raw_close(&raw);
         begin_ms = test_now_ms();
         for (int i = 0; i < 20; i++) {
             test_witness_turn();
@@ -498,6 +558,7 @@ int main(void)
         cmocka_unit_test(message__empty_ends_the_session),
         cmocka_unit_test(message__wrong_requests_are_answered_and_survived),
         cmocka_unit_test(descriptors__from_clients_are_closed_and_refused),
+        cmocka_unit_test(descriptors__are_refused_by_the_kernel_where_it_can),
         cmocka_unit_test(descriptors__that_do_not_close_hold_up_nobody),
         cmocka_unit_test(flood__of_requests_without_reading_is_bounded),
         cmocka_unit_test(flood__of_errors_does_not_delay_others),

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -68,7 +69,7 @@ static int tear_down(void **state)
 }
 
 /* Send `count` copies of a descriptor without the help of proto_send. */
-static void send_fds(int socket, const char *message, size_t bytes, int count)
+static bool try_send_fds(int socket, const char *message, size_t bytes, int count)
 {
     union {
         struct cmsghdr align;
@@ -87,7 +88,12 @@ static void send_fds(int socket, const char *message, size_t bytes, int count)
         int fd = STDERR_FILENO;
         memcpy(CMSG_DATA(cmsg) + (size_t)i * sizeof(int), &fd, sizeof(fd));
     }
-    assert_int_equal(sendmsg(socket, &header, 0), (ssize_t)bytes);
+    return sendmsg(socket, &header, 0) == (ssize_t)bytes;
+}
+
+static void send_fds(int socket, const char *message, size_t bytes, int count)
+{
+    assert_true(try_send_fds(socket, message, bytes, count));
 }
 
 /* If this failed, two messages could run into one, or one be cut. */
@@ -250,6 +256,68 @@ static void await__waits_and_nothing_else_does(void **state)
     assert_int_equal(bytes, 1);
 }
 
+/* If this failed, who expects no descriptors would misread messages or keep some open. */
+static void bare__is_the_same_but_for_descriptors(void **state)
+{
+    struct fixture *fixture = *state;
+    static char longest[PROTO_MESSAGE_BYTES_MAX];
+    const struct timeval timeout = {.tv_usec = 30000};
+    size_t bytes = 0;
+    memset(longest, 'l', sizeof(longest));
+    send_fds(fixture->near, longest, sizeof(longest), 3);
+    send_fds(fixture->near, "ab", 2, 1);
+    assert_int_equal(proto_send(fixture->near, "ab", 2, NULL, 0), 0);
+    assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer,
+                                        sizeof(fixture->buffer), &bytes),
+                     0);
+    assert_int_equal(bytes, sizeof(longest));
+    assert_memory_equal(fixture->buffer, longest, sizeof(longest));
+    assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 1, &bytes),
+                     PCCD_E_BADMSG);
+    assert_int_equal(proto_await_bare(fixture->far, fixture->buffer, 2, &bytes), 0);
+    assert_int_equal(bytes, 2);
+    assert_memory_equal(fixture->buffer, "ab", 2);
+    assert_int_equal(count_open(), fixture->open_before);
+    assert_int_equal(fcntl(fixture->far, F_SETFL, 0), 0); /* it blocks */
+    assert_int_equal(
+        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout)), 0);
+    uint64_t begin_ns = now_ns();
+    assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 2, &bytes),
+                     PCCD_E_AGAIN);
+    assert_true(now_ns() - begin_ns < 20000000);
+    assert_int_equal(proto_await_bare(fixture->far, fixture->buffer, 2, &bytes),
+                     PCCD_E_AGAIN);
+    assert_true(now_ns() - begin_ns >= 29000000);
+    close(fixture->near);
+    fixture->near = -1;
+    assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 2, &bytes),
+                     PCCD_E_DISCONNECTED);
+    assert_int_equal(proto_receive_bare(-1, fixture->buffer, 2, &bytes), PCCD_E_SYSTEM);
+}
+
+/* If this failed, a daemon that trusts it would let descriptors pass unseen. */
+static void refused__descriptors_stay_with_the_sender(void **state)
+{
+    struct fixture *fixture = *state;
+    size_t bytes;
+    int fd_count = 0;
+    send_fds(fixture->near, "x", 1, 2); /* on its way already */
+    if (!proto_refuse_fds(fixture->far)) {
+        skip(); /* Linux before 6.16 */
+    }
+    assert_false(try_send_fds(fixture->near, "x", 1, 1));
+    assert_int_equal(errno, EPERM);
+    assert_int_equal(proto_send(fixture->near, "x", 1, NULL, 0), 0);
+    assert_int_equal(
+        proto_receive(fixture->far, fixture->buffer, 1, &bytes, NULL, &fd_count), 0);
+    assert_int_equal(fd_count, 2);
+    assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 1, &bytes), 0);
+    assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 1, &bytes),
+                     PCCD_E_AGAIN);
+    send_fds(fixture->far, "x", 1, 1); /* the other way they pass */
+    assert_int_equal(count_open(), fixture->open_before);
+}
+
 /* If this failed, the loop would block, or close a client that is merely slow. */
 static void socket__that_would_block_says_again(void **state)
 {
@@ -349,6 +417,8 @@ int main(void)
         TEST(truncated__is_refused_and_its_descriptors_closed),
         TEST(empty__datagram_reads_as_the_end),
         TEST(await__waits_and_nothing_else_does),
+        TEST(bare__is_the_same_but_for_descriptors),
+        TEST(refused__descriptors_stay_with_the_sender),
         TEST(socket__that_would_block_says_again),
         TEST(peer__that_is_gone_reads_as_disconnected),
         TEST(socket__that_is_none_is_a_system_error),
