@@ -69,8 +69,8 @@ int proto_error_set(struct proto_error *error, int code, const char *format, ...
 int proto_method_by_name(const char *name, size_t bytes)
 {
     for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
-        const char *candidate = proto_messages[i].name;
-        if (strlen(candidate) == bytes && memcmp(candidate, name, bytes) == 0) {
+        if (proto_messages[i].name_bytes == bytes &&
+            memcmp(proto_messages[i].name, name, bytes) == 0) {
             return i;
         }
     }
@@ -303,8 +303,9 @@ static int find_field(const struct proto_fields *fields, const msgpack_object_st
 {
     for (uint32_t i = 0; i < fields->count; i++) {
         uint32_t at = (guess + i) % fields->count;
-        const char *name = fields->items[at].name;
-        if (strlen(name) == key->size && memcmp(name, key->ptr, key->size) == 0) {
+        const struct proto_field *field = &fields->items[at];
+        if (field->name_bytes == key->size &&
+            memcmp(field->name, key->ptr, key->size) == 0) {
             return (int)at;
         }
     }

@@ -26,9 +26,10 @@ static int append(void *context, const char *bytes, size_t count)
     return 0;
 }
 
-static int pack_name(msgpack_packer *packer, const char *name)
+static int pack_method(msgpack_packer *packer, int method)
 {
-    return msgpack_pack_str_with_body(packer, name, strlen(name));
+    const struct proto_message_info *info = &proto_messages[method];
+    return msgpack_pack_str_with_body(packer, info->name, info->name_bytes);
 }
 
 /* Pack at most PROTO_STR_MAX bytes of `text`. A byte that is not UTF-8 (of a file name,
@@ -106,7 +107,7 @@ static int pack_body(msgpack_packer *packer, const struct proto_fields *fields,
         if (is_left_out(field, body)) {
             continue;
         }
-        rc |= pack_name(packer, field->name);
+        rc |= msgpack_pack_str_with_body(packer, field->name, field->name_bytes);
         rc |= pack_value(packer, field, (const char *)body + field->offset);
     }
     return rc;
@@ -127,7 +128,7 @@ int proto_encode_request(struct proto_encoder *encoder, uint32_t id, int method,
     int rc = msgpack_pack_array(&packer, 4);
     rc |= msgpack_pack_uint8(&packer, PROTO_REQUEST);
     rc |= msgpack_pack_uint32(&packer, id);
-    rc |= pack_name(&packer, proto_messages[method].name);
+    rc |= pack_method(&packer, method);
     rc |= pack_body(&packer, &proto_messages[method].request, request);
     return rc == 0 ? 0 : PCCD_E_LIMIT;
 }
@@ -150,6 +151,7 @@ int proto_encode_error(struct proto_encoder *encoder, uint32_t id,
                        const struct proto_error *error)
 {
     msgpack_packer packer;
+    const char *name = proto_status_name(error->code);
     assert(error->code < 0);
     begin(encoder, &packer);
     int rc = msgpack_pack_array(&packer, 4);
@@ -157,7 +159,7 @@ int proto_encode_error(struct proto_encoder *encoder, uint32_t id,
     rc |= msgpack_pack_uint32(&packer, id);
     rc |= msgpack_pack_array(&packer, 4);
     rc |= msgpack_pack_int32(&packer, error->code);
-    rc |= pack_name(&packer, proto_status_name(error->code));
+    rc |= msgpack_pack_str_with_body(&packer, name, strlen(name));
     rc |= pack_text(&packer, error->text);
     rc |= error->fatal ? msgpack_pack_true(&packer) : msgpack_pack_false(&packer);
     rc |= msgpack_pack_nil(&packer);
@@ -171,7 +173,7 @@ int proto_encode_notification(struct proto_encoder *encoder, int note, const voi
     begin(encoder, &packer);
     int rc = msgpack_pack_array(&packer, 3);
     rc |= msgpack_pack_uint8(&packer, PROTO_NOTIFICATION);
-    rc |= pack_name(&packer, proto_messages[note].name);
+    rc |= pack_method(&packer, note);
     rc |= pack_body(&packer, &proto_messages[note].request, params);
     return rc == 0 ? 0 : PCCD_E_LIMIT;
 }

@@ -14,8 +14,8 @@
 /* clang-format off */
 #define ENTRY(struct_name) {.offset = (size_t) & ((const struct struct_name *)0)
 #define FIELD(type_, name_, need_, text_)                                                \
-    ->name_, .name = #name_, .text = text_, .type = PROTO_TYPE_##type_,                  \
-    .need = PROTO_NEED_##need_},
+    ->name_, .name = #name_, .name_bytes = sizeof(#name_) - 1, .text = text_,            \
+    .type = PROTO_TYPE_##type_, .need = PROTO_NEED_##need_},
 
 #define REQUEST_TABLE(ID, name, since, flags, text)                                      \
     static const struct proto_field ID##_request[] = {                                   \
@@ -33,11 +33,11 @@ PROTO_NOTIFICATIONS(REQUEST_TABLE)
     {ID##_##part, COUNT(ID##_##part), sizeof(struct proto_##ID##_##part)}
 
 #define METHOD(ID, name, since, flags, text)                                             \
-    [PROTO_METHOD_##ID] = {#ID, name, text, since, flags, FIELDS(ID, request),           \
-                           FIELDS(ID, result)},
+    [PROTO_METHOD_##ID] = {#ID, name, sizeof(name) - 1, text, since, flags,              \
+                           FIELDS(ID, request), FIELDS(ID, result)},
 #define NOTIFICATION(ID, name, since, flags, text)                                       \
-    [PROTO_NOTE_##ID] = {#ID, name, text, since, flags, FIELDS(ID, request),             \
-                         {NULL, 0, 0}},
+    [PROTO_NOTE_##ID] = {#ID, name, sizeof(name) - 1, text, since, flags,                \
+                         FIELDS(ID, request), {NULL, 0, 0}},
 
 const struct proto_message_info proto_messages[PROTO_MESSAGE_COUNT] = {
     PROTO_METHODS(METHOD) PROTO_NOTIFICATIONS(NOTIFICATION)};

@@ -69,6 +69,7 @@ PROTO_NOTIFICATIONS(PROTO_STRUCTS)
 
 struct proto_field {
     const char *name;
+    size_t name_bytes;
     const char *text;
     enum proto_type type;
     enum proto_need need;
@@ -84,6 +85,7 @@ struct proto_fields {
 struct proto_message_info {
     const char *id;   /* "FRAME_SUBMIT" */
     const char *name; /* "frame.submit" */
+    size_t name_bytes;
     const char *text;
     uint32_t since;
     uint32_t flags;

@@ -22,7 +22,7 @@ int pccd_ping(struct pccd_client *client, uint64_t *round_trip_ns)
     begin_ns = cli_now_ns();
     request.token = begin_ns;
     rc = cli_call_sync(client, PROTO_METHOD_PING, &request, &result,
-                       cli_deadline(client, -1));
+                       begin_ns + (uint64_t)client->timeout_ms * 1000000u);
     if (rc != 0) {
         return rc;
     }

@@ -192,6 +192,7 @@ void srv_conn_close(struct srv_conn *conn)
     srv_assert_loop();
     struct srv_reactor *reactor = conn->reactor;
     PCCD_ASSERT(conn->fd >= 0);
+    srv_conn_send_kept(reactor);
     while (conn->reply_count > 0) {
         drop_reply(conn);
     }
@@ -263,6 +264,7 @@ static void linger_if_flushed(struct srv_conn *conn)
 void srv_conn_finish(struct srv_conn *conn)
 {
     srv_assert_loop();
+    srv_conn_send_kept(conn->reactor);
     if (conn->state == SRV_CONN_OPEN) {
         conn->state = SRV_CONN_FLUSHING;
         uv_timer_start(&conn->timer, on_timer, LINGER_MS, 0);
@@ -279,21 +281,21 @@ void srv_conn_established(struct srv_conn *conn)
 /* ---- sending ----------------------------------------------------------------------- */
 
 /* Keep a message that the socket does not take now. Takes the descriptors over. */
-static int queue_reply(struct srv_conn *conn, const struct proto_encoder *message,
+static int queue_reply(struct srv_conn *conn, const void *message, size_t bytes,
                        const int *fds, int fd_count)
 {
-    struct srv_reply *reply = malloc(sizeof *reply + message->bytes);
+    struct srv_reply *reply = malloc(sizeof *reply + bytes);
     if (reply == NULL) {
         close_fds(fds, fd_count);
         return PCCD_E_NOMEM;
     }
     reply->next = NULL;
-    reply->bytes = message->bytes;
+    reply->bytes = bytes;
     reply->fd_count = fd_count;
     for (int i = 0; i < fd_count; i++) {
         reply->fds[i] = fds[i];
     }
-    memcpy(reply->data, message->data, message->bytes);
+    memcpy(reply->data, message, bytes);
     if (conn->reply_last == NULL) {
         conn->reply_first = reply;
     } else {
@@ -306,19 +308,13 @@ static int queue_reply(struct srv_conn *conn, const struct proto_encoder *messag
     return 0;
 }
 
-void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
-                   const int *fds, int fd_count)
+/* Send, or queue what the socket does not take now; takes the descriptors over. */
+static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
+                     const int *fds, int fd_count)
 {
-    srv_assert_loop();
-    PCCD_ASSERT(fd_count >= 0 && fd_count <= PROTO_FDS_MAX);
-    if (conn->state != SRV_CONN_OPEN) {
-        close_fds(fds, fd_count);
-        return;
-    }
     bool waits = conn->reply_count > 0 || conn->is_corked;
-    int status = waits
-                     ? PCCD_E_AGAIN
-                     : proto_send(conn->fd, message->data, message->bytes, fds, fd_count);
+    int status =
+        waits ? PCCD_E_AGAIN : proto_send(conn->fd, message, bytes, fds, fd_count);
     if (status != PCCD_E_AGAIN) {
         close_fds(fds, fd_count);
         if (status != 0) {
@@ -330,11 +326,47 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
         close_fds(fds, fd_count);
         conn->reactor->loop.metrics.counters.sessions_dropped++;
         fail(conn, "the client does not read its replies");
-    } else if (queue_reply(conn, message, fds, fd_count) != 0) {
+    } else if (queue_reply(conn, message, bytes, fds, fd_count) != 0) {
         fail(conn, "no memory to queue a reply");
     } else if (!conn->is_corked) {
         watch(conn);
     }
+}
+
+void srv_conn_send_kept(struct srv_reactor *reactor)
+{
+    struct srv_outbox *outbox = &reactor->outbox;
+    for (uint32_t i = 0; i < outbox->count; i++) {
+        struct srv_conn *conn = outbox->places[i].conn;
+        if (conn->state == SRV_CONN_OPEN) {
+            srv_outlet_block(conn->outlet, false);
+            send_now(conn, outbox->places[i].data, outbox->places[i].bytes, NULL, 0);
+        }
+    }
+    outbox->count = 0;
+}
+
+void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
+                   const int *fds, int fd_count)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(fd_count >= 0 && fd_count <= PROTO_FDS_MAX);
+    struct srv_reactor *reactor = conn->reactor;
+    if (conn->state != SRV_CONN_OPEN) {
+        close_fds(fds, fd_count);
+        return;
+    }
+    if (fd_count == 0 && conn->reply_count == 0 && !conn->is_corked &&
+        srv_outbox_add(&reactor->outbox, conn, message->data, message->bytes)) {
+        srv_outlet_block(conn->outlet, true);
+        return;
+    }
+    srv_conn_send_kept(reactor); /* what is kept for this one comes first */
+    if (conn->state != SRV_CONN_OPEN) {
+        close_fds(fds, fd_count);
+        return;
+    }
+    send_now(conn, message->data, message->bytes, fds, fd_count);
 }
 
 void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message)

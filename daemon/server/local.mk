@@ -13,6 +13,7 @@ libserver_la_SOURCES = \
     daemon/server/listener.c daemon/server/listener.h \
     daemon/server/lockfile.c daemon/server/lockfile.h \
     daemon/server/notify.c daemon/server/notify.h \
+    daemon/server/outbox.c daemon/server/outbox.h \
     daemon/server/outlet.c daemon/server/outlet.h \
     daemon/server/priority.c daemon/server/priority.h \
     daemon/server/pulse.c daemon/server/pulse.h \

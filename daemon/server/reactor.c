@@ -67,6 +67,7 @@ static void close_handles(struct srv_reactor *reactor)
     close_if_open((uv_handle_t *)&reactor->idle);
     close_if_open((uv_handle_t *)&reactor->grace);
     close_if_open((uv_handle_t *)&reactor->stopper);
+    close_if_open((uv_handle_t *)&reactor->sender);
     close_if_open((uv_handle_t *)&reactor->pulse.timer);
     close_timers(reactor);
 }
@@ -261,6 +262,11 @@ static void choose_places(struct srv_reactor *reactor)
     reactor->loop.metrics.counters.threads_bound = reactor->loop.is_pinned;
 }
 
+static void on_sender(uv_prepare_t *prepare)
+{
+    srv_conn_send_kept(prepare->data);
+}
+
 static int init_buffers(struct srv_reactor *reactor)
 {
     reactor->buffer = malloc(PROTO_MESSAGE_BYTES_MAX);
@@ -285,6 +291,9 @@ static int init_handles(struct srv_reactor *reactor)
     uv_timer_init(&reactor->uv, &reactor->idle);
     uv_timer_init(&reactor->uv, &reactor->grace);
     uv_prepare_init(&reactor->uv, &reactor->stopper);
+    uv_prepare_init(&reactor->uv, &reactor->sender);
+    reactor->sender.data = reactor;
+    uv_prepare_start(&reactor->sender, on_sender);
     srv_pulse_init(&reactor->pulse, &reactor->uv, &reactor->loop);
     uv_signal_init(&reactor->uv, &reactor->sigterm);
     uv_signal_init(&reactor->uv, &reactor->sigint);

@@ -1,0 +1,22 @@
+/* outbox.c - answers that go out together.
+ *
+ * Room:     server. See outbox.h.
+ * Does:     copy one into the next place.
+ * Threads:  [loop]
+ */
+#include "outbox.h"
+
+#include <string.h>
+
+bool srv_outbox_add(struct srv_outbox *outbox, struct srv_conn *conn, const void *message,
+                    size_t bytes)
+{
+    if (outbox->count == SRV_OUTBOX_PLACES || bytes > SRV_OUTBOX_BYTES) {
+        return false;
+    }
+    outbox->places[outbox->count].conn = conn;
+    outbox->places[outbox->count].bytes = bytes;
+    memcpy(outbox->places[outbox->count].data, message, bytes);
+    outbox->count++;
+    return true;
+}
