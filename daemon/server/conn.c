@@ -333,17 +333,23 @@ static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
     }
 }
 
+/* What the thread that computes sends must not overtake what is kept: it may send again
+ * when all is on its way. */
 void srv_conn_send_kept(struct srv_reactor *reactor)
 {
     struct srv_outbox *outbox = &reactor->outbox;
+    srv_assert_loop();
     for (uint32_t i = 0; i < outbox->count; i++) {
         struct srv_conn *conn = outbox->places[i].conn;
         if (conn->state == SRV_CONN_OPEN) {
-            srv_outlet_block(conn->outlet, false);
             send_now(conn, outbox->places[i].data, outbox->places[i].bytes, NULL, 0);
         }
     }
-    outbox->count = 0;
+    for (uint32_t i = 0; i < outbox->count; i++) {
+        struct srv_conn *conn = outbox->places[i].conn;
+        srv_outlet_block(conn->outlet, conn->reply_count > 0);
+    }
+    srv_outbox_clear(outbox);
 }
 
 void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
@@ -478,6 +484,9 @@ static bool read_one(struct srv_conn *conn)
     conn->put_off_turns = 0;
     srv_request_catch_up(&reactor->loop);
     srv_dispatch(conn->session, reactor->buffer, bytes);
+    if (srv_outbox_is_due(&reactor->outbox)) {
+        srv_conn_send_kept(reactor);
+    }
     return conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
            conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
 }
@@ -486,7 +495,7 @@ static bool read_one(struct srv_conn *conn)
 #define LAST_WORDS_MAX 64u
 
 /* Turns of a client until it is asked again whether it sends ahead. */
-#define ASK_AHEAD_EVERY 8u
+#define ASK_AHEAD_EVERY 32u
 
 /* Few at a turn: 16 of them would serve two fifths more of messages that are sent many
  * ahead, and as many of others; but others' answers would be later by half.

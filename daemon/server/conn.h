@@ -63,7 +63,8 @@ struct srv_conn {
  * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
 int srv_conn_new(struct srv_reactor *reactor, int fd, const struct srv_peer *peer);
 
-/* Send what is kept of answers (outbox.h). */
+/* Send what is kept of answers (outbox.h); before each wait, and before what takes its
+ * time. */
 void srv_conn_send_kept(struct srv_reactor *reactor);
 
 /* Read what has arrived, as after an event. Must not be called from inside a handler. */

@@ -251,6 +251,7 @@ static void on_readable(uv_poll_t *poll, int status, int events)
         pause_for_retry(listener);
         return;
     }
+    srv_conn_send_kept(listener->reactor); /* each accept takes longer than a message */
     for (int i = 0; i < ACCEPTS_PER_TURN && accept_one(listener); i++) {
     }
 }

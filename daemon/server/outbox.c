@@ -1,7 +1,7 @@
 /* outbox.c - answers that go out together.
  *
  * Room:     server. See outbox.h.
- * Does:     copy one into the next place.
+ * Does:     copy one into the next place, and count.
  * Threads:  [loop]
  */
 #include "outbox.h"
@@ -19,4 +19,15 @@ bool srv_outbox_add(struct srv_outbox *outbox, struct srv_conn *conn, const void
     memcpy(outbox->places[outbox->count].data, message, bytes);
     outbox->count++;
     return true;
+}
+
+bool srv_outbox_is_due(struct srv_outbox *outbox)
+{
+    return outbox->count > 0 && ++outbox->handled >= SRV_OUTBOX_PLACES;
+}
+
+void srv_outbox_clear(struct srv_outbox *outbox)
+{
+    outbox->count = 0;
+    outbox->handled = 0;
 }

@@ -15,8 +15,8 @@
 
 #include "bell.h"
 #include "listener.h"
-#include "outbox.h"
 #include "loop.h"
+#include "outbox.h"
 #include "pulse.h"
 
 struct srv_closer;
@@ -39,9 +39,9 @@ struct srv_reactor {
     uv_timer_t idle;  /* until we go because nobody is here */
     uv_timer_t grace; /* until requests in flight are cancelled, then until we give up */
     struct srv_pulse pulse; /* of which the service manager is told */
-    uv_prepare_t stopper;
-    uv_prepare_t sender; /* before each wait: what is kept of answers goes */
-    struct srv_outbox outbox; /* looks, before each wait, whether the next phase can begin */
+    uv_prepare_t stopper; /* looks, before each wait, whether the next phase can begin */
+    uv_prepare_t sender;  /* lets, before each wait, what is kept of answers go */
+    struct srv_outbox outbox;
 };
 
 /* Serve until a signal, the last client or the idle time ends it. The socket path's lock

@@ -5,10 +5,16 @@ SERVER_TEST_LDADD = libserver.la libengine.la libproto.la $(UV_LIBS) $(CMOCKA_LI
 
 check_PROGRAMS += tests/unit/test_srv_region tests/unit/test_srv_handles \
     tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
-    tests/unit/test_srv_log tests/unit/test_srv_outlet tests/unit/test_srv_replies
+    tests/unit/test_srv_log tests/unit/test_srv_outbox \
+    tests/unit/test_srv_outlet tests/unit/test_srv_replies
 TESTS += tests/unit/test_srv_region tests/unit/test_srv_handles \
     tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
-    tests/unit/test_srv_log tests/unit/test_srv_outlet tests/unit/test_srv_replies
+    tests/unit/test_srv_log tests/unit/test_srv_outbox \
+    tests/unit/test_srv_outlet tests/unit/test_srv_replies
+
+tests_unit_test_srv_outbox_SOURCES = tests/unit/test_srv_outbox.c
+tests_unit_test_srv_outbox_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
+tests_unit_test_srv_outbox_LDADD = $(SERVER_TEST_LDADD)
 
 tests_unit_test_srv_outlet_SOURCES = tests/unit/test_srv_outlet.c
 tests_unit_test_srv_outlet_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)

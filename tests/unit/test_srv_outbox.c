@@ -1,0 +1,92 @@
+/* test_srv_outbox.c - answers that go out together.
+ *
+ * Room:     tests; sees daemon/server/outbox.h.
+ * Does:     what is kept, and when it is due.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "outbox.h"
+
+static struct srv_outbox outbox;
+static char connections[SRV_OUTBOX_PLACES + 1]; /* their addresses alone matter */
+
+static struct srv_conn *conn(uint32_t i)
+{
+    return (struct srv_conn *)(void *)&connections[i];
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    memset(&outbox, 0, sizeof outbox);
+    return 0;
+}
+
+/* If it failed: an answer would be lost, cut, or go to another client. */
+static void outbox__keeps_each_for_its_client(void **state)
+{
+    uint8_t message[SRV_OUTBOX_BYTES + 1];
+    (void)state;
+    for (uint32_t i = 0; i < SRV_OUTBOX_PLACES; i++) {
+        memset(message, (int)i, sizeof message);
+        assert_true(srv_outbox_add(&outbox, conn(i), message, SRV_OUTBOX_BYTES - i));
+    }
+    assert_int_equal(outbox.count, SRV_OUTBOX_PLACES);
+    for (uint32_t i = 0; i < SRV_OUTBOX_PLACES; i++) {
+        memset(message, (int)i, sizeof message);
+        assert_ptr_equal(outbox.places[i].conn, conn(i));
+        assert_int_equal(outbox.places[i].bytes, SRV_OUTBOX_BYTES - i);
+        assert_memory_equal(outbox.places[i].data, message, SRV_OUTBOX_BYTES - i);
+    }
+}
+
+/* If it failed: what there is no place for would be written over something else. */
+static void outbox__refuses_what_has_no_place(void **state)
+{
+    static const uint8_t message[SRV_OUTBOX_BYTES + 1];
+    (void)state;
+    assert_false(srv_outbox_add(&outbox, conn(0), message, SRV_OUTBOX_BYTES + 1));
+    assert_int_equal(outbox.count, 0);
+    for (uint32_t i = 0; i < SRV_OUTBOX_PLACES; i++) {
+        assert_true(srv_outbox_add(&outbox, conn(i), message, 1));
+    }
+    assert_false(srv_outbox_add(&outbox, conn(SRV_OUTBOX_PLACES), message, 1));
+    assert_int_equal(outbox.count, SRV_OUTBOX_PLACES);
+    srv_outbox_clear(&outbox);
+    assert_true(srv_outbox_add(&outbox, conn(SRV_OUTBOX_PLACES), message, 1));
+    assert_ptr_equal(outbox.places[0].conn, conn(SRV_OUTBOX_PLACES));
+}
+
+/* If it failed: an answer would wait for as long as others have something to say that is
+ * not answered at once. */
+static void outbox__is_due_after_so_many_messages(void **state)
+{
+    (void)state;
+    for (int turn = 0; turn < 2; turn++) {
+        for (uint32_t i = 0; i < 3 * SRV_OUTBOX_PLACES; i++) {
+            assert_false(srv_outbox_is_due(&outbox)); /* nothing waits */
+        }
+        assert_true(srv_outbox_add(&outbox, conn(0), "answer", 6));
+        for (uint32_t i = 1; i < SRV_OUTBOX_PLACES; i++) {
+            assert_false(srv_outbox_is_due(&outbox));
+        }
+        assert_true(srv_outbox_is_due(&outbox));
+        srv_outbox_clear(&outbox);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(outbox__keeps_each_for_its_client, setup),
+        cmocka_unit_test_setup(outbox__refuses_what_has_no_place, setup),
+        cmocka_unit_test_setup(outbox__is_due_after_so_many_messages, setup),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
