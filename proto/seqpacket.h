@@ -42,9 +42,9 @@ int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int 
 int proto_await(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                 int *fd_count);
 
-/* As proto_receive and proto_await with fds == NULL, but uncounted, where none is expected:
- * the kernel has less to do (a twelfth of the call), and closes one that comes after all
- * before the call returns. */
+/* As proto_receive and proto_await with fds == NULL, but uncounted, where none is
+ * expected: the kernel has less to do, and closes one that comes after all before the
+ * call returns. */
 int proto_receive_bare(int socket, void *buffer, size_t capacity, size_t *bytes);
 int proto_await_bare(int socket, void *buffer, size_t capacity, size_t *bytes);
 

@@ -187,8 +187,7 @@ struct pccd_client {
     uint8_t message[PROTO_MESSAGE_BYTES_MAX];
 };
 
-/* Set the text of pccd_error_text and return `status`. A NULL client sets the
- * thread's. */
+/* Set the text of pccd_error_text (of NULL: the thread's) and return `status`. */
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

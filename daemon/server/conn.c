@@ -22,7 +22,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "allow.h"
 #include "closer.h"
@@ -34,6 +33,7 @@
 #include "pccd_types.h"
 #include "proto_limits.h"
 #include "reactor.h"
+#include "replyqueue.h"
 #include "request.h"
 #include "seqpacket.h"
 #include "session.h"
@@ -43,14 +43,6 @@
 #define HELLO_MS  10000u /* for a client to say hello */
 #define LINGER_MS 1000u  /* for a client to read its last reply */
 
-struct srv_reply {
-    struct srv_reply *next;
-    size_t bytes;
-    int fd_count;
-    int fds[PROTO_FDS_MAX]; /* ours */
-    uint8_t data[];
-};
-
 /* One that waits for room, as it came. */
 struct srv_message {
     size_t bytes;
@@ -59,13 +51,6 @@ struct srv_message {
 
 static void on_poll(uv_poll_t *poll, int status, int events);
 static void on_timer(uv_timer_t *timer);
-
-static void close_fds(const int *fds, int fd_count)
-{
-    for (int i = 0; i < fd_count; i++) {
-        close(fds[i]);
-    }
-}
 
 /* Nothing tells any more what the peer does: close, but not inside (see "Does not"). */
 static void close_soon(struct srv_conn *conn)
@@ -83,10 +68,11 @@ static void watch(struct srv_conn *conn)
 {
     int events = UV_DISCONNECT;
     if (conn->state != SRV_CONN_FLUSHING && conn->put_off == NULL &&
-        (conn->state != SRV_CONN_OPEN || conn->reply_count < PROTO_REPLIES_QUEUED_MAX)) {
+        (conn->state != SRV_CONN_OPEN ||
+         conn->replies.count < PROTO_REPLIES_QUEUED_MAX)) {
         events |= UV_READABLE;
     }
-    if (conn->reply_count > 0 && conn->state != SRV_CONN_BROKEN) {
+    if (conn->replies.count > 0 && conn->state != SRV_CONN_BROKEN) {
         events |= UV_WRITABLE;
     }
     if (events != conn->events) {
@@ -175,16 +161,9 @@ static void close_handles(struct srv_conn *conn)
 
 static void drop_reply(struct srv_conn *conn)
 {
-    struct srv_reply *reply = conn->reply_first;
-    conn->reply_first = reply->next;
-    if (conn->reply_first == NULL) {
-        conn->reply_last = NULL;
-    }
-    conn->reply_count--;
+    srv_replyqueue_pop(&conn->replies);
     conn->reactor->reply_count--;
-    srv_outlet_block(conn->outlet, conn->reply_count > 0);
-    close_fds(reply->fds, reply->fd_count);
-    free(reply);
+    srv_outlet_block(conn->outlet, conn->replies.count > 0);
 }
 
 void srv_conn_close(struct srv_conn *conn)
@@ -193,7 +172,7 @@ void srv_conn_close(struct srv_conn *conn)
     struct srv_reactor *reactor = conn->reactor;
     PCCD_ASSERT(conn->fd >= 0);
     srv_conn_send_kept(reactor);
-    while (conn->reply_count > 0) {
+    while (conn->replies.count > 0) {
         drop_reply(conn);
     }
     free(take_put_off(conn));
@@ -255,7 +234,7 @@ static void on_timer(uv_timer_t *timer)
 
 static void linger_if_flushed(struct srv_conn *conn)
 {
-    if (conn->state == SRV_CONN_FLUSHING && conn->reply_count == 0) {
+    if (conn->state == SRV_CONN_FLUSHING && conn->replies.count == 0) {
         shutdown(conn->fd, SHUT_WR);
         conn->state = SRV_CONN_LINGERING;
     }
@@ -284,46 +263,30 @@ void srv_conn_established(struct srv_conn *conn)
 static int queue_reply(struct srv_conn *conn, const void *message, size_t bytes,
                        const int *fds, int fd_count)
 {
-    struct srv_reply *reply = malloc(sizeof *reply + bytes);
-    if (reply == NULL) {
-        close_fds(fds, fd_count);
-        return PCCD_E_NOMEM;
+    int status = srv_replyqueue_push(&conn->replies, message, bytes, fds, fd_count);
+    if (status == 0) {
+        conn->reactor->reply_count++;
+        srv_outlet_block(conn->outlet, true);
     }
-    reply->next = NULL;
-    reply->bytes = bytes;
-    reply->fd_count = fd_count;
-    for (int i = 0; i < fd_count; i++) {
-        reply->fds[i] = fds[i];
-    }
-    memcpy(reply->data, message, bytes);
-    if (conn->reply_last == NULL) {
-        conn->reply_first = reply;
-    } else {
-        conn->reply_last->next = reply;
-    }
-    conn->reply_last = reply;
-    conn->reply_count++;
-    conn->reactor->reply_count++;
-    srv_outlet_block(conn->outlet, true);
-    return 0;
+    return status;
 }
 
 /* Send, or queue what the socket does not take now; takes the descriptors over. */
 static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
                      const int *fds, int fd_count)
 {
-    bool waits = conn->reply_count > 0 || conn->is_corked;
+    bool waits = conn->replies.count > 0 || conn->is_corked;
     int status =
         waits ? PCCD_E_AGAIN : proto_send(conn->fd, message, bytes, fds, fd_count);
     if (status != PCCD_E_AGAIN) {
-        close_fds(fds, fd_count);
+        srv_reply_close_fds(fds, fd_count);
         if (status != 0) {
             fail(conn, "the client cannot be sent to");
         }
         return;
     }
-    if (conn->reply_count >= SRV_REPLIES_HARD_MAX) {
-        close_fds(fds, fd_count);
+    if (conn->replies.count >= SRV_REPLIES_HARD_MAX) {
+        srv_reply_close_fds(fds, fd_count);
         conn->reactor->loop.metrics.counters.sessions_dropped++;
         fail(conn, "the client does not read its replies");
     } else if (queue_reply(conn, message, bytes, fds, fd_count) != 0) {
@@ -347,7 +310,7 @@ void srv_conn_send_kept(struct srv_reactor *reactor)
     }
     for (uint32_t i = 0; i < outbox->count; i++) {
         struct srv_conn *conn = outbox->places[i].conn;
-        srv_outlet_block(conn->outlet, conn->reply_count > 0);
+        srv_outlet_block(conn->outlet, conn->replies.count > 0);
     }
     srv_outbox_clear(outbox);
 }
@@ -359,17 +322,17 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
     PCCD_ASSERT(fd_count >= 0 && fd_count <= PROTO_FDS_MAX);
     struct srv_reactor *reactor = conn->reactor;
     if (conn->state != SRV_CONN_OPEN) {
-        close_fds(fds, fd_count);
+        srv_reply_close_fds(fds, fd_count);
         return;
     }
-    if (fd_count == 0 && conn->reply_count == 0 && !conn->is_corked &&
+    if (fd_count == 0 && conn->replies.count == 0 && !conn->is_corked &&
         srv_outbox_add(&reactor->outbox, conn, message->data, message->bytes)) {
         srv_outlet_block(conn->outlet, true);
         return;
     }
     srv_conn_send_kept(reactor); /* what is kept for this one comes first */
     if (conn->state != SRV_CONN_OPEN) {
-        close_fds(fds, fd_count);
+        srv_reply_close_fds(fds, fd_count);
         return;
     }
     send_now(conn, message->data, message->bytes, fds, fd_count);
@@ -385,7 +348,7 @@ void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *messag
 
 bool srv_conn_is_free(const struct srv_conn *conn)
 {
-    return conn->state == SRV_CONN_OPEN && conn->reply_count == 0;
+    return conn->state == SRV_CONN_OPEN && conn->replies.count == 0;
 }
 
 struct srv_outlet *srv_conn_outlet(struct srv_conn *conn)
@@ -408,8 +371,8 @@ bool srv_conn_has_group(const struct srv_conn *conn, gid_t gid)
 /* Send what is queued, as far as the socket takes it. */
 static void flush(struct srv_conn *conn)
 {
-    while (conn->reply_count > 0) { /* at most SRV_REPLIES_HARD_MAX */
-        struct srv_reply *reply = conn->reply_first;
+    while (conn->replies.count > 0) { /* at most SRV_REPLIES_HARD_MAX */
+        const struct srv_reply *reply = conn->replies.first;
         int status =
             proto_send(conn->fd, reply->data, reply->bytes, reply->fds, reply->fd_count);
         if (status == PCCD_E_AGAIN) {
@@ -488,7 +451,7 @@ static bool read_one(struct srv_conn *conn)
         srv_conn_send_kept(reactor);
     }
     return conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
-           conn->reply_count < PROTO_REPLIES_QUEUED_MAX;
+           conn->replies.count < PROTO_REPLIES_QUEUED_MAX;
 }
 
 /* Messages of a client that has gone: all that its session may have had in flight. */

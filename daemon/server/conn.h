@@ -15,6 +15,7 @@
 
 #include "host.h"
 #include "proto_limits.h"
+#include "replyqueue.h"
 
 /* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
  * is not read; answers of requests in flight still arrive, and beyond this it is
@@ -32,7 +33,6 @@ struct srv_peer;
 struct srv_message;
 struct srv_outlet;
 struct srv_reactor;
-struct srv_reply;
 
 struct srv_conn {
     struct srv_conn *prev;
@@ -46,17 +46,15 @@ struct srv_conn {
     uint32_t open_count; /* libuv handles not closed yet */
     uv_poll_t poll;
     uv_timer_t timer; /* for hello, then for what was put off, or the peer's end */
-    struct srv_message *put_off; /* NULL: none; nothing is read meanwhile */
-    uint32_t put_off_turns;      /* how often, the message that was read last */
-    struct srv_reply *reply_first;
-    struct srv_reply *reply_last;
-    uint32_t reply_count;
-    uint32_t turns;   /* at which something was read */
-    bool is_ahead;    /* its client sends before it has an answer */
-    bool is_new;      /* nothing has been read yet */
-    bool refuses_fds; /* none can be sent any more (seqpacket.h) */
-    bool is_bare;     /* and none is on its way */
-    bool is_corked;   /* replies wait until what has come first is read */
+    struct srv_message *put_off;   /* NULL: none; nothing is read meanwhile */
+    uint32_t put_off_turns;        /* how often, the message that was read last */
+    struct srv_replyqueue replies; /* that the socket does not take yet */
+    uint32_t turns;                /* at which something was read */
+    bool is_ahead;                 /* its client sends before it has an answer */
+    bool is_new;                   /* nothing has been read yet */
+    bool refuses_fds;              /* none can be sent any more (seqpacket.h) */
+    bool is_bare;                  /* and none is on its way */
+    bool is_corked;                /* replies wait until what has come first is read */
 };
 
 /* A connection on an accepted, non-blocking socket. Takes `fd` over, also on failure.

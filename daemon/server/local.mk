@@ -18,6 +18,7 @@ libserver_la_SOURCES = \
     daemon/server/priority.c daemon/server/priority.h \
     daemon/server/pulse.c daemon/server/pulse.h \
     daemon/server/reactor.c daemon/server/reactor.h \
+    daemon/server/replyqueue.c daemon/server/replyqueue.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
     daemon/server/supervise.c daemon/server/supervise.h \
     daemon/server/threads.c daemon/server/threads.h \
