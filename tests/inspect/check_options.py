@@ -65,6 +65,27 @@ class Options(unittest.TestCase):
         for step in range(FRAMES - 1):
             self.assertLess(self.worst(page, step, "x1", step + 1), 12 / 65535)
 
+    # If it failed, what is very small or large would be shown black: its shader squares.
+    def test_unit__is_as_large_as_what_is_very_small_or_large(self):
+        self.assertEqual(self.page().meta["unit"], 1)
+        corners = [(0, 0, 0), (3, 0, 0), (0, 2, 0)]
+        for size in (2.0 ** 57, 2.0 ** -57):
+            path = os.path.join(self.made.name, "size.obj")
+            with open(path, "w") as to:
+                to.writelines(f"v {size * x!r} {size * y!r} {size * z!r}\n"
+                              for x, y, z in corners)
+                to.write("f 1 2 3\n")
+            pccdctl("record", "--force", "-o", "size.rec", "--", os.environ["PCCDCTL"],
+                    "check", "--private", "size.obj", "size.obj", folder=self.made.name)
+            for options in ((), ("--round",)):
+                pccdctl("inspect", "size.rec", "-o", "size.html", *options,
+                        folder=self.made.name)
+                page = Page(os.path.join(self.made.name, "size.html"))
+                self.assertEqual(page.meta["unit"], 4 * size)
+                for given, true in zip(page.positions(0, "x0"), corners, strict=True):
+                    for a, b in zip(given, true, strict=True):
+                        self.assertLess(abs(a - size * b), 1e-4 * size)
+
     # If it failed, a long recording could not be thinned out.
     def test_every__shows_one_in_so_many(self):
         page = self.page("--every", "2", "--steps", "1..4")

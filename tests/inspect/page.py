@@ -60,6 +60,6 @@ class Page:
             values = [head[i % 3] + head[3 + i % 3] * n for i, n in enumerate(numbers)]
         else:
             values = array.array("f", self.section(of[end], 12 * vertices))
-        origin = self.meta["origin"]
-        return [[values[3 * i + k] + origin[k] for k in range(3)]
+        origin, unit = self.meta["origin"], self.meta["unit"]
+        return [[values[3 * i + k] * unit + origin[k] for k in range(3)]
                 for i in range(vertices)]

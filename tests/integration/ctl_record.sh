@@ -225,6 +225,43 @@ for cell, each, count in (('Verts', 1, verts), ('Polys', 3, polys)):
 EOF
 report export__writes_vtk
 
+# If it failed, a scene in micrometres, of a galaxy, or far from where it is counted from would be
+# drawn dark, as nothing, or in steps. Powers of two, so that the pictures must be the same.
+python3 - <<'EOF'
+strip = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (.25, .25, 1), (.75, .25, 2), (.25, .75, 2)]
+for name, scale, shift in (('here', 1, 0), ('small', 2.**-60, 0), ('large', 2.**58, 0), ('far', 1, 2.**40)):
+    for frame in range(2):
+        with open('%s%d.obj' % (name, frame), 'w') as to:
+            for x in strip:
+                print('v', *(repr(scale * c + shift) for c in (x[0], x[1], x[2] + frame / 4)), file=to)
+            print('f 1 2 3', 'f 4 5 6', sep='\n', file=to)
+EOF
+: >"$log"
+for scene in here small large far; do
+    timeout 60 "$PCCDCTL" record -o $scene.rec --contacts -- "$PCCDCTL" load --private --times 1 \
+        ${scene}0.obj ${scene}1.obj >>"$log" 2>&1 &&
+        timeout 60 "$PCCDCTL" render -o $scene.png --size 200x150 $scene.rec >>"$log" 2>&1 &&
+        cmp $scene.png here.png >>"$log" 2>&1 || echo "not ok: $scene" >>"$log"
+done
+timeout 60 "$PCCDCTL" export -o far.glb far.rec >>"$log" 2>&1 &&
+    timeout 60 "$PCCDCTL" export -o far.vtp far.rec >>"$log" 2>&1 && python3 - >>"$log" 2>&1 <<'EOF' || echo 'not ok: export' >>"$log"
+import base64, json, struct, xml.etree.ElementTree as tree
+true = [(c[0] + 2.**40, c[1] + 2.**40, c[2] + .25 + 2.**40) for c in
+        ((0, 0, 0), (1, 0, 0), (0, 1, 0), (.25, .25, 1), (.75, .25, 2), (.25, .75, 2))]
+data = base64.b64decode(tree.parse('far.vtp').find('.//Points/DataArray').text, validate=True)
+assert [tuple(x) for x in struct.iter_unpack('<3d', data[8:])] == true
+glb = open('far.glb', 'rb').read()
+length = struct.unpack('<I', glb[12:16])[0]
+document = json.loads(glb[20:20 + length])
+start, = (document['bufferViews'][a['bufferView']]['byteOffset'] for a in document['accessors'][:1])
+x0 = [struct.unpack_from('<3f', glb, 28 + length + start + 12 * i) for i in range(6)]
+off = document['nodes'][0]['translation']
+assert all(abs(a + o - (b - .25 * (k == 2))) < 1e-6 for x, y in zip(x0, true)
+           for k, (a, o, b) in enumerate(zip(x, off, y)))
+EOF
+! grep -q 'not ok' "$log"
+report stills__are_the_same_at_every_scale_and_place
+
 # If it failed, a program could not tell what was drawn or written.
 for command in 'render --size 320x200 -o a.png' 'export -o a.glb'; do
     # shellcheck disable=SC2086 # words

@@ -32,6 +32,7 @@ struct gltf {
     uint8_t *bytes;
     size_t count, room;
     json_t *views, *accessors, *meshes, *nodes, *channels, *samplers, *materials;
+    const struct still *still;
     int times, weights; /* accessors of the animation; -1: not made yet */
     bool has_memory;
 };
@@ -123,10 +124,14 @@ static void add_node(struct gltf *gltf, json_t *primitive, const char *name,
         json_object_set_new(mesh, "weights", weights);
     }
     append(gltf->meshes, mesh, gltf);
-    append(gltf->nodes,
-           json_pack("{s:s, s:I}", "name", name, "mesh",
-                     (json_int_t)json_array_size(gltf->meshes) - 1),
-           gltf);
+    json_t *node = json_pack("{s:s, s:I}", "name", name, "mesh",
+                             (json_int_t)json_array_size(gltf->meshes) - 1);
+    const double *origin = gltf->still->origin;
+    if (gltf->still->has_origin) {
+        json_object_set_new(node, "translation",
+                            json_pack("[f, f, f]", origin[0], origin[1], origin[2]));
+    }
+    append(gltf->nodes, node, gltf);
 }
 
 /* From where it is to the end of the step, as the weight of the morph target says. */
@@ -285,7 +290,8 @@ static void deinit(struct gltf *gltf)
 int gltf_write(const struct still *still, FILE *to, const char *path,
                struct ctl_error *error)
 {
-    struct gltf gltf = {.views = json_array(),
+    struct gltf gltf = {.still = still,
+                        .views = json_array(),
                         .accessors = json_array(),
                         .meshes = json_array(),
                         .nodes = json_array(),

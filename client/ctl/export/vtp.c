@@ -24,7 +24,7 @@ struct vtp {
     FILE *to;
     uint64_t vertices, triangles, contacts;
     uint64_t *bytes; /* of the array below: VTK wants both in one piece of base64 */
-    void *scratch;   /* an array: 12 bytes for each point or cell */
+    void *scratch;   /* an array: 24 bytes for each point or cell */
     bool is_ok;
 };
 
@@ -41,6 +41,21 @@ static void put_array(struct vtp *vtp, const char *type, const char *name,
     fputs("</DataArray>\n", vtp->to);
 }
 
+/* In place, from the end: where the scene is, which no float tells. */
+static void widen(struct vtp *vtp, uint64_t count)
+{
+    uint8_t *bytes = vtp->scratch;
+    for (uint64_t i = count; i-- > 0;) {
+        float x[3];
+        double wide[3];
+        memcpy(x, bytes + i * sizeof(x), sizeof(x));
+        for (int k = 0; k < 3; k++) {
+            wide[k] = (double)x[k] + vtp->still->origin[k];
+        }
+        memcpy(bytes + i * sizeof(wide), wide, sizeof(wide));
+    }
+}
+
 static void put_points(struct vtp *vtp)
 {
     float(*x)[3] = vtp->scratch;
@@ -53,8 +68,13 @@ static void put_points(struct vtp *vtp)
         memcpy(x[i], vtp->still->contacts[i].at, sizeof(*x));
     }
     fputs("<Points>\n", vtp->to);
-    put_array(vtp, "Float32", "Points", 3,
-              (vtp->vertices + vtp->contacts) * sizeof(float[3]));
+    uint64_t count = vtp->vertices + vtp->contacts;
+    if (vtp->still->has_origin) {
+        widen(vtp, count);
+        put_array(vtp, "Float64", "Points", 3, count * sizeof(double[3]));
+    } else {
+        put_array(vtp, "Float32", "Points", 3, count * sizeof(float[3]));
+    }
     fputs("</Points>\n", vtp->to);
 }
 
@@ -225,7 +245,7 @@ int vtp_write(const struct still *still, FILE *to, const char *path,
         return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than 32-bit indices name",
                              path);
     }
-    vtp.bytes = calloc(most + 1, sizeof(float[3]));
+    vtp.bytes = calloc(most + 1, sizeof(double[3]));
     if (vtp.bytes == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
     }

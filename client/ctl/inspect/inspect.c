@@ -136,6 +136,14 @@ static const char *compare(const struct play_step *step)
 
 /* ---- steps ------------------------------------------------------------------------- */
 
+/* A picture squares lengths in single precision, and squares that: 1, or near `size`. */
+static double unit_for(double size)
+{
+    int octave = 0;
+    (void)frexp(size, &octave);
+    return size > 0 && (octave < -16 || octave > 24) ? ldexp(1, octave) : 1;
+}
+
 /* The middle of the first step's objects: what is far from zero stays sharp as float. */
 static void choose_origin(struct inspect *inspect, const struct world_scene *scene)
 {
@@ -150,9 +158,12 @@ static void choose_origin(struct inspect *inspect, const struct world_scene *sce
             }
         }
     }
+    double size = 0;
     for (uint32_t k = 0; k < 3 && scene->object_count > 0; k++) {
         inspect->origin[k] = low[k] + (high[k] - low[k]) / 2;
+        size = fmax(size, high[k] - low[k]);
     }
+    inspect->unit = unit_for(size);
     inspect->has_origin = scene->object_count > 0;
 }
 
@@ -282,6 +293,7 @@ int inspect_finish(struct inspect *inspect, const char *name,
     set(meta, "is_rounded", json_boolean(inspect->settings.is_rounded), &ok);
     set(meta, "no_lanes", text_of(inspect->no_lanes, sizeof(inspect->no_lanes)), &ok);
     set(meta, "origin", json_pack("[f, f, f]", origin[0], origin[1], origin[2]), &ok);
+    set(meta, "unit", json_real(inspect->unit), &ok);
     set(meta, "meshes", json_incref(inspect->meshes), &ok);
     set(meta, "steps", json_incref(inspect->steps), &ok);
     int status = ok ? page_file_finish(inspect->page, meta, error) : no_memory(error);

@@ -9,9 +9,9 @@
  *
  * Numbers in the data are little-endian. A section is [blob, offset] in JSON; arrays:
  *     triangles  u32[3], or u16[3] of a mesh with at most 65536 vertices
- *     positions  f32[3] relative to the page's origin; or, rounded, f32[3] low, f32[3]
- *                step, then u16[3] in which x = low + step * number
- *     contacts   struct inspect_contact; boxes: struct pccd_box, relative to the origin
+ *     positions  f32[3] relative to the page's origin, in its unit; or, rounded,
+ *                f32[3] low, f32[3] step, then u16[3] in which x = low + step * number
+ *     contacts   struct inspect_contact; boxes: struct pccd_box, in the same way
  *     events     struct inspect_event
  */
 #ifndef CTL_INSPECT_H
@@ -77,6 +77,7 @@ struct inspect {
     bool is_full;      /* steps are missing: there was no room */
     bool has_origin;
     double origin[3]; /* the middle of the first step */
+    double unit;      /* of lengths: 1, or the size of what is very small or large */
     struct bytes data;
     struct pccd_box *boxes; /* [boxes_max] of a level; NULL: not needed yet */
     struct inspect_place *places;

@@ -19,6 +19,11 @@ static const char *const names[PCCD_TREE_COUNT] = {"vertices", "edges", "faces",
 
 _Static_assert(sizeof(struct pccd_box) == 48, "data.js reads 48 bytes");
 
+static float moved(const struct inspect *inspect, float x, uint32_t k)
+{
+    return (float)(((double)x - inspect->origin[k]) / inspect->unit);
+}
+
 /* Those that are not empty, relative to the origin. */
 static json_t *pack_level(struct inspect *inspect, uint32_t count)
 {
@@ -31,10 +36,10 @@ static json_t *pack_level(struct inspect *inspect, uint32_t count)
             continue;
         }
         for (uint32_t k = 0; k < 3; k++) {
-            to[packed].low0[k] = (float)((double)from->low0[k] - inspect->origin[k]);
-            to[packed].high0[k] = (float)((double)from->high0[k] - inspect->origin[k]);
-            to[packed].low1[k] = (float)((double)from->low1[k] - inspect->origin[k]);
-            to[packed].high1[k] = (float)((double)from->high1[k] - inspect->origin[k]);
+            to[packed].low0[k] = moved(inspect, from->low0[k], k);
+            to[packed].high0[k] = moved(inspect, from->high0[k], k);
+            to[packed].low1[k] = moved(inspect, from->low1[k], k);
+            to[packed].high1[k] = moved(inspect, from->high1[k], k);
         }
         packed++;
     }

@@ -89,7 +89,7 @@ static bool pack_floats(struct inspect *inspect, const double (*x)[3], uint32_t 
     float(*to)[3] = bytes_section(&inspect->data, count * sizeof(*to), offset);
     for (uint32_t i = 0; to != NULL && i < count; i++) {
         for (uint32_t k = 0; k < 3; k++) {
-            to[i][k] = (float)(x[i][k] - inspect->origin[k]);
+            to[i][k] = (float)((x[i][k] - inspect->origin[k]) / inspect->unit);
         }
     }
     return to != NULL;
@@ -113,8 +113,8 @@ static bool pack_rounded(struct inspect *inspect, const double (*x)[3], uint32_t
         }
     }
     for (uint32_t k = 0; k < 3; k++) {
-        head[k] = (float)(low[k] - inspect->origin[k]);
-        head[3 + k] = (float)((high[k] - low[k]) / LEVELS);
+        head[k] = (float)((low[k] - inspect->origin[k]) / inspect->unit);
+        head[3 + k] = (float)((high[k] - low[k]) / inspect->unit / LEVELS);
     }
     memcpy(to, head, sizeof(head));
     uint16_t *rounded = (uint16_t *)(void *)(to + sizeof(head));

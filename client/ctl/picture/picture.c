@@ -9,6 +9,7 @@
  */
 #include "picture.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -143,21 +144,23 @@ void picture_project(const struct picture_canvas *canvas, const float x[3],
     float d[3];
     offset_of(canvas, x, d);
     float depth = dot(d, canvas->axes[2]) + canvas->distance;
-    corner->nearness = 1.0f / fmaxf(depth, 1e-6f);
+    corner->nearness = 1.0f / fmaxf(depth, fmaxf(1e-6f * canvas->distance, FLT_MIN));
     float scale = canvas->focus * corner->nearness;
     corner->x = 0.5f * (float)canvas->raster.width + scale * dot(d, canvas->axes[0]);
     corner->y = 0.5f * (float)canvas->raster.height - scale * dot(d, canvas->axes[1]);
 }
 
-/* Each vertex' normal is the sum of its triangles', weighted by their area. */
-static void smooth_normals(const struct picture_mesh *mesh, struct raster_corner *corners)
+/* Each vertex' normal is the sum of its triangles', weighted by their area. In units of
+ * 2^octave, as squares of squares have no room in a float. */
+static void smooth_normals(const struct picture_mesh *mesh, int octave,
+                           struct raster_corner *corners)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *v = mesh->triangles[t];
         float a[3], b[3], normal[3];
         for (uint32_t k = 0; k < 3; k++) {
-            a[k] = mesh->x[v[1]][k] - mesh->x[v[0]][k];
-            b[k] = mesh->x[v[2]][k] - mesh->x[v[0]][k];
+            a[k] = ldexpf(mesh->x[v[1]][k] - mesh->x[v[0]][k], -octave);
+            b[k] = ldexpf(mesh->x[v[2]][k] - mesh->x[v[0]][k], -octave);
         }
         cross(a, b, normal);
         for (uint32_t k = 0; k < 9; k++) {
@@ -179,7 +182,9 @@ static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         picture_project(canvas, mesh->x[i], &corners[i]);
     }
-    smooth_normals(mesh, corners);
+    int octave;
+    (void)frexpf(fmaxf(canvas->distance, FLT_MIN), &octave);
+    smooth_normals(mesh, octave, corners);
     memcpy(surface.front, mesh->front, sizeof(surface.front));
     memcpy(surface.back, mesh->back, sizeof(surface.back));
     /* The light stands to the upper left behind the eye. */

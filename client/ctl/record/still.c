@@ -16,6 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
+
 struct taking {
     struct still *still;
     double t;
@@ -27,7 +29,32 @@ static int no_memory(struct ctl_error *error)
     return ctl_error_set(error, PCCD_E_NOMEM, "no memory for a step");
 }
 
-static bool take_object(const struct world_object *from, double t,
+/* A float has eight digits: where most of them say how far off the scene is, that is said
+ * apart. */
+static void choose_origin(const struct world_scene *scene, double t, struct still *still)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double extent = 0, far = 0;
+    for (uint32_t o = 0; o < scene->object_count; o++) {
+        const struct world_object *object = &scene->objects[o];
+        for (uint64_t i = 0; i < 3 * (uint64_t)object->mesh->vertex_count; i++) {
+            double a = object->x0[i / 3][i % 3], b = object->x1[i / 3][i % 3];
+            low[i % 3] = fmin(low[i % 3], a + t * (b - a));
+            high[i % 3] = fmax(high[i % 3], a + t * (b - a));
+        }
+    }
+    for (uint32_t k = 0; k < 3 && scene->object_count > 0; k++) {
+        extent = fmax(extent, high[k] - low[k]);
+        far = fmax(far, fmax(fabs(low[k]), fabs(high[k])));
+    }
+    still->has_origin = far > ORIGIN_RATIO * extent;
+    for (uint32_t k = 0; k < 3 && still->has_origin; k++) {
+        still->origin[k] = low[k] + (high[k] - low[k]) / 2;
+    }
+}
+
+static bool take_object(const struct world_object *from, double t, const double origin[3],
                         struct still_object *object)
 {
     const struct world_mesh *mesh = from->mesh;
@@ -46,7 +73,7 @@ static bool take_object(const struct world_object *from, double t,
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         for (uint32_t k = 0; k < 3; k++) {
             double a = from->x0[i][k], b = from->x1[i][k];
-            object->x[i][k] = (float)(a + t * (b - a));
+            object->x[i][k] = (float)(a + t * (b - a) - origin[k]);
             object->motion[i][k] = (float)(b - a);
         }
     }
@@ -135,9 +162,11 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     if (still->objects == NULL || still->contacts == NULL) {
         return no_memory(error);
     }
+    choose_origin(step->scene, taking->t, still);
     for (uint32_t i = 0; i < step->scene->object_count; i++) {
         still->object_count++;
-        if (!take_object(&step->scene->objects[i], taking->t, &still->objects[i]) ||
+        if (!take_object(&step->scene->objects[i], taking->t, still->origin,
+                         &still->objects[i]) ||
             world_edges(step->scene->objects[i].mesh, error) != PCCD_OK) {
             return no_memory(error);
         }

@@ -14,14 +14,14 @@
 struct still_object {
     uint32_t handle;
     uint32_t vertex_count, triangle_count;
-    float (*x)[3];      /* at the time that was asked for */
+    float (*x)[3];      /* at the time that was asked for, less the origin */
     float (*motion)[3]; /* from t = 0 to t = 1 */
     uint32_t (*triangles)[3];
     uint32_t *hits; /* of each triangle: contacts of it, its edges and its corners */
 };
 
 struct still_contact {
-    float at[3]; /* where its second feature is touched, at the time asked for */
+    float at[3]; /* where its second feature is touched, then, less the origin */
     float normal[3];
     double toi;
     uint32_t kind, flags;
@@ -35,7 +35,9 @@ struct still {
     uint32_t object_count;
     struct still_contact *contacts;
     uint64_t contact_count;
-    double extent; /* largest side of the box around everything */
+    double extent;    /* largest side of the box around everything */
+    double origin[3]; /* zeros but for a scene that is small for how far off it is */
+    bool has_origin;
 };
 
 /* The last answered step of `settings`, or the one it names, at time t. */
