@@ -6,14 +6,15 @@
  *
  *           The client makes its positions in the slot, as pccd_frame_x1 has it, and as
  *           it makes them in a buffer of its own before SET; what it takes to make them
- *           is on neither side. Row 4, publish to private checked copy: the message, the
- *           daemon's copy out of the slot with its checks, and the answer's way back,
- *           which is no part of it but cannot be told apart: all of an update but what is
- *           computed with the copy. A client that spins for 50 us is judged, as its
- *           wake-up is not the copy's; one that waits in the kernel is told. Row 5 is the
- *           same beside SET, which computes nothing either, the client waiting in the
- *           kernel. Told, too: the same where the client has its positions elsewhere, and
- *           copies them into the slot; and the update with all that the step computes.
+ *           is on neither side. Row 4, publish to private checked copy: from the client's
+ *           publishing to where the daemon's step begins, as its recorded trace has it;
+ *           both read one clock. It is the way there, with whoever must be woken, and the
+ *           copy out of the slot with its checks. Told, too: all of an update but what is
+ *           computed with the copy, that is with the answer's way back, by a client that
+ *           spins for 50 us and by one that waits in the kernel. Row 5 is the latter
+ *           beside SET, which computes nothing either. Told, too: the same where the
+ *           client has its positions elsewhere, and copies them into the slot; and the
+ *           update with all that the step computes.
  * Threads:  one.
  */
 #include <stdio.h>
@@ -38,7 +39,7 @@ struct size {
  * (SPINNING, WAITING) and of those copied into it; and one with it. */
 enum quantity { COPY, LEAST, SET, SPINNING, WAITING, COPIED, WHOLE, QUANTITIES };
 
-/* Microseconds of the step, and of it what is computed. */
+/* Microseconds since `begin_ns`, and of them what is not computed. */
 static void take(struct bench_soup *soup, uint64_t begin_ns, uint64_t step, double *whole,
                  double *moved)
 {
@@ -51,9 +52,9 @@ static void take(struct bench_soup *soup, uint64_t begin_ns, uint64_t step, doub
     pccd_answer_release(soup->client, &answer);
 }
 
-/* `in_place`: the positions are made before the clock runs. */
-static void update(struct bench_soup *soup, const void *x, bool in_place, double *whole,
-                   double *moved)
+/* `in_place`: the positions are made before the clock runs. Returns when it began. */
+static uint64_t update(struct bench_soup *soup, const void *x, bool in_place,
+                       double *whole, double *moved)
 {
     struct pccd_frame frame;
     uint64_t step;
@@ -68,7 +69,61 @@ static void update(struct bench_soup *soup, const void *x, bool in_place, double
     begin_ns = in_place ? bench_now_ns() : begin_ns;
     bench_must(pccd_frame_commit(&frame, NULL, &step), "commit", soup->client);
     take(soup, begin_ns, step, whole, moved);
+    return begin_ns;
 }
+
+/* ---- the way there ----------------------------------------------------------------- */
+
+#define TURNS_MAX 256u
+
+/* When steps began, in order. */
+struct begins {
+    uint64_t ns[TURNS_MAX];
+    uint32_t count;
+};
+
+static void add_begins(void *context, const struct pccd_trace_event *events,
+                       uint32_t count)
+{
+    struct begins *begins = context;
+    for (uint32_t i = 0; i < count; i++) {
+        if (events[i].kind == PCCD_TRACE_STEP && begins->count < TURNS_MAX) {
+            begins->ns[begins->count++] = events[i].begin_ns;
+        }
+    }
+}
+
+/* By turns: a copy, and an update of which the daemon tells when it had its copy. As many
+ * turns and four have been before. */
+static void measure_way(struct bench_soup *soup, unsigned turns, unsigned char *shared,
+                        struct pairs *pairs)
+{
+    static struct begins begins;
+    static uint64_t published_ns[TURNS_MAX];
+    static double copy_us[TURNS_MAX];
+    double whole;
+    double moved;
+    begins.count = 0;
+    bench_must(pccd_trace_start(soup->client, 0, UINT64_MAX, NULL), "trace",
+               soup->client);
+    for (unsigned i = 0; i < turns; i++) {
+        uint64_t begin_ns = bench_now_ns();
+        memcpy(shared + i % BENCH_SLOTS * soup->bytes, soup->x[0], soup->bytes);
+        copy_us[i] = 1e-3 * (double)(bench_now_ns() - begin_ns);
+        published_ns[i] =
+            update(soup, soup->x[(turns + i + 1) % 2], true, &whole, &moved);
+    }
+    bench_must(pccd_trace_stop(soup->client, NULL), "trace", soup->client);
+    bench_must(pccd_trace_dump(soup->client, add_begins, &begins), "trace", soup->client);
+    bench_check(begins.count == turns, "trace", "it has not every step once");
+    for (unsigned i = 0; i < turns && i < begins.count; i++) {
+        double kb = 1e-3 * (double)soup->bytes;
+        double us = 1e-3 * (double)(begins.ns[i] - published_ns[i]);
+        pairs_add(pairs, kb / us, kb / copy_us[i]);
+    }
+}
+
+/* ---- there and back ---------------------------------------------------------------- */
 
 /* The blocking client's scene, and the other's. */
 static void take_turn(struct bench_soup soups[2], unsigned i, unsigned char *shared,
@@ -95,6 +150,7 @@ static void take_turn(struct bench_soup soups[2], unsigned i, unsigned char *sha
 /* Rows, in their order; of those of copies the unit is GB/s. */
 enum row {
     PUBLISH,
+    PUBLISH_SPINNING,
     PUBLISH_WAITING,
     PUBLISH_COPIED,
     PUBLISH_LEAST,
@@ -106,7 +162,7 @@ enum row {
 
 static void keep(struct pairs pairs[ROWS], double kb, const double us[QUANTITIES])
 {
-    pairs_add(&pairs[PUBLISH], kb / us[SPINNING], kb / us[COPY]);
+    pairs_add(&pairs[PUBLISH_SPINNING], kb / us[SPINNING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_WAITING], kb / us[WAITING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_COPIED], kb / us[COPIED], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_LEAST], kb / us[LEAST], kb / us[COPY]);
@@ -129,8 +185,9 @@ static void print(const struct size *size, struct pairs pairs[ROWS])
     snprintf(name, sizeof name, "%s to a checked copy", size->name);
     pairs_print(&(struct pairs_row){"4", name, copy, "GB/s", PAIRS_AT_LEAST, size->share},
                 &pairs[PUBLISH]);
-    tell("the same, waiting in the kernel", copy, "GB/s", &pairs[PUBLISH_WAITING]);
-    tell("the same, copied into the slot", copy, "GB/s", &pairs[PUBLISH_COPIED]);
+    tell("with the way back, spinning for 50 us", copy, "GB/s", &pairs[PUBLISH_SPINNING]);
+    tell("with it, waiting in the kernel", copy, "GB/s", &pairs[PUBLISH_WAITING]);
+    tell("with it, copied into the slot", copy, "GB/s", &pairs[PUBLISH_COPIED]);
     tell("the least: a message, the copy, a message", copy, "GB/s",
          &pairs[PUBLISH_LEAST]);
     snprintf(name, sizeof name, "%s, update", size->name);
@@ -150,12 +207,14 @@ static void measure(const struct rows *rows, const struct size *size, int redis_
     bench_soup_init(&soups[1], rows->spinning, PCCD_FORMAT_F32, vertices);
     unsigned char *shared = bench_shared_new(BENCH_SLOTS * soups[0].bytes);
     double kb = 1e-3 * (double)soups[0].bytes; /* KB a us are GB/s */
-    for (unsigned i = 0, turns = rows->smoke ? 3 : size->turns; i < turns + 4; i++) {
+    unsigned turns = rows->smoke ? 3 : size->turns;
+    for (unsigned i = 0; i < turns + 4; i++) {
         take_turn(soups, i, shared, rows->least, redis_fd, us);
         if (i >= 4) { /* every slot has been written */
             keep(pairs, kb, us);
         }
     }
+    measure_way(&soups[1], turns, shared, &pairs[PUBLISH]);
     print(size, pairs);
     munmap(shared, BENCH_SLOTS * soups[0].bytes);
     bench_soup_deinit(&soups[1]);
