@@ -17,6 +17,8 @@
 #define RANGE_ALIGN   8u  /* of every range: the protocol's */
 #define RANGES_SLACK  16u /* bytes that the alignment of a segment's ranges can take */
 #define PAYLOAD_MAX   (1ull << 48) /* more than any memory: sums do not wrap */
+/* Slot of a frame that was committed or aborted; who aborts it again loses no text. */
+#define SLOT_GIVEN_BACK UINT32_MAX
 
 static uint64_t round_up(uint64_t bytes, uint64_t unit)
 {
@@ -112,6 +114,11 @@ static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
 {
     if (frame == NULL || frame->client == NULL) {
         return PCCD_E_INVAL;
+    }
+    if (frame->slot == SLOT_GIVEN_BACK) {
+        return cli_fail(
+            frame->client, PCCD_E_INVAL,
+            "the frame was committed or aborted; pccd_frame_begin begins one");
     }
     if (frame->slot >= frame->client->ring.slot_count ||
         frame->client->ring.slots[frame->slot].state != CLI_SLOT_BEGUN) {
@@ -244,6 +251,7 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
     struct pccd_client *client;
     struct cli_slot *own = NULL;
     uint32_t segment_count;
+    uint32_t slot;
     uint64_t seq;
     int rc = find_slot(frame, &own);
 
@@ -251,24 +259,24 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
         return rc;
     }
     client = frame->client;
-    frame->client = NULL; /* a frame is committed once */
+    slot = frame->slot;
+    frame->slot = SLOT_GIVEN_BACK; /* a frame is committed once */
     segment_count = own->segment_count;
     if (step == NULL) {
-        cli_slot_abort(client, frame->slot);
+        cli_slot_abort(client, slot);
         return cli_fail(client, PCCD_E_INVAL, "step is NULL");
     }
-    seq = cli_slot_publish(client, frame->slot);
-    return cli_step_send(client, own->scene, frame->slot, seq, segment_count, settings,
-                         step);
+    seq = cli_slot_publish(client, slot);
+    return cli_step_send(client, own->scene, slot, seq, segment_count, settings, step);
 }
 
 void pccd_frame_abort(struct pccd_frame *frame)
 {
     struct cli_slot *own = NULL;
 
-    if (find_slot(frame, &own) != 0) {
+    if (frame == NULL || frame->slot == SLOT_GIVEN_BACK || find_slot(frame, &own) != 0) {
         return;
     }
     cli_slot_abort(frame->client, frame->slot);
-    frame->client = NULL;
+    frame->slot = SLOT_GIVEN_BACK;
 }

@@ -500,7 +500,8 @@ void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)
  * done. */
 int pccd_cancel(struct pccd_client *client, uint64_t step);
 
-/* Begin, copy, commit and wait in one: one object, all its vertices. On failure either
+/* Begin, copy, commit and wait in one: one object, its first vertex_count vertices (all,
+ * as a rule: the others stand still; E_SEGMENT: it has not so many). On failure either
  * answer->status says so or the answer is untouched; a step that timed out is
  * cancelled. */
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,

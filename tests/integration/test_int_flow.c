@@ -166,8 +166,12 @@ static void flow__frames_keep_to_what_they_announced(void **state)
         PCCD_E_LIMIT);
     copy = frames[0];
     pccd_frame_abort(&frames[0]);
-    pccd_frame_abort(&frames[0]);
+    assert_int_equal(pccd_frame_commit(&frames[0], NULL, &step), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(client), "was committed or aborted"));
     assert_int_equal(pccd_frame_commit(&copy, NULL, &step), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(client), "the frame is not begun"));
+    pccd_frame_abort(&frames[0]);
+    assert_non_null(strstr(pccd_error_text(client), "the frame is not begun"));
     for (int i = 1; i < 4; i++) {
         pccd_frame_abort(&frames[i]);
     }
