@@ -55,7 +55,7 @@ static void look_at_failure(struct doctor *doctor, int status)
         advice = "it hangs: gdb -p or kill -ABRT tell where";
         break;
     default:
-        advice = "start pccdd, or let a client start one (pccdctl demo does), or set "
+        advice = "start pccdd, or let a program do it (pccdctl load FILE does), or set "
                  "PCCD_URL";
         break;
     }

@@ -109,6 +109,19 @@ static bool find_path(const struct pccd_options *options, char path[PATH_BYTES])
     return path[0] != '\0';
 }
 
+/* Whether the daemon could make that folder: the one that it is in must be there. */
+static bool can_make(const char *folder)
+{
+    char parent[PATH_BYTES];
+    snprintf(parent, sizeof parent, "%s", folder);
+    char *slash = strrchr(parent, '/');
+    if (slash == NULL) {
+        return true; /* beside us */
+    }
+    slash[slash == parent ? 1 : 0] = '\0';
+    return access(parent, W_OK | X_OK) == 0;
+}
+
 static void look_at_folder(struct doctor *doctor, const char *path)
 {
     char folder[PATH_BYTES];
@@ -120,10 +133,16 @@ static void look_at_folder(struct doctor *doctor, const char *path)
     }
     *slash = '\0';
     if (stat(folder, &found) != 0) {
-        doctor_find(doctor, DOCTOR_WARN, "folder",
-                    errno == ENOENT ? "the daemon makes it when it starts"
-                                    : "let this user pass through it",
-                    "%s: %s", folder, strerror(errno));
+        int why = errno;
+        bool is_missing = why == ENOENT;
+        bool can_be_made = is_missing && can_make(folder);
+        doctor_find(
+            doctor, can_be_made || !is_missing ? DOCTOR_WARN : DOCTOR_FAIL, "folder",
+            can_be_made  ? "the daemon makes it when it starts"
+            : is_missing ? "the daemon makes only the last folder of the path, and "
+                           "cannot: make it, or set XDG_RUNTIME_DIR or PCCD_URL"
+                         : "let this user pass through it",
+            "%s: %s", folder, strerror(why));
         return;
     }
     bool is_foreign = found.st_uid != 0 && found.st_uid != geteuid();
