@@ -68,7 +68,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (link->is_private && link->url != NULL) {
-            argp_error(state, "--private and --url exclude each other");
+            argp_error(state, "--private excludes --url and --socket");
+        }
+        if (link->url != NULL && strcmp(link->url, "direct:") != 0 &&
+            (strncmp(link->url, "unix:", 5) != 0 || link->url[5] == '\0')) {
+            argp_error(state,
+                       "--url: \"%s\" is neither unix:PATH nor direct:", link->url);
         }
         return 0;
     default:
@@ -135,9 +140,9 @@ int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
         return CTL_DONE;
     }
     const char *text = pccd_error_text(NULL);
-    (void)ctl_complain("no connection: %s%s",
-                       text[0] != '\0' ? text : pccd_status_text(status),
-                       asked.no_autostart ? "; pccdctl doctor tells what is wrong" : "");
+    (void)ctl_complain(
+        "no connection: %s%s", text[0] != '\0' ? text : pccd_status_text(status),
+        asked.private_daemon ? "" : "; pccdctl doctor tells what is wrong");
     return CTL_NO_DAEMON;
 }
 

@@ -13,6 +13,7 @@
 
 #include "ctl.h"
 #include "pccd.h"
+#include "terminal.h"
 
 #define STRING_OF(number) #number
 #define STRING(number)    STRING_OF(number)
@@ -76,7 +77,8 @@ static int run_command(const struct command *command, int argc, char **argv)
     snprintf(title, sizeof(title), "%s", command->title);
     argv[0] = title;
     int status = command->run(argc, argv);
-    if (fflush(stdout) != 0 || ferror(stdout) != 0) {
+    bool has_failed = fflush(stdout) != 0 || ferror(stdout) != 0;
+    if (has_failed && !terminal_has_no_reader()) { /* as head, who has seen enough */
         status = ctl_complain("cannot write to the standard output");
     }
     return status;

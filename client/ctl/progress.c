@@ -10,11 +10,13 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "terminal.h"
 
-#define BAR_CHARS 40
+#define BAR_CHARS 40u /* at most */
 #define REDRAW_NS 50000000u
 
 static uint64_t now_ns(void)
@@ -32,6 +34,16 @@ void progress_begin(struct progress *progress, const char *label, uint64_t total
     progress->is_on = total > 0 && terminal_has_live_errors();
 }
 
+/* What is left of a row for the bar: in one that wraps, each drawing would leave a row
+ * behind. The last column stays free. */
+static uint32_t bar_chars(uint32_t other_chars)
+{
+    uint32_t columns, rows;
+    terminal_size(STDERR_FILENO, &columns, &rows);
+    uint32_t left = columns > other_chars ? columns - other_chars : 0;
+    return left < BAR_CHARS ? left : BAR_CHARS;
+}
+
 void progress_update(struct progress *progress, uint64_t done)
 {
     if (!progress->is_on) {
@@ -42,15 +54,18 @@ void progress_update(struct progress *progress, uint64_t done)
         done < progress->total) {
         return;
     }
-    char bar[BAR_CHARS + 1];
+    char bar[BAR_CHARS + 1], count[48];
     done = done < progress->total ? done : progress->total; /* time goes on */
-    uint64_t filled = done * BAR_CHARS / progress->total;
-    for (uint64_t i = 0; i < BAR_CHARS; i++) {
+    int count_chars =
+        snprintf(count, sizeof count, "%" PRIu64 "/%" PRIu64, done, progress->total);
+    uint32_t chars =
+        bar_chars((uint32_t)strlen(progress->label) + (uint32_t)count_chars + 5);
+    uint64_t filled = done * chars / progress->total;
+    for (uint32_t i = 0; i < chars; i++) {
         bar[i] = i < filled ? '#' : '.';
     }
-    bar[BAR_CHARS] = '\0';
-    fprintf(stderr, "\r%s [%s] %" PRIu64 "/%" PRIu64 "\033[K", progress->label, bar, done,
-            progress->total);
+    bar[chars] = '\0';
+    fprintf(stderr, "\r%s [%s] %s\033[K", progress->label, bar, count);
     progress->drawn_ns = now;
 }
 

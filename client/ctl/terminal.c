@@ -7,10 +7,12 @@
  */
 #include "terminal.h"
 
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -58,6 +60,14 @@ const char *terminal_end(void)
     return has_colours() ? "\033[0m" : "";
 }
 
+void terminal_size(int fd, uint32_t *columns, uint32_t *rows)
+{
+    struct winsize size = {.ws_col = 0};
+    bool is_told = ioctl(fd, TIOCGWINSZ, &size) == 0;
+    *columns = is_told && size.ws_col > 0 ? size.ws_col : 80;
+    *rows = is_told && size.ws_row > 0 ? size.ws_row : 24;
+}
+
 void terminal_redraw(void)
 {
     fputs("\033[H\033[J", stdout);
@@ -82,6 +92,12 @@ void terminal_catch_interrupts(void)
 bool terminal_was_interrupted(void)
 {
     return is_interrupted != 0;
+}
+
+bool terminal_has_no_reader(void)
+{
+    struct pollfd output = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
 }
 
 void terminal_sleep(double seconds)

@@ -11,6 +11,7 @@
 #define CTL_TERMINAL_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 enum terminal_colour { TERMINAL_GREEN, TERMINAL_YELLOW, TERMINAL_RED, TERMINAL_BOLD };
 
@@ -24,6 +25,8 @@ const char *terminal_end(void);
  * same of the standard error. */
 bool terminal_is_live(void);
 bool terminal_has_live_errors(void);
+/* Columns and rows of the terminal behind a descriptor; 80 and 24 if it does not tell. */
+void terminal_size(int fd, uint32_t *columns, uint32_t *rows);
 /* Begin to draw it anew, from the top; what was below goes. */
 void terminal_redraw(void);
 
@@ -31,6 +34,8 @@ void terminal_redraw(void);
  * nobody reads is an error of writing. */
 void terminal_catch_interrupts(void);
 bool terminal_was_interrupted(void);
+/* Whether the standard output is a pipe that nobody reads any more. */
+bool terminal_has_no_reader(void);
 /* Sleep, or until an interrupt. */
 void terminal_sleep(double seconds);
 /* CLOCK_MONOTONIC. */

@@ -171,7 +171,7 @@ ctl check --json --threads 2 --scheduler paper --high-level disjoint --refit pap
         '"refit": ' '"low": [0-9]' '"high": [0-9]' '"rebuild": [0-9]' &&
     ctl check t0.ply t1.ply && says '^trees +quality default, rebuild ratio default$' &&
     ctl check --rebuild-ratio 0 t0.ply t1.ply && says '^trees .* never rebuilt$' &&
-    fails 2 '"slow" is not known' check --scheduler slow t0.ply t1.ply &&
+    fails 2 '"slow" is none of default, steal, paper' check --scheduler slow t0.ply t1.ply &&
     fails 2 'is not a number from 0 to 1' check --rebuild-ratio 2 t0.ply t1.ply
 report "scheduler, quality and reconstruction are chosen and told, and change no hash"
 
@@ -246,7 +246,10 @@ fails 4 'absent.ply: cannot open: No such file' check t0.ply absent.ply
 report "an absent file is told"
 
 fails 2 'two files at least' check t0.ply &&
-    fails 2 '"wide-open" is not known' check --method wide-open t0.ply t1.ply &&
+    fails 2 '"wide-open" is none of default, paper, wide' check --method wide-open t0.ply t1.ply &&
+    fails 2 'which --trace asks for' check --events 10 t0.ply t1.ply &&
+    fails 2 '"nowhere" is neither unix:PATH nor direct:' check --url nowhere t0.ply t1.ply &&
+    fails 2 '--private excludes --url and --socket' check --private --socket s t0.ply t1.ply &&
     fails 2 'is not a whole number' check --threads -1 t0.ply t1.ply &&
     fails 2 'mode any gives no contacts' check --mode any --contacts c.csv t0.ply t1.ply
 report "wrong usage is an error with exit status 2"
@@ -259,7 +262,9 @@ fails 4 '/nowhere/t.json: cannot write' check --json --trace /nowhere/t.json t0.
     fails 2 'where the recording goes' trace && fails 2 'exclude each other' trace -o x --steps 1 --seconds 1
 report "a recording that has nowhere to go is told"
 
-fails 3 'no connection' check --daemon /nowhere/pccdd t0.ply t1.ply
+fails 3 'no connection' check --daemon /nowhere/pccdd t0.ply t1.ply &&
+    fails 3 'nobody listens at /nowhere: No such file or directory; pccdctl doctor tells' \
+        check --socket /nowhere t0.ply t1.ply
 report "a daemon that cannot be started is told"
 
 # ---- a daemon that stays ------------------------------------------------------------
@@ -330,7 +335,7 @@ ctl demo --steps 40 && is_png pccd-demo.png && says '^picture +\./pccd-demo\.png
 report "demo streams, prints its table and writes a picture"
 
 first=$(grep '^hash' out)
-ctl demo --steps 40 --output other.png && is_png other.png &&
+ctl demo --steps 40 -o other.png && is_png other.png &&
     [ "$(grep '^hash' out)" = "$first" ] && cmp -s pccd-demo.png other.png
 report "demo gives the same hash and picture again"
 

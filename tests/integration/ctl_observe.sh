@@ -143,11 +143,54 @@ for _ in 1 2 3 4 5 6 7 8 9 10; do
     sleep 0.2
 done
 
+# If it failed, whoever has seen enough of the lines would be told of an error.
+: >err
+for command in watch 'watch --json' 'top --json --interval 0.01'; do
+    # shellcheck disable=SC2086 # words
+    timeout 20 "$PCCDCTL" $command 2>>err | head -n 1 >/dev/null
+    [ "${PIPESTATUS[0]}" -eq 0 ] || echo "$command: exit status"
+done >"$log"
+cat err >>"$log"
+[ ! -s "$log" ] && { timeout 20 "$PCCDCTL" watch --count 1 >/dev/full 2>err; [ $? -eq 4 ]; } &&
+    grep -q 'cannot write' err
+tap_result $? watch__ends_quietly_when_nobody_reads "$log"
+
+# on_terminal COLUMNS COMMAND...: what a terminal of so many columns and eight rows is sent, a
+# line each in out, without escape sequences.
+on_terminal() {
+    local columns=$1
+    shift
+    TERM=xterm timeout -k 5 60 script -qec "stty cols $columns rows 8; $*" /dev/null </dev/null |
+        tr '\r' '\n' | sed 's/\x1b\[[0-9;?]*[A-Za-z]//g' >out
+}
+fits() { # COLUMNS
+    ! grep -E "^.{$(($1 + 1))}" out
+}
+if command -v script >/dev/null; then
+    on_terminal 40 "$PCCDCTL" top --count 3 --interval 0.05 && says '^SESSION' "^ *[0-9]+ +$player " &&
+        fits 40 >"$log" && on_terminal 200 "$PCCDCTL" top --count 2 --interval 0.05 && says 'OUT/S$'
+    # If it failed, each drawing would leave rows behind on a terminal that is not wide.
+    tap_result $? top__fits_the_terminal "$log"
+    on_terminal 40 "$PCCDCTL" load --seconds 0.3 a.obj b.obj &&
+        says '^playing \(ms\) \[#*\.*\] [0-9]+/300$' && grep '^playing' out >bars &&
+        mv bars out && fits 39 >"$log"
+    # If it failed, the bar would climb down such a terminal.
+    tap_result $? progress__fits_the_terminal "$log"
+    on_terminal 80 "$PCCDCTL" check --repeat 40000 a.obj b.obj &&
+        says '^runs \[#+\.+\] [0-9]+/40001$' '^contacts +1:'
+    # If it failed, who measures for long would not know for how long.
+    tap_result $? check__shows_its_repetitions "$log"
+else
+    tap_skip top__fits_the_terminal "script is not installed"
+    tap_skip progress__fits_the_terminal "script is not installed"
+    tap_skip check__shows_its_repetitions "script is not installed"
+fi
+
 # If it failed, who watches would not see the steps.
 ctl watch --count 3 && [ "$(grep -cE '^ +[0-9]+ s[0-9]+ 0x[0-9a-f]+ [0-9a-f]{32} +[0-9]+ ' out)" = 3 ] &&
     ctl watch --session "$session" --count 1 --json &&
     json 'j["session"] == '"$session"' and j["status"] == "OK" and j["ms"] > 0' &&
-    fails 4 'no session' watch --session 999 --count 1 &&
+    fails 4 'no session 999; pccdctl list shows them' watch --session 999 --count 1 &&
     fails 2 '--scene needs --session' watch --scene 0x100000
 tap_result $? watch__prints_every_step "$log"
 
@@ -235,6 +278,26 @@ ctl doctor && says '^ok +socket ' '^ok +versions ' '^ok +ping ' &&
 status=$?
 chmod 0700 "$work"
 tap_result $status doctor__finds_what_is_wrong "$log"
+
+# If it failed, the way out that doctor shows to who has no daemon would lead nowhere.
+mkdir none && {
+    env -u PCCD_URL XDG_RUNTIME_DIR="$work/none" timeout 20 "$PCCDCTL" doctor >out 2>err
+    [ $? -eq 1 ] && says '^warn +folder ' '^ +-> the daemon makes it when it starts' &&
+        advice=$(sed -nE 's/.*\(pccdctl ([a-z]+ FILE) does\).*/\1/p' out) && [ -n "$advice" ] &&
+        # shellcheck disable=SC2086 # words
+        env -u PCCD_URL XDG_RUNTIME_DIR="$work/none" timeout 20 "$PCCDCTL" ${advice/FILE/a.obj} >out 2>err &&
+        env -u PCCD_URL XDG_RUNTIME_DIR="$work/none" timeout 20 "$PCCDCTL" doctor >out 2>err &&
+        says '^ok +socket '
+}
+status=$?
+pid=$(sed -nE 's/^ok +versions .* process ([0-9]+);.*/\1/p' out)
+[ -z "$pid" ] || kill "$pid"
+tap_result $status doctor__knows_how_to_get_a_daemon "$log"
+
+# If it failed, who has no runtime folder at all would wait for the daemon to make it.
+env -u PCCD_URL XDG_RUNTIME_DIR="$work/absent" timeout 20 "$PCCDCTL" doctor >out 2>err
+[ $? -eq 1 ] && says '^FAIL +folder +.*/absent/pccd: No such' '^ +-> .* set XDG_RUNTIME_DIR'
+tap_result $? doctor__tells_of_a_folder_that_cannot_be_made "$log"
 
 # If it failed, a script could not read how fast a daemon answers, or which one it is.
 ctl ping -c 20 -i 0 --json && json 'j["count"] == 20 and j["pid"] == '"$daemon" &&

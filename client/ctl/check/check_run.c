@@ -13,6 +13,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "progress.h"
 #include "statistics.h"
 
 #define ROUND_TRIP REPORT_PHASE_COUNT /* row of check_run.times behind the phases */
@@ -164,6 +165,10 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
         }
         if (status != PCCD_OK) {
             return status;
+        }
+        if (run->progress != NULL) {
+            progress_update(run->progress,
+                            (uint64_t)(number - 1) * (run->repeats + 1u) + i + 1);
         }
         report_phases(&answer->times, ms);
         if (i == 0) {

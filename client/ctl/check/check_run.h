@@ -23,8 +23,9 @@ struct check_run {
     struct pccd_step_settings settings;
     uint32_t repeats; /* timed runs after the first; 0: only the first */
     uint32_t scene, object;
-    struct pccd_edge *edges; /* ours, of the registered mesh; NULL unless asked for */
-    struct report_mesh mesh; /* mesh.settings is the caller's */
+    struct pccd_edge *edges;   /* ours, of the registered mesh; NULL unless asked for */
+    struct report_mesh mesh;   /* mesh.settings is the caller's */
+    struct progress *progress; /* the caller's, of all runs of all steps; or NULL */
     double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
 };
 

@@ -22,6 +22,7 @@
 #define THREADS_MAX     1024u
 #define TOLERANCE_MIN   1e-12
 #define DEADLINE_MS_MAX 3600000u
+#define NAMES_MAX       8u /* of one option */
 
 enum {
     OPTION_MODE = 256 + 64,
@@ -108,14 +109,11 @@ static uint32_t parse_name(const struct argp_state *state, const char *option,
                            const char *text, const char *(*name_of)(uint32_t),
                            uint32_t count)
 {
-    uint32_t value = 0;
-    while (value < count && strcmp(name_of(value), text) != 0) {
-        value++;
+    const char *names[NAMES_MAX];
+    for (uint32_t i = 0; i < count && i < NAMES_MAX; i++) {
+        names[i] = name_of(i);
     }
-    if (value == count) {
-        argp_error(state, "--%s: \"%s\" is not known; see --help", option, text);
-    }
-    return value;
+    return (uint32_t)ctl_option_name(state, option, text, names, (int)count);
 }
 
 static const char *mode_name(uint32_t value)
@@ -159,6 +157,11 @@ static void check_usage(const struct argp_state *state,
     }
     if (options->trace.path != NULL && strcmp(options->trace.path, "-") == 0) {
         argp_error(state, "--trace: the standard output is the report's");
+    }
+    if (options->trace.path == NULL &&
+        (options->trace.min_us > 0 || options->trace.events > 0)) {
+        argp_error(state, "--min-us and --events are of the recording, which --trace "
+                          "asks for");
     }
 }
 
@@ -287,7 +290,7 @@ const struct argp ctl_argp_check = {
         "kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when there are more "
         "than "
         "two files. Exit status: 0 when done (the report says whether the answer is "
-        "complete), 1 after an error.",
+        "complete), 2 after wrong usage, 3 without a daemon, 4 after any other error.",
     .children = children};
 
 /* Everything that lives while the frames are walked through. */
@@ -329,8 +332,10 @@ static int walk(struct check *check, struct ctl_error *error)
     uint32_t step_count = options->path_count - 1;
     bool is_sequence = step_count > 1;
     int status = PCCD_OK;
-    progress_begin(&check->progress, "steps", is_sequence ? step_count : 0);
+    progress_begin(&check->progress, "runs",
+                   (uint64_t)step_count * (check->run.repeats + 1u));
     progress_update(&check->progress, 0);
+    check->run.progress = &check->progress;
     for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
         struct report_step *step = &check->steps[i - 1];
         step->from = options->paths[i - 1];
@@ -346,7 +351,6 @@ static int walk(struct check *check, struct ctl_error *error)
             progress_clear(&check->progress);
             report_print_line(check->report, i, step);
         }
-        progress_update(&check->progress, i);
     }
     progress_clear(&check->progress);
     return status;

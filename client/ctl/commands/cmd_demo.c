@@ -30,7 +30,7 @@
 #define OUTPUT_DEFAULT "./pccd-demo.png"
 #define RIGID_BYTES    (2 * 12 * sizeof(double)) /* payload of a rigid segment */
 
-enum { OPTION_STEPS = 256 + 64, OPTION_OUTPUT, OPTION_THREADS };
+enum { OPTION_STEPS = 256 + 64, OPTION_THREADS };
 
 struct demo_options {
     struct ctl_query query;
@@ -41,7 +41,7 @@ struct demo_options {
 
 static const struct argp_option option_list[] = {
     {"steps", OPTION_STEPS, "N", 0, "Steps of a hundredth of a second (default: 300)", 0},
-    {"output", OPTION_OUTPUT, "FILE", 0,
+    {"output", 'o', "FILE", 0,
      "Where the picture goes, a PNG (default: " OUTPUT_DEFAULT ")", 0},
     {"threads", OPTION_THREADS, "N", 0,
      "Use at most N threads (default: the daemon decides)", 0},
@@ -58,7 +58,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_STEPS:
         options->steps = (uint32_t)ctl_option_count(state, "steps", text, 1, STEPS_MAX);
         return 0;
-    case OPTION_OUTPUT:
+    case 'o':
         options->output = text;
         return 0;
     case OPTION_THREADS:

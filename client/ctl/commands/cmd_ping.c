@@ -102,6 +102,9 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
         if (!options->is_quiet) {
             printf("daemon %" PRIu32 ": seq %" PRIu32 ", %.1f us\n",
                    pccd_daemon_pid(client), i + 1, times_us[i]);
+            if (options->interval_s > 0.0) {
+                fflush(stdout); /* who reads a pipe waits for it, too */
+            }
         }
     }
     progress_clear(&progress);

@@ -9,10 +9,10 @@
  */
 #include <inttypes.h>
 #include <jansson.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "counters.h"
@@ -25,6 +25,7 @@
 #define COUNT_MAX        1000000000u
 #define INTERVAL_DEFAULT 1.0
 #define ROWS_MAX         10000
+#define LINE_MAX_CHARS   300u
 
 enum { OPTION_ONCE = 256 + 64, OPTION_COUNT, OPTION_INTERVAL, OPTION_SORT, OPTION_JSON };
 
@@ -167,44 +168,69 @@ static int compare(const void *a, const void *b, void *context)
 
 /* ---- output ------------------------------------------------------------------------ */
 
-/* Rows of the terminal that sessions may take. */
-static uint32_t room(void)
+/* What the table may take: all it needs, or on a screen that is drawn anew what that
+ * has. */
+struct room {
+    uint32_t columns; /* of a line */
+    uint32_t sessions;
+};
+
+static struct room find_room(bool is_redrawn)
 {
-    struct winsize size;
-    if (!terminal_is_live() || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 ||
-        size.ws_row < 6) {
-        return ROWS_MAX;
+    struct room room = {LINE_MAX_CHARS, ROWS_MAX};
+    uint32_t rows;
+    if (is_redrawn) {
+        terminal_size(STDOUT_FILENO, &room.columns, &rows);
+        room.sessions = rows < 6 ? ROWS_MAX : rows - 4u;
     }
-    return size.ws_row - 4u;
+    return room;
+}
+
+/* A line, or what of it fits. */
+static void print_line(const struct room *room, const char *begin, const char *end,
+                       const char *format, ...) __attribute__((format(printf, 4, 5)));
+static void print_line(const struct room *room, const char *begin, const char *end,
+                       const char *format, ...)
+{
+    char line[LINE_MAX_CHARS + 1];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    printf("%s%.*s%s\n", begin, (int)room->columns, line, end);
 }
 
 static void print_table(const struct rate *rates, uint32_t count,
-                        const struct counters *counters)
+                        const struct counters *counters, const struct room *room)
 {
-    uint32_t shown = count < room() ? count : room();
-    printf("%" PRIu32 " sessions; %s requests wait; engine %s, shared %s\n", count,
-           format_count((double)counters_get(counters, "jobs_queued_now")),
-           format_bytes((double)counters_get(counters, "engine_bytes_now")),
-           format_bytes((double)counters_get(counters, "shm_bytes_now")));
-    printf("%s%7s %7s %-8s %-16s %6s %7s %8s %8s %7s %7s %7s %7s %7s %5s %9s %9s%s\n",
-           terminal_begin(TERMINAL_BOLD), "SESSION", "PID", "USER", "CLIENT", "SCENES",
-           "TRIANG", "STEPS/S", "MS/STEP", "INGEST", "REFIT", "TRAVERS", "TESTS", "MERGE",
-           "QUEUE", "IN/S", "OUT/S", terminal_end());
+    uint32_t shown = count < room->sessions ? count : room->sessions;
+    print_line(room, "", "",
+               "%" PRIu32 " sessions; %s requests wait; engine %s, shared %s", count,
+               format_count((double)counters_get(counters, "jobs_queued_now")),
+               format_bytes((double)counters_get(counters, "engine_bytes_now")),
+               format_bytes((double)counters_get(counters, "shm_bytes_now")));
+    print_line(room, terminal_begin(TERMINAL_BOLD), terminal_end(),
+               "%7s %7s %-8s %-16s %6s %7s %8s %8s %7s %7s %7s %7s %7s %5s %9s %9s",
+               "SESSION", "PID", "USER", "CLIENT", "SCENES", "TRIANG", "STEPS/S",
+               "MS/STEP", "INGEST", "REFIT", "TRAVERS", "TESTS", "MERGE", "QUEUE", "IN/S",
+               "OUT/S");
     for (uint32_t i = 0; i < shown; i++) {
         const struct rate *rate = &rates[i];
         const struct pccd_session_info *info = &rate->row->info;
-        printf("%7" PRIu64 " %7" PRIu32 " %-8.8s %-16.16s %6" PRIu32
-               " %7s %8.1f %8.3f %7.3f %7.3f %7.3f %7.3f %7.3f %5" PRIu32 " %9s %9s%s\n",
-               info->session, info->pid, format_user(info->uid),
-               format_name(rate->row->name), info->scenes,
-               format_count((double)info->triangles), rate->steps_per_s, rate->ms_step,
-               rate->ms_phase[INGEST], rate->ms_phase[REFIT], rate->ms_phase[TRAVERSAL],
-               rate->ms_phase[TESTS], rate->ms_phase[MERGE], info->requests,
-               format_bytes(rate->in_per_s), format_bytes(rate->out_per_s),
-               info->waiting ? " waits" : "");
+        print_line(room, "", "",
+                   "%7" PRIu64 " %7" PRIu32 " %-8.8s %-16.16s %6" PRIu32
+                   " %7s %8.1f %8.3f %7.3f %7.3f %7.3f %7.3f %7.3f %5" PRIu32
+                   " %9s %9s%s",
+                   info->session, info->pid, format_user(info->uid),
+                   format_name(rate->row->name), info->scenes,
+                   format_count((double)info->triangles), rate->steps_per_s,
+                   rate->ms_step, rate->ms_phase[INGEST], rate->ms_phase[REFIT],
+                   rate->ms_phase[TRAVERSAL], rate->ms_phase[TESTS],
+                   rate->ms_phase[MERGE], info->requests, format_bytes(rate->in_per_s),
+                   format_bytes(rate->out_per_s), info->waiting ? " waits" : "");
     }
     if (shown < count) {
-        printf("and %" PRIu32 " more\n", count - shown);
+        print_line(room, "", "", "and %" PRIu32 " more", count - shown);
     }
 }
 
@@ -261,10 +287,12 @@ static bool print(const struct sessions *now, const struct sessions *then, doubl
     if (options->is_json) {
         print_json(rates, now->count, counters);
     } else {
-        if (terminal_is_live() && options->count != 1) {
+        bool is_redrawn = terminal_is_live() && options->count != 1;
+        struct room room = find_room(is_redrawn);
+        if (is_redrawn) {
             terminal_redraw();
         }
-        print_table(rates, now->count, counters);
+        print_table(rates, now->count, counters, &room);
     }
     fflush(stdout);
     free(rates);

@@ -155,9 +155,11 @@ static int watch(struct pccd_client *client, const struct watch_options *options
     if (status == PCCD_E_SYSTEM && ferror(stdout) != 0) {
         return CTL_DONE; /* nobody reads any more */
     }
-    return status == PCCD_OK || terminal_was_interrupted()
-               ? CTL_DONE
-               : ctl_complain("watch: %s", pccd_error_text(client));
+    if (status == PCCD_OK || terminal_was_interrupted()) {
+        return CTL_DONE;
+    }
+    return ctl_complain("watch: %s%s", pccd_error_text(client),
+                        status == PCCD_E_HANDLE ? "; pccdctl list shows them" : "");
 }
 
 int ctl_cmd_watch(int argc, char **argv)
