@@ -53,6 +53,43 @@ grep -oE '\*pccd_[a-z0-9_]+\*\(\)' "$man/libpccd.3.scd" | tr -d '*()' | sort -u 
 # If it failed, the page would lead to functions that are not there.
 tap_result $? pages__libpccd_names_functions_that_are "$log"
 
+grep -ohE 'getenv\("[A-Z_]+"\)' "$top_srcdir"/client/lib/*.c | grep -oE '[A-Z_]{2,}' | sort -u |
+    grep -vx PATH | while read -r name; do
+        grep -qE "^\*(.*, \*)?$name\*" "$man/libpccd.3.scd" || echo "libpccd.3.scd: no $name"
+    done >"$log"
+[ ! -s "$log" ]
+# If it failed, a variable would change what a program does, and no page would say so.
+tap_result $? pages__libpccd_has_every_variable "$log"
+
+sed -n '/^# SYNOPSIS/,/^# DESCRIPTION/p' "$man/pccdctl.1.scd" >"$work/synopsis"
+while read -r command; do
+    line=$(grep -F "*pccdctl $command*" "$work/synopsis")
+    case $line in
+    *'[_OPTION_...]'*) continue ;; # all of them, on a heading of their own
+    *REPLAY*) shared='steps|method|threads|json|' ;;
+    *) shared= ;;
+    esac
+    "$top_builddir/pccdctl" "$command" --help | sed -n '/^ Daemon:/q; p' |
+        grep -E '^ +(-., +)?--' | sed -E 's/^ +((-.), +)?(--[a-z-]+).*/\3 \2/' |
+        grep -vE "^--(${shared}help|usage|version|no-color) ?" | while read -r long short; do
+            case $line in
+            *"*$long*"*) ;;
+            *"*${short:-$long}*"*) ;;
+            *) echo "pccdctl.1.scd: synopsis of $command: no $long" ;;
+            esac
+        done
+    "$top_builddir/pccdctl" "$command" --help | sed -n '1s/.*\[OPTION\.\.\.\] \[\([a-z|]*\)\]$/\1/p' |
+        tr '|' '\n' | while read -r word; do
+            case $line in
+            *"*$word*"*) ;;
+            *) echo "pccdctl.1.scd: synopsis of $command: no $word" ;;
+            esac
+        done
+done <"$work/commands" >"$log"
+[ ! -s "$log" ]
+# If it failed, the synopsis would hide an option or a word that a command takes.
+tap_result $? pages__pccdctl_has_a_whole_synopsis "$log"
+
 for page in "$man"/*.scd; do
     name=${page##*/}
     head -n 1 "$page" | grep -qE "^${name%.*.scd}\\([1-8]\\)\$" || echo "$name: its first line"
