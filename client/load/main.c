@@ -209,5 +209,5 @@ int main(int argc, char **argv)
     } else if (!load_target_start(&target, &load)) {
         return LOAD_NO_DAEMON;
     }
-    return run(&load, &target);
+    return (int)run(&load, &target);
 }
