@@ -5,13 +5,15 @@
  *           it waits in epoll, reads one message of a socket that keeps them apart, with
  *           room for descriptors, and sends one as long, under a filter of system calls;
  *           where it is told to it copies shared memory in between. It decodes nothing,
- *           knows no client and computes nothing: what it takes is the machine's.
+ *           knows no client and computes nothing: what it takes is the machine's. It says
+ *           when it had its copy, by the clock that all processes share.
  * Threads:  one, and one of the server.
  */
 #ifndef BENCH_LEAST_H
 #define BENCH_LEAST_H
 
 #include <stddef.h>
+#include <stdint.h>
 #include <sys/types.h>
 
 #define LEAST_CLIENTS       51u /* the last is alone in its row */
@@ -22,6 +24,7 @@ struct least {
     int fds[LEAST_CLIENTS];
     unsigned char *shared; /* written here, read there */
     size_t shared_bytes;
+    uint64_t *copied_ns; /* behind them, written there */
 };
 
 /* What is asked, and answered. */
@@ -31,7 +34,8 @@ extern const char least_ping[LEAST_MESSAGE_BYTES];
 void least_start(struct least *least, size_t shared_bytes);
 void least_stop(struct least *least);
 
-/* One message there and back; with a copy of so many bytes, unless that is 0. */
-void least_ask(const struct least *least, size_t copy_bytes);
+/* One message there and back; with a copy of so many bytes, unless that is 0. Returns
+ * when the newest copy was made, by CLOCK_MONOTONIC; 0: none was. */
+uint64_t least_ask(const struct least *least, size_t copy_bytes);
 
 #endif

@@ -7,14 +7,15 @@
  *           The client makes its positions in the slot, as pccd_frame_x1 has it, and as
  *           it makes them in a buffer of its own before SET; what it takes to make them
  *           is on neither side. Row 4, publish to private checked copy: from the client's
- *           publishing to where the daemon's step begins, as its recorded trace has it;
- *           both read one clock. It is the way there, with whoever must be woken, and the
- *           copy out of the slot with its checks. Told, too: all of an update but what is
- *           computed with the copy, that is with the answer's way back, by a client that
- *           spins for 50 us and by one that waits in the kernel. Row 5 is the latter
- *           beside SET, which computes nothing either. Told, too: the same where the
- *           client has its positions elsewhere, and copies them into the slot; and the
- *           update with all that the step computes.
+ *           publishing to where the daemon's step begins, as the recorded trace of a
+ *           daemon that serves no other row has it; both read one clock. It is the way
+ *           there, with whoever must be woken, and the copy out of the slot with its
+ *           checks. Told, too: the same of the least server, which copies as it is; and
+ *           all of an update but what is computed with the copy, that is with the
+ *           answer's way back, by a client that spins for 50 us and by one that waits in
+ *           the kernel. Row 5 is the latter beside SET, which computes nothing either.
+ *           Told, too: the same where the client has its positions elsewhere, and copies
+ *           them into the slot; and the update with all that the step computes.
  * Threads:  one.
  */
 #include <stdio.h>
@@ -34,10 +35,21 @@ struct size {
     double set;   /* of SET's time */
 };
 
-/* The copy by a process that sleeps and does nothing else (least.h), for a client that
- * waits in the kernel; updates without what is computed, of positions made in the slot
- * (SPINNING, WAITING) and of those copied into it; and one with it. */
-enum quantity { COPY, LEAST, SET, SPINNING, WAITING, COPIED, WHOLE, QUANTITIES };
+/* Copies into shared memory; the way to a private copy, ours and of a process that sleeps
+ * and does nothing else (least.h), of a client that waits in the kernel; updates without
+ * what is computed, of positions made in the slot (SPINNING, WAITING) and of those copied
+ * into it; and one with it. */
+enum quantity {
+    COPY,
+    PUBLISHED,
+    LEAST,
+    SET,
+    SPINNING,
+    WAITING,
+    COPIED,
+    WHOLE,
+    QUANTITIES
+};
 
 /* Microseconds since `begin_ns`, and of them what is not computed. */
 static void take(struct bench_soup *soup, uint64_t begin_ns, uint64_t step, double *whole,
@@ -76,92 +88,84 @@ static uint64_t update(struct bench_soup *soup, const void *x, bool in_place,
 
 #define TURNS_MAX 256u
 
-/* When steps began, in order. */
-struct begins {
-    uint64_t ns[TURNS_MAX];
-    uint32_t count;
+/* When steps were published, and when they began, in order. */
+struct way {
+    struct bench_soup soup; /* of a daemon that records, and serves no other row */
+    uint64_t published_ns[TURNS_MAX];
+    uint64_t begin_ns[TURNS_MAX];
+    uint32_t count; /* of begin_ns */
 };
+
+static void way_begin(struct way *way, uint32_t vertex_count)
+{
+    way->count = 0;
+    bench_soup_init(&way->soup, bench_connect(0, NULL), PCCD_FORMAT_F32, vertex_count);
+    bench_must(pccd_trace_start(way->soup.client, 0, UINT64_MAX, NULL), "trace",
+               way->soup.client);
+}
 
 static void add_begins(void *context, const struct pccd_trace_event *events,
                        uint32_t count)
 {
-    struct begins *begins = context;
+    struct way *way = context;
     for (uint32_t i = 0; i < count; i++) {
-        if (events[i].kind == PCCD_TRACE_STEP && begins->count < TURNS_MAX) {
-            begins->ns[begins->count++] = events[i].begin_ns;
+        if (events[i].kind == PCCD_TRACE_STEP && way->count < TURNS_MAX) {
+            way->begin_ns[way->count++] = events[i].begin_ns;
         }
     }
 }
 
-/* By turns: a copy, and an update of which the daemon tells when it had its copy. It is
- * a daemon of its own, so that no other row is one of a daemon that records, or has. */
-static void measure_way(uint32_t vertex_count, unsigned turns, unsigned char *shared,
-                        struct pairs *pairs)
+/* Of `turns` steps, and the daemon. */
+static void way_end(struct way *way, unsigned turns)
 {
-    static struct begins begins;
-    static uint64_t published_ns[TURNS_MAX];
-    static double copy_us[TURNS_MAX];
-    struct bench_soup traced;
-    struct bench_soup *soup = &traced;
-    double whole;
-    double moved;
-    begins.count = 0;
-    bench_soup_init(soup, bench_connect(50, NULL), PCCD_FORMAT_F32, vertex_count);
-    for (unsigned i = 0; i < 4; i++) { /* every slot has been written */
-        (void)update(soup, soup->x[(i + 1) % 2], true, &whole, &moved);
-    }
-    bench_must(pccd_trace_start(soup->client, 0, UINT64_MAX, NULL), "trace",
-               soup->client);
-    for (unsigned i = 0; i < turns; i++) {
-        uint64_t begin_ns = bench_now_ns();
-        memcpy(shared + i % BENCH_SLOTS * soup->bytes, soup->x[0], soup->bytes);
-        copy_us[i] = 1e-3 * (double)(bench_now_ns() - begin_ns);
-        published_ns[i] = update(soup, soup->x[(i + 1) % 2], true, &whole, &moved);
-    }
-    bench_must(pccd_trace_stop(soup->client, NULL), "trace", soup->client);
-    bench_must(pccd_trace_dump(soup->client, add_begins, &begins), "trace", soup->client);
-    bench_check(begins.count == turns, "trace", "it has not every step once");
-    for (unsigned i = 0; i < turns && i < begins.count; i++) {
-        double kb = 1e-3 * (double)soup->bytes;
-        double us = 1e-3 * (double)(begins.ns[i] - published_ns[i]);
-        pairs_add(pairs, kb / us, kb / copy_us[i]);
-    }
-    struct pccd_client *client = soup->client;
-    bench_soup_deinit(soup);
+    struct pccd_client *client = way->soup.client;
+    bench_must(pccd_trace_stop(client, NULL), "trace", client);
+    bench_must(pccd_trace_dump(client, add_begins, way), "trace", client);
+    bench_check(way->count == turns, "trace", "it has not every step once");
+    bench_soup_deinit(&way->soup);
     pccd_close(client);
 }
 
-/* ---- there and back ---------------------------------------------------------------- */
+/* ---- a turn ------------------------------------------------------------------------ */
 
-/* The blocking client's scene, and the other's. */
-static void take_turn(struct bench_soup soups[2], unsigned i, unsigned char *shared,
-                      const struct least *servers, int redis_fd, double us[QUANTITIES])
+struct asked {
+    struct bench_soup soups[2]; /* the blocking client's scene, and the spinning one's */
+    struct way way;
+    unsigned char *shared; /* what memcpy writes */
+    const struct least *least;
+    int redis_fd;
+};
+
+static void take_turn(struct asked *asked, unsigned i, double us[QUANTITIES])
 {
-    const struct bench_soup *soup = &soups[0];
+    struct bench_soup *soup = &asked->soups[0];
+    size_t bytes = soup->bytes;
     double whole;
+    double moved;
     uint64_t t0 = bench_now_ns();
-    memcpy(shared + i % BENCH_SLOTS * soup->bytes, soup->x[1], soup->bytes);
+    memcpy(asked->shared + i % BENCH_SLOTS * bytes, soup->x[1], bytes);
     uint64_t t1 = bench_now_ns();
-    bench_check(redis_set(redis_fd, soup->x[1], soup->bytes), "redis", "SET is not OK");
+    bench_check(redis_set(asked->redis_fd, soup->x[1], bytes), "redis", "SET is not OK");
     uint64_t t2 = bench_now_ns();
-    memcpy(servers->shared, soup->x[1], soup->bytes);
+    memcpy(asked->least->shared, soup->x[1], bytes);
     uint64_t t3 = bench_now_ns();
-    least_ask(servers, soup->bytes);
+    us[LEAST] = 1e-3 * (double)(least_ask(asked->least, bytes) - t3);
     us[COPY] = 1e-3 * (double)(t1 - t0);
     us[SET] = 1e-3 * (double)(t2 - t1);
-    us[LEAST] = 1e-3 * (double)(bench_now_ns() - t3);
-    update(&soups[0], soup->x[1], false, &us[WHOLE], &us[COPIED]);
-    update(&soups[0], soup->x[0], true, &whole, &us[WAITING]);
-    update(&soups[1], soup->x[(i + 1) % 2], true, &whole, &us[SPINNING]);
+    asked->way.published_ns[i] =
+        update(&asked->way.soup, asked->way.soup.x[(i + 1) % 2], true, &whole, &moved);
+    update(soup, soup->x[1], false, &us[WHOLE], &us[COPIED]);
+    update(soup, soup->x[0], true, &whole, &us[WAITING]);
+    update(&asked->soups[1], asked->soups[1].x[(i + 1) % 2], true, &whole, &us[SPINNING]);
 }
 
 /* Rows, in their order; of those of copies the unit is GB/s. */
 enum row {
     PUBLISH,
+    PUBLISH_LEAST,
     PUBLISH_SPINNING,
     PUBLISH_WAITING,
     PUBLISH_COPIED,
-    PUBLISH_LEAST,
     UPDATE,
     UPDATE_COPIED,
     UPDATE_WHOLE,
@@ -170,10 +174,11 @@ enum row {
 
 static void keep(struct pairs pairs[ROWS], double kb, const double us[QUANTITIES])
 {
+    pairs_add(&pairs[PUBLISH], kb / us[PUBLISHED], kb / us[COPY]);
+    pairs_add(&pairs[PUBLISH_LEAST], kb / us[LEAST], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_SPINNING], kb / us[SPINNING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_WAITING], kb / us[WAITING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_COPIED], kb / us[COPIED], kb / us[COPY]);
-    pairs_add(&pairs[PUBLISH_LEAST], kb / us[LEAST], kb / us[COPY]);
     pairs_add(&pairs[UPDATE], us[WAITING], us[SET]);
     pairs_add(&pairs[UPDATE_COPIED], us[COPIED], us[SET]);
     pairs_add(&pairs[UPDATE_WHOLE], us[WHOLE], us[SET]);
@@ -193,11 +198,10 @@ static void print(const struct size *size, struct pairs pairs[ROWS])
     snprintf(name, sizeof name, "%s to a checked copy", size->name);
     pairs_print(&(struct pairs_row){"4", name, copy, "GB/s", PAIRS_AT_LEAST, size->share},
                 &pairs[PUBLISH]);
+    tell("the least: a message, and a copy as wide", copy, "GB/s", &pairs[PUBLISH_LEAST]);
     tell("with the way back, spinning for 50 us", copy, "GB/s", &pairs[PUBLISH_SPINNING]);
     tell("with it, waiting in the kernel", copy, "GB/s", &pairs[PUBLISH_WAITING]);
     tell("with it, copied into the slot", copy, "GB/s", &pairs[PUBLISH_COPIED]);
-    tell("the least: a message, the copy, a message", copy, "GB/s",
-         &pairs[PUBLISH_LEAST]);
     snprintf(name, sizeof name, "%s, update", size->name);
     pairs_print(&(struct pairs_row){"5", name, set, "us", PAIRS_AT_MOST, size->set},
                 &pairs[UPDATE]);
@@ -205,28 +209,35 @@ static void print(const struct size *size, struct pairs pairs[ROWS])
     tell("the same, with all that is computed", set, "us", &pairs[UPDATE_WHOLE]);
 }
 
+#define WARM_TURNS 4u /* every slot has been written */
+
 static void measure(const struct rows *rows, const struct size *size, int redis_fd)
 {
+    static struct asked asked;
+    static double us[TURNS_MAX][QUANTITIES];
     struct pairs pairs[ROWS] = {0};
-    struct bench_soup soups[2];
-    double us[QUANTITIES];
     uint32_t vertices = rows->smoke ? 300 : size->vertex_count;
-    bench_soup_init(&soups[0], rows->blocking, PCCD_FORMAT_F32, vertices);
-    bench_soup_init(&soups[1], rows->spinning, PCCD_FORMAT_F32, vertices);
-    unsigned char *shared = bench_shared_new(BENCH_SLOTS * soups[0].bytes);
-    double kb = 1e-3 * (double)soups[0].bytes; /* KB a us are GB/s */
-    unsigned turns = rows->smoke ? 3 : size->turns;
-    for (unsigned i = 0; i < turns + 4; i++) {
-        take_turn(soups, i, shared, rows->least, redis_fd, us);
-        if (i >= 4) { /* every slot has been written */
-            keep(pairs, kb, us);
-        }
+    unsigned turns = WARM_TURNS + (rows->smoke ? 3 : size->turns);
+    asked.least = rows->least;
+    asked.redis_fd = redis_fd;
+    bench_soup_init(&asked.soups[0], rows->blocking, PCCD_FORMAT_F32, vertices);
+    bench_soup_init(&asked.soups[1], rows->spinning, PCCD_FORMAT_F32, vertices);
+    size_t bytes = asked.soups[0].bytes;
+    asked.shared = bench_shared_new(BENCH_SLOTS * bytes);
+    way_begin(&asked.way, vertices);
+    for (unsigned i = 0; i < turns; i++) {
+        take_turn(&asked, i, us[i]);
     }
-    measure_way(vertices, turns, shared, &pairs[PUBLISH]);
+    way_end(&asked.way, turns);
+    for (unsigned i = WARM_TURNS; i < turns; i++) {
+        us[i][PUBLISHED] =
+            1e-3 * (double)(asked.way.begin_ns[i] - asked.way.published_ns[i]);
+        keep(pairs, 1e-3 * (double)bytes, us[i]); /* KB a us are GB/s */
+    }
     print(size, pairs);
-    munmap(shared, BENCH_SLOTS * soups[0].bytes);
-    bench_soup_deinit(&soups[1]);
-    bench_soup_deinit(&soups[0]);
+    munmap(asked.shared, BENCH_SLOTS * bytes);
+    bench_soup_deinit(&asked.soups[1]);
+    bench_soup_deinit(&asked.soups[0]);
 }
 
 void rows_updates(const struct rows *rows)
