@@ -125,7 +125,9 @@ bench_direct_LDADD = libpccd.la $(GMP_LIBS) $(LIBM)
 
 TESTS += bench/smoke.sh bench/compare_smoke.sh
 dist_check_SCRIPTS += bench/smoke.sh bench/compare_smoke.sh
-EXTRA_DIST += bench/README.md bench/compare bench/python.py
+EXTRA_DIST += bench/README.md bench/compare bench/python.py bench/counted/README.md \
+    bench/growth/README.md bench/model/README.md bench/peers/README.md \
+    bench/redis/README.md
 
 # The Python client beside libpccd.
 PYTHON_ROUNDS = 40

@@ -2,9 +2,9 @@
  *
  * Room:     engine (step.h, wide_narrow.h, world.h).
  * Does:     step a cloth of five sheets and 100 000 triangles by both methods; hold the
- *           bytes of a triangle that stay against the 400 of bench/README.md, the scene's
- *           own account of them against what the engine has allocated, and that against
- *           what the process has grown by. And see that none are kept for pairs.
+ *           bytes of a triangle that stay against the 400 of bench/growth/README.md, the
+ *           scene's own account of them against what the engine has allocated, and that
+ *           against what the process has grown by. And see that none are kept for pairs.
  * Threads:  one.
  */
 #include "eng_kit.h"
