@@ -10,12 +10,12 @@
  *           publishing to where the daemon's step begins, as the recorded trace of a
  *           daemon that serves no other row has it; both read one clock. It is the way
  *           there, with whoever must be woken, and the copy out of the slot with its
- *           checks. Told, too: the same of the least server, which copies as it is; and
- *           all of an update but what is computed with the copy, that is with the
- *           answer's way back, by a client that spins for 50 us and by one that waits in
- *           the kernel. Row 5 is the latter beside SET, which computes nothing either.
- *           Told, too: the same where the client has its positions elsewhere, and copies
- *           them into the slot; and the update with all that the step computes.
+ *           checks. Told, too: the same of floats by the least server, which copies them
+ *           as they are; and all of an update but what is computed with the copy, that is
+ *           with the answer's way back, by a client that spins for 50 us and by one that
+ *           waits in the kernel. Row 5 is the latter beside SET, which computes nothing
+ *           either. Told, too: the same where the client has its positions elsewhere, and
+ *           copies them into the slot; and the update with all that the step computes.
  * Threads:  one.
  */
 #include <stdio.h>
@@ -41,7 +41,9 @@ struct size {
  * into it; and one with it. */
 enum quantity {
     COPY,
+    COPY_DOUBLE,
     PUBLISHED,
+    PUBLISHED_DOUBLE,
     LEAST,
     SET,
     SPINNING,
@@ -88,20 +90,26 @@ static uint64_t update(struct bench_soup *soup, const void *x, bool in_place,
 
 #define TURNS_MAX 256u
 
+/* In a turn of steps, one of each. */
+#define WAYS 2u
+static const enum pccd_format way_formats[WAYS] = {PCCD_FORMAT_F32, PCCD_FORMAT_F64};
+
 /* When steps were published, and when they began, in order. */
 struct way {
-    struct bench_soup soup; /* of a daemon that records, and serves no other row */
-    uint64_t published_ns[TURNS_MAX];
-    uint64_t begin_ns[TURNS_MAX];
+    struct bench_soup soups[WAYS]; /* of a daemon that records, and serves no other row */
+    uint64_t published_ns[TURNS_MAX * WAYS];
+    uint64_t begin_ns[TURNS_MAX * WAYS];
     uint32_t count; /* of begin_ns */
 };
 
 static void way_begin(struct way *way, uint32_t vertex_count)
 {
+    struct pccd_client *client = bench_connect(0, NULL);
     way->count = 0;
-    bench_soup_init(&way->soup, bench_connect(0, NULL), PCCD_FORMAT_F32, vertex_count);
-    bench_must(pccd_trace_start(way->soup.client, 0, UINT64_MAX, NULL), "trace",
-               way->soup.client);
+    for (unsigned at = 0; at < WAYS; at++) {
+        bench_soup_init(&way->soups[at], client, way_formats[at], vertex_count);
+    }
+    bench_must(pccd_trace_start(client, 0, UINT64_MAX, NULL), "trace", client);
 }
 
 static void add_begins(void *context, const struct pccd_trace_event *events,
@@ -109,7 +117,7 @@ static void add_begins(void *context, const struct pccd_trace_event *events,
 {
     struct way *way = context;
     for (uint32_t i = 0; i < count; i++) {
-        if (events[i].kind == PCCD_TRACE_STEP && way->count < TURNS_MAX) {
+        if (events[i].kind == PCCD_TRACE_STEP && way->count < TURNS_MAX * WAYS) {
             way->begin_ns[way->count++] = events[i].begin_ns;
         }
     }
@@ -118,12 +126,32 @@ static void add_begins(void *context, const struct pccd_trace_event *events,
 /* Of `turns` steps, and the daemon. */
 static void way_end(struct way *way, unsigned turns)
 {
-    struct pccd_client *client = way->soup.client;
+    struct pccd_client *client = way->soups[0].client;
     bench_must(pccd_trace_stop(client, NULL), "trace", client);
     bench_must(pccd_trace_dump(client, add_begins, way), "trace", client);
-    bench_check(way->count == turns, "trace", "it has not every step once");
-    bench_soup_deinit(&way->soup);
+    bench_check(way->count == turns * WAYS, "trace", "it has not every step once");
+    for (unsigned at = 0; at < WAYS; at++) {
+        bench_soup_deinit(&way->soups[at]);
+    }
     pccd_close(client);
+}
+
+/* Step `turn` of each. */
+static void way_publish(struct way *way, unsigned turn)
+{
+    double whole;
+    double moved;
+    for (unsigned at = 0; at < WAYS; at++) {
+        struct bench_soup *soup = &way->soups[at];
+        way->published_ns[turn * WAYS + at] =
+            update(soup, soup->x[(turn + 1) % 2], true, &whole, &moved);
+    }
+}
+
+static double way_us(const struct way *way, unsigned turn, unsigned at)
+{
+    unsigned step = turn * WAYS + at;
+    return 1e-3 * (double)(way->begin_ns[step] - way->published_ns[step]);
 }
 
 /* ---- a turn ------------------------------------------------------------------------ */
@@ -131,29 +159,33 @@ static void way_end(struct way *way, unsigned turns)
 struct asked {
     struct bench_soup soups[2]; /* the blocking client's scene, and the spinning one's */
     struct way way;
-    unsigned char *shared; /* what memcpy writes */
+    unsigned char *shared; /* what memcpy writes: as many slots as the ring has */
     const struct least *least;
     int redis_fd;
 };
+
+static double copy_us(const struct asked *asked, const struct bench_soup *soup,
+                      unsigned i)
+{
+    uint64_t begin_ns = bench_now_ns();
+    memcpy(asked->shared + i % BENCH_SLOTS * soup->bytes, soup->x[1], soup->bytes);
+    return 1e-3 * (double)(bench_now_ns() - begin_ns);
+}
 
 static void take_turn(struct asked *asked, unsigned i, double us[QUANTITIES])
 {
     struct bench_soup *soup = &asked->soups[0];
     size_t bytes = soup->bytes;
     double whole;
-    double moved;
-    uint64_t t0 = bench_now_ns();
-    memcpy(asked->shared + i % BENCH_SLOTS * bytes, soup->x[1], bytes);
-    uint64_t t1 = bench_now_ns();
+    us[COPY] = copy_us(asked, soup, i);
+    uint64_t set_ns = bench_now_ns();
     bench_check(redis_set(asked->redis_fd, soup->x[1], bytes), "redis", "SET is not OK");
-    uint64_t t2 = bench_now_ns();
+    us[SET] = 1e-3 * (double)(bench_now_ns() - set_ns);
     memcpy(asked->least->shared, soup->x[1], bytes);
-    uint64_t t3 = bench_now_ns();
-    us[LEAST] = 1e-3 * (double)(least_ask(asked->least, bytes) - t3);
-    us[COPY] = 1e-3 * (double)(t1 - t0);
-    us[SET] = 1e-3 * (double)(t2 - t1);
-    asked->way.published_ns[i] =
-        update(&asked->way.soup, asked->way.soup.x[(i + 1) % 2], true, &whole, &moved);
+    uint64_t least_ns = bench_now_ns();
+    us[LEAST] = 1e-3 * (double)(least_ask(asked->least, bytes) - least_ns);
+    us[COPY_DOUBLE] = copy_us(asked, &asked->way.soups[1], i);
+    way_publish(&asked->way, i);
     update(soup, soup->x[1], false, &us[WHOLE], &us[COPIED]);
     update(soup, soup->x[0], true, &whole, &us[WAITING]);
     update(&asked->soups[1], asked->soups[1].x[(i + 1) % 2], true, &whole, &us[SPINNING]);
@@ -162,6 +194,7 @@ static void take_turn(struct asked *asked, unsigned i, double us[QUANTITIES])
 /* Rows, in their order; of those of copies the unit is GB/s. */
 enum row {
     PUBLISH,
+    PUBLISH_DOUBLE,
     PUBLISH_LEAST,
     PUBLISH_SPINNING,
     PUBLISH_WAITING,
@@ -175,6 +208,8 @@ enum row {
 static void keep(struct pairs pairs[ROWS], double kb, const double us[QUANTITIES])
 {
     pairs_add(&pairs[PUBLISH], kb / us[PUBLISHED], kb / us[COPY]);
+    pairs_add(&pairs[PUBLISH_DOUBLE], 2 * kb / us[PUBLISHED_DOUBLE],
+              2 * kb / us[COPY_DOUBLE]);
     pairs_add(&pairs[PUBLISH_LEAST], kb / us[LEAST], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_SPINNING], kb / us[SPINNING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_WAITING], kb / us[WAITING], kb / us[COPY]);
@@ -195,11 +230,15 @@ static void print(const struct size *size, struct pairs pairs[ROWS])
     char name[64];
     const char *copy = "memcpy into shared";
     const char *set = "SET of the bytes";
-    snprintf(name, sizeof name, "%s to a checked copy", size->name);
+    snprintf(name, sizeof name, "%s to a checked copy, float", size->name);
     pairs_print(&(struct pairs_row){"4", name, copy, "GB/s", PAIRS_AT_LEAST, size->share},
                 &pairs[PUBLISH]);
-    tell("the least: a message, and a copy as wide", copy, "GB/s", &pairs[PUBLISH_LEAST]);
-    tell("with the way back, spinning for 50 us", copy, "GB/s", &pairs[PUBLISH_SPINNING]);
+    snprintf(name, sizeof name, "%s to a checked copy, double", size->name);
+    pairs_print(&(struct pairs_row){"4", name, copy, "GB/s", PAIRS_AT_LEAST, size->share},
+                &pairs[PUBLISH_DOUBLE]);
+    tell("the least: a message, and a copy of floats", copy, "GB/s",
+         &pairs[PUBLISH_LEAST]);
+    tell("floats with the way back, 50 us spin", copy, "GB/s", &pairs[PUBLISH_SPINNING]);
     tell("with it, waiting in the kernel", copy, "GB/s", &pairs[PUBLISH_WAITING]);
     tell("with it, copied into the slot", copy, "GB/s", &pairs[PUBLISH_COPIED]);
     snprintf(name, sizeof name, "%s, update", size->name);
@@ -223,19 +262,19 @@ static void measure(const struct rows *rows, const struct size *size, int redis_
     bench_soup_init(&asked.soups[0], rows->blocking, PCCD_FORMAT_F32, vertices);
     bench_soup_init(&asked.soups[1], rows->spinning, PCCD_FORMAT_F32, vertices);
     size_t bytes = asked.soups[0].bytes;
-    asked.shared = bench_shared_new(BENCH_SLOTS * bytes);
+    asked.shared = bench_shared_new(BENCH_SLOTS * 2 * bytes);
     way_begin(&asked.way, vertices);
     for (unsigned i = 0; i < turns; i++) {
         take_turn(&asked, i, us[i]);
     }
     way_end(&asked.way, turns);
     for (unsigned i = WARM_TURNS; i < turns; i++) {
-        us[i][PUBLISHED] =
-            1e-3 * (double)(asked.way.begin_ns[i] - asked.way.published_ns[i]);
+        us[i][PUBLISHED] = way_us(&asked.way, i, 0);
+        us[i][PUBLISHED_DOUBLE] = way_us(&asked.way, i, 1);
         keep(pairs, 1e-3 * (double)bytes, us[i]); /* KB a us are GB/s */
     }
     print(size, pairs);
-    munmap(asked.shared, BENCH_SLOTS * bytes);
+    munmap(asked.shared, BENCH_SLOTS * 2 * bytes);
     bench_soup_deinit(&asked.soups[1]);
     bench_soup_deinit(&asked.soups[0]);
 }
