@@ -16,7 +16,10 @@ static int work_boxes(struct srv_request *request)
     const struct proto_SCENE_BOXES_request *asked = &request->params.SCENE_BOXES;
     const struct eng_scene *engine = request->plan.scene->engine;
     enum eng_tree tree = (enum eng_tree)asked->tree;
-    uint32_t boxes = eng_level_boxes(engine, tree, asked->level, 0, 0, NULL);
+    uint32_t boxes = 0; /* as long as the scene has had no object and no step */
+    if (engine != NULL) {
+        boxes = eng_level_boxes(engine, tree, asked->level, 0, 0, NULL);
+    }
     uint32_t left = asked->first < boxes ? boxes - asked->first : 0;
     struct srv_page page;
     void *data = NULL;

@@ -201,6 +201,28 @@ static void boxes__are_refused_where_there_are_none(void **state)
     end(fallen);
 }
 
+/* If it failed, whoever asks for boxes before the first object or step would end the
+ * daemon, and with it everybody's sessions. */
+static void boxes__of_an_empty_scene_are_none(void **state)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    uint32_t scene = 0;
+    (void)state;
+    pccd_options_init(&options);
+    options.url = test_shared.url;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    for (uint32_t tree = 0; tree < PCCD_TREE_COUNT; tree++) {
+        struct pccd_box box;
+        uint32_t count = 77;
+        assert_int_equal(
+            pccd_scene_boxes(client, scene, (enum pccd_tree)tree, 0, &box, 1, &count), 0);
+        assert_int_equal(count, 0);
+    }
+    pccd_close(client);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -208,6 +230,7 @@ int main(void)
         cmocka_unit_test(boxes__of_paper_cover_what_is_below),
         cmocka_unit_test(boxes__of_paper_go_when_objects_do),
         cmocka_unit_test(boxes__are_refused_where_there_are_none),
+        cmocka_unit_test(boxes__of_an_empty_scene_are_none),
     };
     return cmocka_run_group_tests_name("boxes", tests, test_shared_start,
                                        test_shared_stop);
