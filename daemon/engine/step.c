@@ -123,17 +123,19 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
     return end_ns;
 }
 
-/* What follows the refit, by the thread that ended it. */
+/* What follows the refit, by the thread that ended it: a part of its time with low-level
+ * nodes, as what is rebuilt here is. */
 static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool by_paper)
 {
     team->count = (uint32_t)omp_get_num_threads();
+    team->refit_end_ns = eng_now_ns();
     team->method->ready(worker);
     if (by_paper) {
         eng_schedule_paper_begin(team, worker);
     } else {
         eng_schedule_steal_begin(team, worker);
     }
-    team->refit_end_ns = eng_now_ns();
+    worker->record.low_ns += eng_now_ns() - team->refit_end_ns;
     eng_refit_release(team);
 }
 
