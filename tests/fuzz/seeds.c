@@ -274,6 +274,26 @@ static void make_watch_seed(void)
     save("dispatch", "watch");
 }
 
+/* A scene without objects, asked for all that it has; then one without a step. */
+static void make_empty_seed(void)
+{
+    begin();
+    ASK(HELLO, 1, 1, 0, 1);
+    ASK(SHM_ATTACH, 2, WORD, WORD);
+    settle();
+    ASK(SCENE_CREATE, 0);
+    ASK(SCENE_BOXES, HANDLE, 0, 0, 0, 9);
+    ASK(LIST_PAIR, 0, HANDLE, 0);
+    ASK(LIST_OBJECT, 0, HANDLE, 0);
+    ASK(SCENE_IGNORE, HANDLE, HANDLE, HANDLE, 1);
+    ASK(FRAME_FETCH, HANDLE, 0, 0);
+    ASK(FRAME_SUBMIT, HANDLE, 0, 0, 0);
+    settle();
+    ASK(SCENE_BOXES, HANDLE, 3, 0, 0, 9);
+    ASK(FRAME_FETCH, HANDLE, 0, 0);
+    save("dispatch", "empty");
+}
+
 static void make_dispatch_seeds(void)
 {
     static const uint8_t nonsense[] = {0x94, 0x00, 0x01, 0xa4, 'n', 'o', 'n', 'e', 0x80};
@@ -319,6 +339,7 @@ static void make_dispatch_seeds(void)
     settle();
     save("dispatch", "filter");
     make_watch_seed();
+    make_empty_seed();
     begin();
     put_u8(0);
     put_u16(sizeof(nonsense));
