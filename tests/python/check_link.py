@@ -23,6 +23,7 @@ import msgpack
 import numpy as np
 
 import pccd
+import support
 from support import (TENT, TENT_TRIANGLES, Daemon, Scene, cloth, cloth_triangles, dropped,
                      ends, is_running)
 
@@ -38,6 +39,27 @@ class Case(unittest.TestCase):
             call(*arguments, **named)
         self.assertEqual(caught.exception.status, status, caught.exception)
         return caught.exception
+
+
+class Patience(unittest.TestCase):
+    """How these tests wait for the end of a process."""
+
+    # If this failed, a machine that stands still for a while would look like a daemon
+    # that outlives its SIGKILL.
+    def test_ends__is_not_hasty_where_the_clock_jumps(self):
+        clock = [0.0]
+
+        def stand_still(_seconds):
+            clock[0] += 60
+
+        with mock.patch.object(support.time, "sleep", stand_still), \
+                mock.patch.object(support.time, "monotonic", lambda: clock[0]), \
+                mock.patch.object(support, "is_running",
+                                  side_effect=[True, True, True, False]):
+            self.assertTrue(ends(1))
+        with mock.patch.object(support.time, "sleep", stand_still), \
+                mock.patch.object(support, "is_running", return_value=True):
+            self.assertFalse(ends(1, looks=3))
 
 
 class Ways(Case):

@@ -115,9 +115,14 @@ def is_running(pid):
         return False
 
 
-def ends(pid, seconds=10.0):
-    """Wait until a process is gone."""
-    until = time.monotonic() + seconds
-    while is_running(pid) and time.monotonic() < until:
+def ends(pid, looks=1000):
+    """Wait until a process is gone: 10 s, of a machine that does not stop meanwhile.
+
+    Looks are counted, and not the clock read: where a machine stands still for seconds,
+    the first look afterwards may come before the process has had its turn to end.
+    """
+    for _ in range(looks):
+        if not is_running(pid):
+            return True
         time.sleep(0.01)
     return not is_running(pid)
