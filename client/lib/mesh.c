@@ -266,11 +266,11 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
         return rc;
     }
     *mesh = arrays[0].mesh;
-    cli_record_mesh(client, *mesh, arrays[0].format, arrays[0].count, arrays[0].source,
-                    arrays[1].count, arrays[1].source);
     if (copy != NULL) {
         cli_keep_mesh(client, *mesh, copy);
     }
+    cli_record_mesh(client, *mesh, arrays[0].format, arrays[0].count, arrays[0].source,
+                    arrays[1].count, arrays[1].source);
     if (info != NULL) {
         fill_info(info, &result);
     }

@@ -27,6 +27,7 @@ void cli_record_end(struct pccd_client *client, enum record_reason reason)
     struct cli_recorder *recorder = client->recorder;
     struct record_end end = {.reason = reason, .frames = recorder->segment_frames};
 
+    recorder->writer.bytes_max = 0; /* for END there is room always */
     (void)record_writer_add(&recorder->writer, RECORD_END, cli_now_ns(),
                             &(struct record_part){&end, sizeof(end)}, 1);
 }
@@ -55,41 +56,58 @@ int cli_record_stop_because(struct pccd_client *client, int status, const char *
     return status;
 }
 
-static int stop_full(struct pccd_client *client)
+/* ---- what is appended -------------------------------------------------------------- */
+
+/* Bytes of the file, but for END, that an event must not go beyond; 0: no bound. What a
+ * segment of a ring begins with leaves room for what happens then. */
+static uint64_t bound_of(const struct cli_recorder *recorder, bool is_change)
 {
-    return cli_record_stop_because(client, PCCD_E_LIMIT, "max_bytes is reached");
+    bool is_ring = recorder->segments_max > 1;
+
+    if (recorder->segment_bytes_max == 0 ||
+        (is_ring && !is_change && !recorder->is_beginning)) {
+        return 0;
+    }
+    return is_ring && recorder->is_beginning
+               ? recorder->segment_bytes_max / 2
+               : recorder->segment_bytes_max -
+                     record_chunk_bytes_max(sizeof(struct record_end));
 }
 
-/* Whether `bytes` more of payload, and END, may still be written. */
-static bool has_room(const struct cli_recorder *recorder, uint64_t bytes)
+static int append(struct cli_recorder *recorder, uint64_t bytes_max,
+                  enum record_kind kind, const struct record_part *parts, size_t count)
 {
-    return recorder->segment_bytes_max == 0 || recorder->segments_max > 1 ||
-           recorder->writer.bytes + record_chunk_bytes_max(bytes) +
-                   record_chunk_bytes_max(sizeof(struct record_end)) <=
-               recorder->segment_bytes_max;
+    recorder->writer.bytes_max = bytes_max;
+    return record_writer_add(&recorder->writer, kind, cli_now_ns(), parts, count);
+}
+
+static int stop_after(struct pccd_client *client, int status)
+{
+    const struct cli_recorder *recorder = client->recorder;
+    const char *why = proto_status_text(status);
+
+    if (status == PCCD_E_SYSTEM) {
+        why = strerror(errno);
+    } else if (status == PCCD_E_LIMIT && recorder->writer.bytes_max != 0) {
+        why = recorder->segments_max > 1
+                  ? "a segment, max_bytes / segments, does not hold twice what it begins "
+                    "with"
+                  : "max_bytes is reached";
+    }
+    return cli_record_stop_because(client, status, why);
 }
 
 int cli_record_add(struct pccd_client *client, enum record_kind kind,
                    const struct record_part *parts, size_t count)
 {
     struct cli_recorder *recorder = client->recorder;
-    uint64_t bytes = 0;
     int rc;
 
     if (recorder->has_ended) {
         return recorder->info.status;
     }
-    for (size_t i = 0; i < count; i++) {
-        bytes += parts[i].bytes;
-    }
-    if (!has_room(recorder, bytes)) {
-        return stop_full(client);
-    }
-    rc = record_writer_add(&recorder->writer, kind, cli_now_ns(), parts, count);
-    return rc == 0 ? 0
-                   : cli_record_stop_because(client, rc,
-                                             rc == PCCD_E_SYSTEM ? strerror(errno)
-                                                                 : proto_status_text(rc));
+    rc = append(recorder, bound_of(recorder, false), kind, parts, count);
+    return rc == 0 ? 0 : stop_after(client, rc);
 }
 
 /* ---- segments ---------------------------------------------------------------------- */
@@ -139,6 +157,23 @@ static void turn(struct pccd_client *client)
     (void)cli_record_open(client);
 }
 
+int cli_record_change(struct pccd_client *client, enum record_kind kind,
+                      const struct record_part *parts, size_t count)
+{
+    struct cli_recorder *recorder = client->recorder;
+    int rc;
+
+    if (recorder->segments_max == 1 || recorder->is_beginning || recorder->has_ended) {
+        return cli_record_add(client, kind, parts, count);
+    }
+    rc = append(recorder, bound_of(recorder, true), kind, parts, count);
+    if (rc == PCCD_E_LIMIT) {
+        turn(client);
+        return recorder->info.status;
+    }
+    return rc == 0 ? 0 : stop_after(client, rc);
+}
+
 bool cli_record_is_on(const struct pccd_client *client)
 {
     return client->recorder != NULL && !client->recorder->has_ended &&
@@ -171,7 +206,7 @@ void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
         {triangles, triangle_count * sizeof(uint32_t[3])}};
 
     if (cli_record_is_on(client)) {
-        (void)cli_record_add(client, RECORD_MESH, parts, 4);
+        (void)cli_record_change(client, RECORD_MESH, parts, 4);
     }
 }
 
@@ -303,8 +338,8 @@ static void add_filter(struct pccd_client *client,
                                          .mask = set->mask};
 
     if (set->what != 0) { /* else it was only looked at */
-        (void)cli_record_add(client, RECORD_FILTER,
-                             &(struct record_part){&filter, sizeof(filter)}, 1);
+        (void)cli_record_change(client, RECORD_FILTER,
+                                &(struct record_part){&filter, sizeof(filter)}, 1);
     }
 }
 
@@ -316,7 +351,7 @@ static void add_pair(struct pccd_client *client,
     const uint32_t pair[2] = {request->a, request->b};
     const struct record_part parts[2] = {{&pairs, sizeof(pairs)}, {pair, sizeof(pair)}};
 
-    (void)cli_record_add(client, RECORD_PAIRS, parts, 2);
+    (void)cli_record_change(client, RECORD_PAIRS, parts, 2);
 }
 
 /* What was made or destroyed. */
@@ -375,7 +410,7 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
     default:
         return;
     }
-    (void)cli_record_add(client, kind, &part, 1);
+    (void)cli_record_change(client, kind, &part, 1);
 }
 
 /* A change of a scene whose journal says so. */

@@ -21,6 +21,7 @@ struct cli_recorder {
     uint32_t segments_max;      /* 1: the file is ended when it is full */
     uint32_t segment;
     bool has_records;
+    bool is_beginning;            /* what is kept is being written */
     bool has_ended;               /* nothing is written any more */
     struct pccd_record_info info; /* of earlier segments where the writer counts */
     uint64_t segment_frames;
@@ -29,7 +30,7 @@ struct cli_recorder {
 };
 
 /* Each does nothing without a recorder. The handle of a mesh that was made or
- * replaced: */
+ * replaced, and is kept already: */
 void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
                      uint32_t vertex_count, const void *x, uint32_t triangle_count,
                      const void *triangles);
@@ -55,9 +56,14 @@ void cli_record_end(struct pccd_client *client, enum record_reason reason);
 /* recorder_snapshot.c: everything that is kept, into the segment that has just begun,
  * then LOG, then the steps without an answer. 0 or why it could not be written. */
 int cli_record_snapshot(struct pccd_client *client);
-/* Append; 0 or why not (the recording has ended then). */
+/* Append; 0 or why not (the recording has ended then). In a ring of segments, a step and
+ * its answers go to the segment at hand, be it full. */
 int cli_record_add(struct pccd_client *client, enum record_kind kind,
                    const struct record_part *parts, size_t count);
+/* The same for a change of what is kept, where it is already: in a ring of segments, what
+ * does not fit is what another one begins with. */
+int cli_record_change(struct pccd_client *client, enum record_kind kind,
+                      const struct record_part *parts, size_t count);
 int cli_record_step(struct pccd_client *client, const struct cli_call *call);
 
 #endif

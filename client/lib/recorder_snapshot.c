@@ -216,6 +216,7 @@ int cli_record_snapshot(struct pccd_client *client)
     struct record_log log = {.next_step = client->next_step};
     int rc = cli_keep_fold_all(client);
 
+    client->recorder->is_beginning = true;
     rc = rc != 0 ? rc : write_begin(client);
     rc = rc != 0 ? rc : write_meshes(client);
     rc = rc != 0 ? rc : write_scenes(client);
@@ -223,11 +224,7 @@ int cli_record_snapshot(struct pccd_client *client)
     rc = rc != 0 ? rc
                  : cli_record_add(client, RECORD_LOG,
                                   &(struct record_part){&log, sizeof(log)}, 1);
-    if (rc == 0 && client->recorder->segments_max > 1 &&
-        client->recorder->writer.bytes > client->recorder->segment_bytes_max / 2) {
-        return cli_record_stop_because(
-            client, PCCD_E_LIMIT, "a segment does not hold twice what it begins with");
-    }
+    client->recorder->is_beginning = false;
     rc = rc != 0 ? rc : begin_journals(client);
     return rc != 0 ? rc : write_unanswered(client);
 }

@@ -140,7 +140,7 @@ int record_writer_open(struct record_writer *writer, const char *path)
         return PCCD_E_SYSTEM;
     }
     writer->fd = fd;
-    writer->bytes = writer->raw_bytes = 0;
+    writer->bytes = writer->raw_bytes = writer->bytes_max = 0;
     writer->features = 0;
     rc = append(writer, &head, sizeof(head));
     if (rc != 0) {
@@ -270,6 +270,10 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
         chunk.encoding = RECORD_ZSTD;
     } else {
         memcpy(body, writer->raw, bytes);
+    }
+    if (writer->bytes_max != 0 &&
+        writer->bytes + sizeof(chunk) + padded(stored) > writer->bytes_max) {
+        return PCCD_E_LIMIT;
     }
     chunk.bytes = bytes;
     chunk.stored_bytes = stored;

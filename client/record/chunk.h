@@ -27,6 +27,7 @@ struct record_writer {
     int fd;                          /* -1: none */
     int level;                       /* of zstd, 1 .. 19; 0: nothing is compressed */
     uint64_t bytes;                  /* written to this file */
+    uint64_t bytes_max;              /* that it may have; 0: no bound */
     uint64_t raw_bytes;              /* the same before compression */
     uint32_t features;               /* enum record_feature, that this file needs */
     void *squeeze;                   /* of zstd; NULL: not needed yet */
@@ -44,7 +45,8 @@ bool record_has_zstd(void);
  * why. */
 int record_writer_open(struct record_writer *writer, const char *path);
 /* Append one chunk, in one write. After a failure the file ends with the chunk before:
- * PCCD_E_SYSTEM (errno), PCCD_E_NOMEM, PCCD_E_LIMIT. */
+ * PCCD_E_SYSTEM (errno), PCCD_E_NOMEM, PCCD_E_LIMIT (bytes_max, which is judged by what
+ * compression has left; a payload beyond RECORD_BYTES_MAX). */
 int record_writer_add(struct record_writer *writer, enum record_kind kind,
                       uint64_t time_ns, const struct record_part *parts, size_t count);
 /* Of a chunk with such a payload at most. */

@@ -52,6 +52,20 @@ start && timeout 60 "$PCCDCTL" record -o session.rec --contacts -- \
 [ $? -eq 7 ] && [ -s session.rec ] && [ ! -e other.rec ]
 report record__keeps_what_a_program_asks_and_its_exit_status
 
+# If it failed, a ring of files would be larger than was asked for by what is registered, or
+# nobody would know which bound has ended it.
+{
+    printf 'ply\nformat ascii 1.0\nelement vertex 500\nproperty float x\nproperty float y\n'
+    printf 'property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n'
+    seq 500 | awk '{ print $1, $1 % 7, 1 / $1 }'
+    echo '3 0 1 2'
+} >large.ply
+timeout 60 "$PCCDCTL" record -o ring.rec --max-bytes 8192 --segments 2 --level 0 -- \
+    "$PCCDCTL" load --times 5 --socket "$work/s" large.ply large.ply >"$log" 2>&1 &&
+    grep -q 'a segment (--max-bytes / --segments, 4096 bytes) does not hold' "$log" &&
+    [ "$(cat ring.rec* | wc -c)" -le 8192 ]
+report record__says_what_a_ring_cannot_hold
+
 # If it failed, files of an earlier run would pass for parts of a new one, a second client's
 # would be told to nobody, or what is no recording would be removed with them.
 twice() { # OPTION...

@@ -377,6 +377,67 @@ static void record__keeps_the_newest_segments(void **state)
     pccd_close(client);
 }
 
+/* Of the files of a ring of three. */
+static uint64_t bytes_of_ring(void)
+{
+    uint64_t bytes = bytes_of(test_recording);
+    char name[128];
+
+    for (int age = 1; age <= 3; age++) {
+        (void)snprintf(name, sizeof(name), "%s.%d", test_recording, age);
+        bytes += bytes_of(name);
+    }
+    return bytes;
+}
+
+/* Another shape of the stage's mesh, of `count` vertices: 12 bytes each in a file. */
+static void reshape(struct stage *stage, uint32_t count, float by)
+{
+    static float x[4096][3];
+
+    for (uint32_t i = 0; i < count; i++) {
+        x[i][0] = (float)(i % 64) + by;
+        x[i][1] = (float)(i / 64);
+        x[i][2] = by;
+    }
+    assert_int_equal(pccd_mesh_replace(stage->client, stage->mesh, x, PCCD_FORMAT_F32,
+                                       count, test_triangle, 1, NULL),
+                     0);
+}
+
+/* If this failed, a ring of segments would fill a disk with what is made between two
+ * steps, or lose what was made when a segment was full. */
+static void record__meshes_keep_the_bound_of_a_ring(void **state)
+{
+    const struct pccd_record_settings settings = {
+        .max_bytes = 3 * 65536, .segments = 3, .level = -1};
+    struct pccd_client *client = open_client();
+    struct pccd_record_info info;
+    struct stage stage;
+    char older[128];
+
+    (void)state;
+    test_recording_clear();
+    assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
+    make_stage(client, &stage);
+    for (int i = 0; i < 40; i++) {
+        reshape(&stage, 1024, (float)i / 8);
+        assert_in_range(bytes_of_ring(), 1, settings.max_bytes);
+    }
+    move_stage(&stage, -1);
+    assert_int_equal(pccd_record(client, &info), 0);
+    assert_int_equal(info.status, 0);
+    assert_in_range(info.segments, 4, 20);
+    test_recording_repeats("--json", test_recording, 3);
+    (void)snprintf(older, sizeof(older), "%s.1", test_recording);
+    test_recording_repeats("--json", older, 0);
+    reshape(&stage, 4096, 0); /* more than half of a segment */
+    assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_LIMIT);
+    assert_non_null(strstr(pccd_error_text(client), "a segment, max_bytes / segments"));
+    assert_in_range(bytes_of_ring(), 1, settings.max_bytes);
+    pccd_close(client);
+}
+
 /* If this failed, somebody would lose an older recording, or get one with a hole. */
 static void record__is_refused_where_it_could_not_be_whole(void **state)
 {
@@ -457,6 +518,7 @@ int main(void)
         cmocka_unit_test(record__survives_its_program),
         cmocka_unit_test(record__keeps_its_bound),
         cmocka_unit_test(record__keeps_the_newest_segments),
+        cmocka_unit_test(record__meshes_keep_the_bound_of_a_ring),
         cmocka_unit_test(record__is_refused_where_it_could_not_be_whole),
         cmocka_unit_test(environment__records_every_client),
     };

@@ -265,8 +265,22 @@ static void note_files(const char *path, bool is_there[FILES_MAX + 1])
 
 /* ---- telling ----------------------------------------------------------------------- */
 
+static void tell_full(const char *path, const struct record_command *command)
+{
+    if (command->segments > 1) {
+        ctl_complain("%s ends early: a segment (--max-bytes / --segments, %" PRIu64
+                     " bytes) does not hold twice the meshes and positions that it "
+                     "begins with, or could not be written",
+                     path, command->max_bytes / command->segments);
+    } else {
+        ctl_complain("%s was full, or could not be written, before the end: a larger "
+                     "--max-bytes keeps more, --segments the newest part",
+                     path);
+    }
+}
+
 /* To stderr: the standard output is the program's. */
-static void report(const char *path)
+static void report(const char *path, const struct record_command *command)
 {
     struct record_reader reader;
     struct answers answers = {.count = 0};
@@ -280,23 +294,22 @@ static void report(const char *path)
             reader.bytes, answers.frames, answers.count,
             status != PCCD_OK ? "; damaged " : "", status != PCCD_OK ? reader.text : "");
     if (reader.end_reason == RECORD_FULL) {
-        ctl_complain("%s was full, or could not be written, before the end: a larger "
-                     "--max-bytes keeps more, --segments the newest part",
-                     path);
+        tell_full(path, command);
     }
     answers_deinit(&answers);
     record_reader_deinit(&reader);
 }
 
-static void report_all(const char *path, const bool was_there[FILES_MAX + 1])
+static void report_all(const struct record_command *command,
+                       const bool was_there[FILES_MAX + 1])
 {
     bool is_there[FILES_MAX + 1];
     uint32_t count = 0;
-    note_files(path, is_there);
+    note_files(command->path, is_there);
     for (uint32_t i = 1; i <= FILES_MAX; i++) {
-        char *name = is_there[i] && !was_there[i] ? name_of(path, i) : NULL;
+        char *name = is_there[i] && !was_there[i] ? name_of(command->path, i) : NULL;
         if (name != NULL) {
-            report(name);
+            report(name, command);
             count++;
         }
         free(name);
@@ -324,7 +337,7 @@ int ctl_cmd_record(int argc, char **argv)
         status = run(command.command, &has_run);
     }
     if (has_run) {
-        report_all(command.path, was_there);
+        report_all(&command, was_there);
     }
     return status;
 }
