@@ -368,7 +368,8 @@ bool srv_conn_has_group(const struct srv_conn *conn, gid_t gid)
     return srv_peer_has_group(conn->fd, gid);
 }
 
-/* Send what is queued, as far as the socket takes it. */
+/* Send what is queued, as far as the socket takes it, and then what else the client is to
+ * hear. */
 static void flush(struct srv_conn *conn)
 {
     while (conn->replies.count > 0) { /* at most SRV_REPLIES_HARD_MAX */
@@ -387,6 +388,7 @@ static void flush(struct srv_conn *conn)
     linger_if_flushed(conn);
     if (conn->state == SRV_CONN_OPEN && conn->session != NULL) {
         srv_shared_catch_up(conn->session);
+        srv_monitor_flush(conn->session);
     }
 }
 
@@ -532,9 +534,6 @@ static void on_poll(uv_poll_t *poll, int status, int events)
     }
     if ((events & UV_WRITABLE) != 0) {
         flush(conn);
-        if (conn->session != NULL) {
-            srv_monitor_flush(conn->session);
-        }
     }
     bool reading = (conn->events & UV_READABLE) != 0;
     if ((events & UV_READABLE) != 0 && conn->state == SRV_CONN_OPEN) {

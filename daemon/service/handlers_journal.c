@@ -72,7 +72,11 @@ static int work_journal(struct srv_request *request)
             (struct proto_SCENE_JOURNAL_result){.cursor = asked->cursor};
         return 0;
     }
-    return write_page(request, diary);
+    int status = write_page(request, diary);
+    if (status != 0 && asked->begin != 0) {
+        srv_diary_end(scene, request->plan.seat); /* it was refused: nobody pays for it */
+    }
+    return status;
 }
 
 /* What could not be begun, or has ended, is not charged any more. */

@@ -192,6 +192,17 @@ static void journal__is_charged_until_it_ends(void **state)
     assert_int_equal(ask(0, 0, false, &result), 0);
 }
 
+/* If it failed, what was refused would be kept, and nobody charged for it. */
+static void journal__that_is_refused_is_none(void **state)
+{
+    struct proto_SCENE_JOURNAL_result result;
+
+    (void)state;
+    assert_int_equal(ask(1, 60 * MIB, false, &result), PCCD_E_INVAL); /* not its start */
+    assert_int_equal(ask(0, 0, false, &result), PCCD_E_STATE);
+    assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
+}
+
 /* If it failed, nonsense would be taken for something. */
 static void journal__refuses_what_it_is_not_of(void **state)
 {
@@ -216,6 +227,8 @@ int main(void)
                                         teardown),
         cmocka_unit_test_setup_teardown(journal__says_when_it_is_full, setup, teardown),
         cmocka_unit_test_setup_teardown(journal__is_charged_until_it_ends, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(journal__that_is_refused_is_none, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(journal__refuses_what_it_is_not_of, setup,
                                         teardown),

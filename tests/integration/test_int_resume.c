@@ -497,6 +497,38 @@ static void resume__gives_way_to_a_new_client_at_the_quota(void **state)
     test_raw_close(&f->raw);
 }
 
+/* If it failed, who watches would hear of a step that was made while its connection was
+ * lost only when another is made, perhaps never. */
+static void resume__tells_of_steps_that_were_watched(void **state)
+{
+    struct fixture *f = &fixture;
+    const struct proto_WATCH_START_request watch = {.session = 0};
+    struct proto_STATS_request ask = {0};
+    struct proto_STATS_result stats = {0};
+    struct proto_FRAME_SUBMIT_request step;
+    struct test_raw watcher;
+    struct proto_HELLO_result session, again;
+    (void)state;
+    open_scene(f);
+    assert_true(test_raw_open(&watcher, f->daemon.socket));
+    assert_int_equal(say_hello(&watcher, NULL, &session), 0);
+    assert_int_equal(test_raw_call(&watcher, PROTO_METHOD_WATCH_START, &watch, NULL), 0);
+    (void)close(watcher.socket);
+    while (stats.sessions_waiting_now == 0) { /* until it has been noticed */
+        assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &stats), 0);
+    }
+    step = turn(f, 0, -1.0f);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, NULL), 0);
+    watcher.socket = connect_socket();
+    assert_int_equal(say_hello(&watcher, &session, &again), 0);
+    assert_true(again.resumed);
+    assert_int_equal(test_raw_receive(&watcher), 0);
+    assert_int_equal(watcher.envelope.kind, PROTO_NOTIFICATION);
+    assert_int_equal(watcher.envelope.method, PROTO_NOTE_STEP);
+    test_raw_close(&watcher);
+    test_raw_close(&f->raw);
+}
+
 /* If it failed, a client could not make anew, under its old handles, what a daemon that
  * died had; or could have tables of any size made for a single object. */
 static void resume__handles_can_be_wanted(void **state)
@@ -553,6 +585,7 @@ int main(void)
         WITH(resume__is_over_after_bye, setup),
         WITH(resume__does_not_wait_for_the_dead, setup),
         WITH(resume__gives_way_to_a_new_client_at_the_quota, setup_alone),
+        WITH(resume__tells_of_steps_that_were_watched, setup),
         WITH(resume__handles_can_be_wanted, setup),
     };
     return cmocka_run_group_tests_name("resume", tests, NULL, NULL);
