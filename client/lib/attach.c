@@ -30,8 +30,9 @@ void cli_ring_deinit(struct cli_ring *ring)
 }
 
 /* Take the two descriptors of the answer and map them. Whatever the answer says, no
- * access of ours may leave the mappings. */
-static int map_ring(struct pccd_client *client,
+ * access of ours may leave the mappings; whoever asked for slots of `slot_bytes` writes as
+ * much to each. */
+static int map_ring(struct pccd_client *client, uint64_t slot_bytes,
                     const struct proto_SHM_ATTACH_result *result, struct cli_ring *ring)
 {
     int fds[2] = {client->fds[0], client->fds[1]};
@@ -54,7 +55,7 @@ static int map_ring(struct pccd_client *client,
     }
     if (result->slot_count == 0 || result->slot_count > PROTO_SLOTS_MAX ||
         result->upload_bytes < sizeof(struct proto_upload) ||
-        result->slot_stride % 8 != 0 ||
+        result->slot_stride % 8 != 0 || result->slot_stride < slot_bytes ||
         result->slot_stride >
             (result->upload_bytes - sizeof(struct proto_upload)) / result->slot_count) {
         return cli_fail(client, PCCD_E_BADMSG, "shm.attach: slots outside the memory");
@@ -85,12 +86,13 @@ int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t sl
         cli_ring_deinit(&client->ring);
     }
     if (rc != 0) {
+        cli_fds_close(client); /* an honest daemon's errors bring none */
         return rc;
     }
     memset(&ring, 0, sizeof(ring));
     ring.page_first = client->page_end;
     ring.upload = ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
-    rc = map_ring(client, &result, &ring);
+    rc = map_ring(client, slot_bytes, &result, &ring);
     cli_ring_deinit(&client->ring);
     if (rc != 0) {
         cli_ring_deinit(&ring);

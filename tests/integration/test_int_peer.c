@@ -153,6 +153,14 @@ static void lie_about_memory(void)
         ring.slot_stride = UINT64_MAX - 7;
         false_attach(ring, 2);
         break;
+    case 7: /* less than was asked for */
+        ring.slot_stride = 4096;
+        false_attach(ring, 2);
+        break;
+    case 8:
+        ring.slot_stride = 0;
+        false_attach(ring, 2);
+        break;
     default:
         ring.slot_stride += 8;
         false_attach(ring, 2);
@@ -165,7 +173,7 @@ static void lie_about_memory(void)
 static void peer__that_lies_about_memory_is_not_believed(void **state)
 {
     (void)state;
-    for (lie = 0; lie < 8; lie++) {
+    for (lie = 0; lie < 10; lie++) {
         struct pccd_client *client;
         uint64_t step = 0;
         int rc;
