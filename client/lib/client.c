@@ -313,7 +313,7 @@ void pccd_close(struct pccd_client *client)
     cli_page_deinit(client);
     cli_ring_deinit(&client->ring);
     cli_keep_deinit(client);
-    cli_shared_forget(client, 0);
+    cli_shared_deinit(client);
     cli_watch_deinit(client);
     if (client->owner == getpid()) {
         cli_launch_stop(&client->child);

@@ -61,6 +61,22 @@ uint32_t cli_page_count(const struct pccd_client *client)
     return (uint32_t)(client->page_end - client->page_first);
 }
 
+bool cli_page_has_room(const struct pccd_client *client)
+{
+    /* Every call in flight may bring a page, and there must be an entry for it. */
+    return cli_page_count(client) + CLI_CALLS <= CLI_PAGES;
+}
+
+int cli_page_check(struct pccd_client *client)
+{
+    return cli_page_has_room(client)
+               ? 0
+               : cli_fail(client, PCCD_E_BUSY,
+                          "%u answers are not released, or wait for an older one that is "
+                          "not: release them first",
+                          cli_page_count(client));
+}
+
 int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
                  uint32_t record_bytes, uint64_t release, uint64_t *serial)
 {

@@ -20,7 +20,12 @@ int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
  * ignored. */
 void cli_page_release(struct pccd_client *client, uint64_t serial);
 
-/* Pages that are not released. */
+/* Before something is asked for that brings a page: 0 or PCCD_E_BUSY, when so many are
+ * not released that those in flight might find no entry. */
+int cli_page_check(struct pccd_client *client);
+bool cli_page_has_room(const struct pccd_client *client);
+
+/* Pages that are not released, and those behind them that are. */
 uint32_t cli_page_count(const struct pccd_client *client);
 
 /* The first byte of the region in which a page that is not released lies. */

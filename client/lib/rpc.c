@@ -462,8 +462,8 @@ void cli_call_drop(struct pccd_client *client, struct cli_call *call)
     }
 }
 
-int cli_call_page(struct pccd_client *client, int method, const void *request,
-                  void *result, uint64_t deadline_ns, uint64_t *page)
+static int call_and_wait(struct pccd_client *client, int method, const void *request,
+                         void *result, uint64_t deadline_ns, uint64_t *page)
 {
     struct cli_call *call = NULL;
     int rc = cli_call_send(client, method, request, CLI_SLOT_NONE, deadline_ns, &call);
@@ -483,10 +483,20 @@ int cli_call_page(struct pccd_client *client, int method, const void *request,
     return cli_call_finish(client, call);
 }
 
+int cli_call_page(struct pccd_client *client, int method, const void *request,
+                  void *result, uint64_t deadline_ns, uint64_t *page)
+{
+    int rc = cli_page_check(client);
+
+    *page = 0;
+    return rc != 0 ? rc
+                   : call_and_wait(client, method, request, result, deadline_ns, page);
+}
+
 int cli_call_sync(struct pccd_client *client, int method, const void *request,
                   void *result, uint64_t deadline_ns)
 {
     uint64_t page;
 
-    return cli_call_page(client, method, request, result, deadline_ns, &page);
+    return call_and_wait(client, method, request, result, deadline_ns, &page);
 }

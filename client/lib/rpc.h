@@ -28,8 +28,9 @@ int cli_call_finish(struct pccd_client *client, struct cli_call *call);
  * page it brings released. */
 void cli_call_drop(struct pccd_client *client, struct cli_call *call);
 
-/* Send, wait and finish in one; *page is the serial of the page that the answer brought,
- * to be released also on failure, or 0. */
+/* Send, wait and finish in one, if there is room for another page (cli_page_check); *page
+ * is the serial of the page that the answer brought, to be released also on failure, or
+ * 0. */
 int cli_call_page(struct pccd_client *client, int method, const void *request,
                   void *result, uint64_t deadline_ns, uint64_t *page);
 

@@ -94,14 +94,18 @@ int pccd_scene_create(struct pccd_client *client,
 int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
 {
     struct proto_SCENE_DESTROY_request request = {.scene = scene};
+    int rc;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
     cli_journal_settle(client, scene); /* while there is one */
-    cli_shared_forget(client, scene);
-    return cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
-                         cli_deadline(client, -1));
+    rc = cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
+                       cli_deadline(client, -1));
+    if (rc == 0) { /* what was said of it has come before that */
+        cli_shared_forget(client, scene);
+    }
+    return rc;
 }
 
 int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,

@@ -14,29 +14,24 @@
 #include "rpc.h"
 #include "step.h"
 
-/* The entry of a scene, made when there is none; NULL: no memory, or more than a client
- * may have. */
-static struct cli_shared *entry_of(struct pccd_client *client, uint32_t scene)
+/* Where news are kept. Returns 0 or PCCD_E_NOMEM. */
+static int make_table(struct pccd_client *client)
 {
-    struct cli_shared *unused = NULL;
-
     if (client->shared == NULL) {
         client->shared = calloc(PROTO_SCENES_PER_CLIENT, sizeof(*client->shared));
     }
-    for (uint32_t i = 0; client->shared != NULL && i < PROTO_SCENES_PER_CLIENT; i++) {
-        struct cli_shared *entry = &client->shared[i];
+    return client->shared != NULL ? 0 : PCCD_E_NOMEM;
+}
 
-        if (entry->scene == scene) {
-            return entry;
-        }
-        if (entry->scene == 0 && unused == NULL) {
-            unused = entry;
+/* The entry of a scene, or with 0 one that is free; NULL: there is none. */
+static struct cli_shared *find_entry(struct pccd_client *client, uint32_t scene)
+{
+    for (uint32_t i = 0; client->shared != NULL && i < PROTO_SCENES_PER_CLIENT; i++) {
+        if (client->shared[i].scene == scene) {
+            return &client->shared[i];
         }
     }
-    if (unused != NULL) {
-        *unused = (struct cli_shared){.scene = scene};
-    }
-    return unused;
+    return NULL;
 }
 
 void cli_shared_note(struct pccd_client *client, const struct proto_envelope *envelope)
@@ -50,12 +45,13 @@ void cli_shared_note(struct pccd_client *client, const struct proto_envelope *en
         note.scene == 0) {
         return;
     }
-    entry = entry_of(client, note.scene);
+    entry = make_table(client) == 0 ? find_entry(client, note.scene) : NULL;
+    entry = entry == NULL ? find_entry(client, 0) : entry;
     if (entry == NULL) {
-        return;
+        return; /* of more scenes than a client can have */
     }
     cli_journal_note(client, note.scene);
-    entry->is_new = true;
+    entry->scene = note.scene;
     entry->news = (struct pccd_scene_news){
         .number = note.number,
         .mode = (enum pccd_mode)note.mode,
@@ -115,6 +111,9 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
     deadline_ns = cli_deadline(client, timeout_ms);
     cli_step_drain(client);
     call = find_call(client, step);
+    if (call == NULL && client->dead) {
+        return cli_alive(client);
+    }
     if (call == NULL || !call->params.FRAME_SUBMIT.hold) {
         return cli_fail(client, PCCD_E_INVAL, "step %llu is not pending, or not to hold",
                         (unsigned long long)step);
@@ -129,15 +128,17 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
 
 void cli_shared_forget(struct pccd_client *client, uint32_t scene)
 {
-    for (uint32_t i = 0; client->shared != NULL && i < PROTO_SCENES_PER_CLIENT; i++) {
-        if (client->shared[i].scene == scene) {
-            client->shared[i] = (struct cli_shared){.scene = 0};
-        }
+    struct cli_shared *entry = find_entry(client, scene);
+
+    if (entry != NULL) {
+        entry->scene = 0;
     }
-    if (scene == 0) {
-        free(client->shared);
-        client->shared = NULL;
-    }
+}
+
+void cli_shared_deinit(struct pccd_client *client)
+{
+    free(client->shared);
+    client->shared = NULL;
 }
 
 int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
@@ -155,21 +156,21 @@ int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
                         news == NULL ? "news is NULL" : "there is no scene 0");
     }
     deadline_ns = cli_deadline(client, timeout_ms);
-    cli_step_drain(client);
-    entry = entry_of(client, scene);
-    if (entry == NULL) {
+    if (make_table(client) != 0) {
         return cli_fail(client, PCCD_E_NOMEM, "no memory for news of scenes");
     }
-    while (rc == 0 && !entry->is_new) {
-        rc = timeout_ms == 0 ? cli_fail(client, PCCD_E_AGAIN,
-                                        "no other client has stepped scene 0x%x", scene)
-                             : cli_progress(client, deadline_ns);
+    cli_step_drain(client);
+    while ((entry = find_entry(client, scene)) == NULL && rc == 0) {
+        rc = timeout_ms != 0 ? cli_progress(client, deadline_ns)
+             : client->dead  ? cli_alive(client)
+                             : cli_fail(client, PCCD_E_AGAIN,
+                                        "no other client has stepped scene 0x%x", scene);
     }
-    if (rc != 0) {
+    if (entry == NULL) {
         return rc;
     }
-    entry->is_new = false;
     *news = entry->news;
+    entry->scene = 0;
     return 0;
 }
 

@@ -9,10 +9,9 @@
 
 #include "client.h"
 
-/* What has been said of a shared scene. */
+/* What has been said of a shared scene, and not been told the user. */
 struct cli_shared {
     uint32_t scene; /* 0: none here */
-    bool is_new;    /* and not been told the user */
     struct pccd_scene_news news;
 };
 
@@ -22,7 +21,8 @@ void cli_shared_note(struct pccd_client *client, const struct proto_envelope *en
 void cli_shared_held(struct pccd_client *client, const struct proto_envelope *envelope);
 /* Another daemon holds nothing yet. */
 void cli_shared_lost(struct pccd_client *client);
-/* The scene is no longer this client's; 0: none is. */
+/* The scene is no longer this client's. */
 void cli_shared_forget(struct pccd_client *client, uint32_t scene);
+void cli_shared_deinit(struct pccd_client *client);
 
 #endif

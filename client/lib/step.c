@@ -24,6 +24,7 @@
 int cli_step_check(struct pccd_client *client)
 {
     uint32_t count = 0;
+    int rc;
 
     for (uint32_t i = 0; i < client->calls_end; i++) {
         const struct cli_call *call = &client->calls[i];
@@ -35,12 +36,8 @@ int cli_step_check(struct pccd_client *client)
         return cli_fail(client, PCCD_E_BUSY, "%u steps wait to be taken: poll or wait",
                         count);
     }
-    /* Every call in flight may bring a page, and there must be an entry for it. */
-    if (cli_page_count(client) + CLI_CALLS > CLI_PAGES) {
-        return cli_fail(client, PCCD_E_BUSY, "%u answers are not released",
-                        cli_page_count(client));
-    }
-    return cli_alive(client);
+    rc = cli_page_check(client);
+    return rc != 0 ? rc : cli_alive(client);
 }
 
 int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot, uint64_t seq,

@@ -13,6 +13,7 @@ integration_names = \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
     tests/integration/test_int_journal \
+    tests/integration/test_int_misuse \
     tests/integration/test_int_notify \
     tests/integration/test_int_orphan \
     tests/integration/test_int_observe \
@@ -115,6 +116,10 @@ tests_integration_test_int_overdue_LDADD = $(integration_libs)
 tests_integration_test_int_orphan_SOURCES = tests/integration/test_int_orphan.c
 tests_integration_test_int_orphan_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_orphan_LDADD = $(integration_libs)
+
+tests_integration_test_int_misuse_SOURCES = tests/integration/test_int_misuse.c
+tests_integration_test_int_misuse_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_misuse_LDADD = $(integration_libs)
 
 tests_integration_test_int_peer_SOURCES = tests/integration/test_int_peer.c
 tests_integration_test_int_peer_CPPFLAGS = $(integration_cppflags)
