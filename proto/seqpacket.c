@@ -20,6 +20,7 @@
 static int status_of_errno(int cause)
 {
     switch (cause) {
+    case EINTR: /* of a wait: its timeout would begin anew with every signal */
     case EAGAIN:
 #if EWOULDBLOCK != EAGAIN
     case EWOULDBLOCK:
@@ -108,7 +109,7 @@ static int receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
                                  .msg_control = control.bytes,
                                  .msg_controllen = sizeof(control.bytes)};
         got = recvmsg(socket, &header, flags | MSG_CMSG_CLOEXEC);
-    } while (got < 0 && errno == EINTR);
+    } while (got < 0 && errno == EINTR && flags == MSG_DONTWAIT);
     if (got < 0) {
         return status_of_errno(errno);
     }
@@ -163,7 +164,7 @@ static int receive_bare(int socket, void *buffer, size_t capacity, size_t *bytes
 
     do {
         got = recvfrom(socket, buffer, capacity, flags | MSG_TRUNC, NULL, NULL);
-    } while (got < 0 && errno == EINTR);
+    } while (got < 0 && errno == EINTR && flags == MSG_DONTWAIT);
     if (got < 0) {
         return status_of_errno(errno);
     }

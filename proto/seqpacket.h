@@ -37,8 +37,8 @@ int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int 
                   int *fd_count);
 
 /* The same, but waits for a message as long as the socket's SO_RCVTIMEO has it, 0 for
- * ever, if the socket blocks (one call in the place of poll and proto_receive). Then
- * PCCD_E_AGAIN. */
+ * ever, if the socket blocks (one call in the place of poll and proto_receive). Then, and
+ * when a signal was handled meanwhile, PCCD_E_AGAIN. */
 int proto_await(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                 int *fd_count);
 

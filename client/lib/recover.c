@@ -165,6 +165,7 @@ static int try_once(struct pccd_client *client, uint64_t deadline_ns)
     link->is_recovering = false;
     hold_all(client, rc != 0);
     if (rc != 0) {
+        cli_hang_up(client); /* one that was too slow may go on being so */
         link->is_down = true;
         return rc;
     }

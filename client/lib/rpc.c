@@ -13,6 +13,7 @@
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -77,6 +78,13 @@ static void hold_calls(struct pccd_client *client)
     }
 }
 
+void cli_hang_up(struct pccd_client *client)
+{
+    if (client->socket >= 0) {
+        (void)shutdown(client->socket, SHUT_RDWR); /* it may be over already */
+    }
+}
+
 int cli_lose(struct pccd_client *client, const char *why)
 {
     struct cli_link *link = &client->link;
@@ -89,6 +97,7 @@ int cli_lose(struct pccd_client *client, const char *why)
     if (!link->is_established || link->patience_ns == 0 || client->owner != getpid()) {
         return cli_die(client);
     }
+    cli_hang_up(client);
     hold_calls(client);
     if (!link->is_recovering) {
         link->lost_ns = cli_now_ns();

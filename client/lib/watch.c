@@ -1,6 +1,6 @@
 /* watch.c - steps that a client is told of.
  *
- * Room:     client/lib. May include: watch.h, rpc.h, proto.
+ * Room:     client/lib. May include: watch.h, rpc.h, step.h, proto.
  * Does:     a ring of CLI_WATCH_ROOM steps, allocated when the client begins to watch.
  *           What has no room is counted as lost, as the daemon counts what it has none
  *           for.
@@ -12,6 +12,7 @@
 
 #include "pccd_daemon.h"
 #include "rpc.h"
+#include "step.h"
 
 #define CLI_WATCH_ROOM 256u
 
@@ -108,6 +109,22 @@ int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scen
     return rc;
 }
 
+/* Take in what is there, without waiting. 0: there are steps, or another daemon is to be
+ * asked. */
+static int look(struct pccd_client *client)
+{
+    cli_step_drain(client);
+    if (client->watch->count > 0) {
+        return 0;
+    }
+    if (client->dead) {
+        return cli_alive(client);
+    }
+    return !client->link.is_down && client->watch->epoch != client->link.epoch
+               ? 0
+               : cli_fail(client, PCCD_E_AGAIN, "no step has been answered");
+}
+
 int pccd_watch_next(struct pccd_client *client, int timeout_ms,
                     struct pccd_step_event *event)
 {
@@ -127,9 +144,7 @@ int pccd_watch_next(struct pccd_client *client, int timeout_ms,
         if (!client->link.is_down && client->watch->epoch != client->link.epoch) {
             rc = ask(client); /* the daemon that was asked is gone */
         } else {
-            rc = timeout_ms == 0 && !client->link.is_down
-                     ? cli_receive(client)
-                     : cli_progress(client, deadline_ns);
+            rc = timeout_ms == 0 ? look(client) : cli_progress(client, deadline_ns);
         }
     }
     if (client->watch->count == 0) {

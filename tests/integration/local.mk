@@ -13,6 +13,7 @@ integration_names = \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
     tests/integration/test_int_journal \
+    tests/integration/test_int_loss \
     tests/integration/test_int_misuse \
     tests/integration/test_int_notify \
     tests/integration/test_int_orphan \
@@ -116,6 +117,10 @@ tests_integration_test_int_overdue_LDADD = $(integration_libs)
 tests_integration_test_int_orphan_SOURCES = tests/integration/test_int_orphan.c
 tests_integration_test_int_orphan_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_orphan_LDADD = $(integration_libs)
+
+tests_integration_test_int_loss_SOURCES = tests/integration/test_int_loss.c
+tests_integration_test_int_loss_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_loss_LDADD = $(integration_libs)
 
 tests_integration_test_int_misuse_SOURCES = tests/integration/test_int_misuse.c
 tests_integration_test_int_misuse_CPPFLAGS = $(integration_cppflags)

@@ -1,0 +1,229 @@
+/* test_int_loss.c - what the library promises while its daemon is late, lost or lying.
+ *
+ * Room:     tests/integration. May include: pccd.h, proto, tests/support.
+ * Does:     waits end in time whatever interrupts them; the descriptor says when there is
+ *           something to do; every call tells of a daemon that is gone.
+ * Threads:  one in each process.
+ */
+#include <poll.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "false_daemon.h"
+#include "messages.h"
+#include "pccd.h"
+#include "seqpacket.h"
+
+#define PATIENT_MS 10000 /* to look for a daemon */
+
+static struct pccd_client *connect_for(int timeout_ms)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    pccd_options_init(&options);
+    options.url = false_daemon.url;
+    options.timeout_ms = timeout_ms;
+    options.reconnect_ms = PATIENT_MS;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    return client;
+}
+
+static void say_nothing(void)
+{
+    for (;;) {
+        (void)pause();
+    }
+}
+
+/* ---- signals ----------------------------------------------------------------------- */
+
+#define TICK_US      50000
+#define WAIT_MS      1400 /* longer than the library sleeps at a time */
+#define TICKS_AT_END (4 * WAIT_MS * 1000 / TICK_US)
+
+static volatile sig_atomic_t ticks;
+
+/* Ends the wait that would never end otherwise. */
+static void tick(int signal)
+{
+    (void)signal;
+    if (++ticks == TICKS_AT_END) {
+        (void)kill(false_daemon.child, SIGKILL);
+    }
+}
+
+static void beat(suseconds_t every_us)
+{
+    const struct itimerval timer = {.it_interval = {0, every_us},
+                                    .it_value = {0, every_us}};
+    struct sigaction action = {.sa_handler = tick};
+
+    assert_int_equal(sigaction(SIGALRM, &action, NULL), 0);
+    assert_int_equal(setitimer(ITIMER_REAL, &timer, NULL), 0);
+}
+
+static void answer_hello_alone(void)
+{
+    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    say_nothing();
+}
+
+/* If it failed, a program with a profiler's timer, or a game's, would wait for ever for a
+ * daemon that hangs. */
+static void loss__signals_do_not_put_off_the_deadline(void **state)
+{
+    struct pccd_client *client;
+    uint64_t begin_ms;
+
+    (void)state;
+    false_start(answer_hello_alone);
+    client = connect_for(WAIT_MS);
+    begin_ms = test_now_ms();
+    beat(TICK_US);
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
+    beat(0);
+    assert_true(test_now_ms() - begin_ms >= WAIT_MS);
+    assert_true(test_now_ms() - begin_ms < 3 * WAIT_MS);
+    pccd_close(client);
+}
+
+/* ---- the descriptor ---------------------------------------------------------------- */
+
+static bool is_readable(const struct pccd_client *client)
+{
+    struct pollfd watched = {.fd = pccd_fd(client), .events = POLLIN};
+
+    return poll(&watched, 1, 0) == 1;
+}
+
+/* End over a ping; the next ones hang before they answer hello. */
+static void come_back_and_hang(void)
+{
+    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    (void)false_next();
+    false_take_client();
+    say_nothing();
+}
+
+/* If it failed, a loop that watches the descriptor would sleep for ever: nothing would
+ * have it look for a daemon again. */
+static void loss__the_descriptor_is_ready_until_it_is_over(void **state)
+{
+    struct pccd_client *client;
+    struct pccd_answer answer;
+
+    (void)state;
+    false_start(come_back_and_hang);
+    client = connect_for(300);
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
+    assert_true(is_readable(client));
+    assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
+    assert_true(is_readable(client));
+    pccd_close(client);
+}
+
+/* Say what nobody understands; there is no other daemon then. */
+static void talk_nonsense_and_stay(void)
+{
+    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    (void)unlink(false_daemon.socket_path);
+    (void)close(false_daemon.listener);
+    (void)false_next();
+    (void)proto_send(false_daemon.socket, "\xdd\xff\xff\xff\xff", 5, NULL, 0);
+    say_nothing();
+}
+
+/* The same, where it is the library that has had enough. */
+static void loss__a_connection_that_was_given_up_is_ready(void **state)
+{
+    struct pccd_client *client;
+
+    (void)state;
+    false_start(talk_nonsense_and_stay);
+    client = connect_for(300);
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
+    assert_true(is_readable(client));
+    pccd_close(client);
+}
+
+/* ---- calls that do not wait -------------------------------------------------------- */
+
+static void watch_and_end(void)
+{
+    const struct proto_WATCH_START_result result = {.room = 1};
+
+    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE);
+    (void)false_next();
+    false_answer(false_daemon.envelope.id, PROTO_METHOD_WATCH_START, &result, NULL, 0);
+}
+
+/* If it failed, who looks for steps now and then would take a daemon that comes back for
+ * one that does not answer. */
+static void loss__a_watcher_that_does_not_wait_is_told_so(void **state)
+{
+    struct pccd_client *client;
+    struct pccd_step_event event;
+
+    (void)state;
+    false_start(watch_and_end);
+    client = connect_for(300);
+    assert_int_equal(pccd_watch_start(client, 0, 0), 0);
+    while (!is_readable(client)) {
+        test_sleep_ms(1);
+    }
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(pccd_watch_next(client, 0, &event), PCCD_E_AGAIN);
+        assert_non_null(strstr(pccd_error_text(client), "step"));
+    }
+    pccd_close(client);
+}
+
+static void end_after_hello(void)
+{
+    false_hello(PROTO_VERSION_MAX,
+                PROTO_FEATURE_RESUME | PROTO_FEATURE_SHARED | PROTO_FEATURE_HELD);
+}
+
+/* If it failed, who looks for news without waiting would look for ever after the daemon
+ * is gone. */
+static void loss__a_daemon_that_is_gone_has_no_news(void **state)
+{
+    struct pccd_client *client;
+    struct pccd_scene_news news;
+
+    (void)state;
+    false_start(end_after_hello);
+    client = false_connect_good();
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_scene_wait(client, 1, 0, &news), PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_scene_wait(client, 1, -1, &news), PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_wait_held(client, 1, 0), PCCD_E_DISCONNECTED);
+    pccd_close(client);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(loss__signals_do_not_put_off_the_deadline, false_stop),
+        cmocka_unit_test_teardown(loss__the_descriptor_is_ready_until_it_is_over,
+                                  false_stop),
+        cmocka_unit_test_teardown(loss__a_connection_that_was_given_up_is_ready,
+                                  false_stop),
+        cmocka_unit_test_teardown(loss__a_watcher_that_does_not_wait_is_told_so,
+                                  false_stop),
+        cmocka_unit_test_teardown(loss__a_daemon_that_is_gone_has_no_news, false_stop),
+    };
+
+    return cmocka_run_group_tests_name("loss", tests, NULL, NULL);
+}
