@@ -438,6 +438,24 @@ def pack(*items):
 class Liars(Case):
     """What a broken or newer daemon says."""
 
+    # If this failed, a loop that watches the descriptor would sleep for ever where the
+    # next daemon hangs: nothing would have it look for another one.
+    def test_fileno__is_ready_until_the_loss_is_over(self):
+        over = threading.Event()
+
+        def end_over_a_ping(id_, method, _):
+            return pack(1, id_, None, hello()) if method == "hello" else None
+
+        def hang(*_):
+            over.wait(20)
+
+        with Liar(end_over_a_ping, hang) as liar:
+            client = pccd.connect(liar.url, timeout=0.3)
+            self.fails(pccd.Status.E_TIMEOUT, client.ping)
+            self.assertTrue(select.select([client], [], [], 0)[0])
+            over.set()
+            client.close()
+
     # If this failed, a daemon of another protocol would be spoken to all the same.
     def test_hello__is_looked_at(self):
         status = pccd.Status

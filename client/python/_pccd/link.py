@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import array
 import collections
+import contextlib
 import errno
 import math
 import os
@@ -375,11 +376,19 @@ class Link:
         if not self._is_patient():
             self._die(self._words)
             return
+        self._hang_up()
         self._hold(self._words)
         if not self._is_recovering:
             self._lost_at = self._retry_at = time.monotonic()
             self._pause = 0.001
             self._tries = 0
+
+    def _hang_up(self) -> None:
+        """Have the socket end, so that who watches it sees that there is something to do,
+        whatever the daemon does with its own end. Not by a forked copy."""
+        if self._socket is not None:
+            with contextlib.suppress(OSError):  # it may be over already
+                self._socket.shutdown(socket.SHUT_RDWR)
 
     def _hold(self, error: PccdError) -> None:
         """What has no answer waits for another connection; what was sent to make one,

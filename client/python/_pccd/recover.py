@@ -89,6 +89,7 @@ class Recover(Reach):
             self._is_recovering = False
 
     def _fall_back(self, error: PccdError) -> None:
+        self._hang_up()  # one that was too slow may go on being so
         self._hold(error)
         self._is_up = False
 
