@@ -30,7 +30,7 @@ void cli_ring_deinit(struct cli_ring *ring)
 }
 
 /* Take the two descriptors of the answer and map them. Whatever the answer says, no
- * access of ours may leave the mappings; whoever asked for slots of `slot_bytes` writes as
+ * access of ours may leave the mappings; who asked for slots of `slot_bytes` writes as
  * much to each. */
 static int map_ring(struct pccd_client *client, uint64_t slot_bytes,
                     const struct proto_SHM_ATTACH_result *result, struct cli_ring *ring)

@@ -65,8 +65,8 @@ uint32_t cli_call_inflight(const struct pccd_client *client);
 /* The connection is lost. Calls without an answer are held for another one, or fail where
  * there is to be none. Returns PCCD_E_DISCONNECTED. */
 int cli_lose(struct pccd_client *client, const char *why);
-/* Have the socket end, so that who watches it sees that there is something to do, whatever
- * the daemon does with its own end. Not by a forked copy, whose socket is not its own. */
+/* Have the socket end, so that who watches it sees that there is something to do,
+ * whatever the daemon does with its own end. Not by a forked copy, which shares it. */
 void cli_hang_up(struct pccd_client *client);
 /* For good: client->dead_text says why. Returns PCCD_E_DISCONNECTED. */
 int cli_die(struct pccd_client *client);
