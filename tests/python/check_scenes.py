@@ -186,6 +186,9 @@ class Shared(Case):
         self.fails(pccd.Status.E_INVAL, b.scene_create, name="else", rights=0o777)
         self.fails(pccd.Status.E_INVAL, b.scene_create, rights=0o600)
         self.fails(pccd.Status.E_INVAL, b.scene_create, name="")
+        for share in "attach", 3:
+            with self.assertRaisesRegex(pccd.PccdError, "CREATE, OPEN or ATTACH, not"):
+                b.scene_create(name="else", share=share)
         floor = Member(b, FLOOR, "who")
         floor.object, own = cloth.object, floor.object
         self.fails(pccd.Status.E_ACCESS, b.wait, floor.submit(1))

@@ -63,6 +63,9 @@ class Scenes(Restore):
         settings: Dict[str, Any] = {"quality": int(quality),
                                     "rebuild_ratio": float(rebuild_ratio),
                                     "rebuild_triangles_max": int(rebuild_triangles_max)}
+        if share not in tuple(Share):
+            raise failure(Status.E_INVAL, "scene.create: share is Share.CREATE, OPEN or "
+                          f"ATTACH, not {share!r}")
         if name is None and (share or rights):
             raise failure(Status.E_INVAL, "scene.create: only a scene with a name has "
                           "share and rights")
