@@ -10,10 +10,12 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "assault.h"
 #include "crowd.h"
 #include "options.h"
+#include "pccd.h"
 #include "plot.h"
 #include "report.h"
 #include "series.h"
@@ -120,6 +122,25 @@ static int64_t idle_memory(const struct load *load)
     return pid > 0 ? load_target_memory(pid) : -1;
 }
 
+/* Whether libpccd-direct can be had; it is told why not. In a process of its own: what it
+ * loads and starts is not to be there when the crowd is made. */
+static bool has_direct(const struct load *load)
+{
+    int status = -1;
+    pid_t pid = fork();
+    if (pid == 0) {
+        const struct pccd_options options = {.url = load->url};
+        struct pccd_client *client = NULL;
+        if (pccd_connect(&options, &client) != PCCD_OK) {
+            load_say("%s", pccd_error_text(NULL));
+            _exit(1);
+        }
+        pccd_close(client);
+        _exit(0);
+    }
+    return pid > 0 && waitpid(pid, &status, 0) == pid && status == 0;
+}
+
 /* What the daemon holds, and what its clients get when they are alone. */
 static void prepare(struct load *load, struct load_outcome *outcome)
 {
@@ -203,7 +224,7 @@ int main(int argc, char **argv)
     }
     if (load.settings.url) {
         snprintf(load.url, sizeof load.url, "%s", load.settings.url);
-        if (!load_is_direct(&load) && load_target_pid(&load) == 0) {
+        if (load_is_direct(&load) ? !has_direct(&load) : load_target_pid(&load) == 0) {
             return LOAD_NO_DAEMON; /* it has been told */
         }
     } else if (!load_target_start(&target, &load)) {

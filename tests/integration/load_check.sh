@@ -130,6 +130,12 @@ load unreachable --clients 4 --requests 20 --url "unix:$work/nobody"
     [ "$(wc -l <"$work/unreachable")" -eq 1 ]
 tap_result $? load__tells_that_there_is_no_daemon "$work/absent"
 
+# If it failed, a missing library would look like wrong answers, behind a report of nothing.
+PCCD_DIRECT=/nowhere/lib.so load missing --clients 4 --requests 20 --url direct:
+[ $? -eq 3 ] && grep -q '/nowhere/lib.so' "$work/missing" &&
+    [ "$(wc -l <"$work/missing")" -eq 1 ]
+tap_result $? load__tells_that_there_is_no_library "$work/missing"
+
 # If it failed, a long run would end without what was to be written.
 status=0
 for options in "--csv $work/no/file" "--plot $work/no/file.png"; do
