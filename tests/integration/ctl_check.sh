@@ -291,7 +291,8 @@ ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
         '^  ingest +[0-9.]+ ms$' '^  step +[0-9.]+ ms$' '^thread +task_units +pairs' \
         '^thread +refit +low +high +tests +rebuild +wait +merge   \(ms\)$' '^     0 ' &&
     ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 1 ] &&
-    [ "$(json_value task_units)" -gt 0 ] && [ "$(json_value ns_step)" -gt 0 ]
+    [ "$(json_value task_units)" -gt 0 ] && [ "$(json_value ns_step)" -gt 0 ] &&
+    [ "$(json_value scheduler)" = null ] && [ "$(json_value high_level)" = null ]
 report "stats --threads tells what the threads of the last step did"
 
 { sleep 0.3; "$PCCDCTL" check --url "unix:$dir/s" --repeat 0 s0.ply s1.ply >/dev/null; } &

@@ -179,6 +179,23 @@ static void print_kind(FILE *to, const struct table *table, enum kind kind)
     }
 }
 
+/* A number of the step; a choice by its name as in check --json, null where there was
+ * none. */
+static json_t *step_json(const char *name, uint64_t value)
+{
+    const char *text = NULL;
+    if (strcmp(name, "scheduler") == 0) {
+        text = report_scheduler_name((enum pccd_scheduler)value);
+    } else if (strcmp(name, "high_level") == 0) {
+        text = report_high_level_name((enum pccd_high_level)value);
+    } else if (strcmp(name, "refit") == 0) {
+        text = report_refit_name((enum pccd_refit)value);
+    } else {
+        return json_integer((json_int_t)value);
+    }
+    return value != 0 && text != NULL ? json_string(text) : json_null();
+}
+
 /* The step's own numbers at the top, an object for each thread in "thread_records". */
 static int print_json(FILE *to, const struct table *table)
 {
@@ -188,7 +205,7 @@ static int print_json(FILE *to, const struct table *table)
     for (uint32_t i = 0; i < first->count; i++) {
         if (kind_of(first, i) == KIND_STEP || kind_of(first, i) == KIND_PHASE) {
             json_object_set_new(object, first->name[i],
-                                json_integer((json_int_t)first->value[i]));
+                                step_json(first->name[i], first->value[i]));
         }
     }
     for (uint32_t thread = 0; thread < table->count; thread++) {
