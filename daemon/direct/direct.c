@@ -152,6 +152,11 @@ void srv_host_client_left(struct srv_loop *loop)
     loop->client_count--;
 }
 
+void srv_host_limit_changed(struct srv_loop *loop)
+{
+    (void)loop; /* whoever comes is taken or refused at once */
+}
+
 /* ---- timers ------------------------------------------------------------------------ */
 
 /* Nothing is left undone between two messages but frames that are held for the step of

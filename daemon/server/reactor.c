@@ -203,6 +203,11 @@ void srv_host_client_left(struct srv_loop *loop)
     srv_pulse_change(&reactor->pulse);
 }
 
+void srv_host_limit_changed(struct srv_loop *loop)
+{
+    srv_listener_room(&((struct srv_reactor *)loop)->listener);
+}
+
 /* What clients had lies scattered over the heap: freed, but not given back by itself. It
  * takes about a millisecond. */
 #define CLOSED_PER_TRIM 256u

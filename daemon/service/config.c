@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "host.h"
 #include "invariant.h"
 #include "log.h"
 #include "loop.h"
@@ -174,6 +175,7 @@ static void write_value(struct srv_loop *loop, enum setting setting, uint64_t va
         break;
     case SETTING_CONNECTIONS:
         live->connections_max = (uint32_t)value;
+        srv_host_limit_changed(loop);
         break;
     case SETTING_COUNT:
         break;

@@ -66,6 +66,8 @@ void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session);
 /* A session was opened; an open session's connection is gone. */
 void srv_host_client_joined(struct srv_loop *loop);
 void srv_host_client_left(struct srv_loop *loop);
+/* There may be another number of connections than before (options.h). */
+void srv_host_limit_changed(struct srv_loop *loop);
 
 /* ---- timers ------------------------------------------------------------------------ */
 

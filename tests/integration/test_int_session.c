@@ -510,6 +510,28 @@ static void session__null_arguments_are_refused(void **state)
     pccd_close(client);
 }
 
+/* If it failed, clients that wait for a place would go on to wait when there is one. */
+static void session__limit_that_is_raised_lets_in_who_waits(void **state)
+{
+    static const char *const options[] = {"--connections-max", "8", NULL};
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct test_raw raw;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(pccd_config_set(client, "connections-max", "1"), 0);
+    assert_true(test_raw_open(&raw, daemon.socket)); /* waits to be accepted */
+    assert_int_equal(pccd_ping(client, NULL), 0);    /* the daemon has looked at it */
+    assert_int_equal(pccd_config_set(client, "connections-max", "2"), 0);
+    assert_int_equal(test_raw_hello(&raw), 0);
+    test_raw_close(&raw);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -523,6 +545,7 @@ int main(void)
         cmocka_unit_test(session__handles_die_with_what_they_name),
         cmocka_unit_test(session__many_clients_take_turns),
         cmocka_unit_test(session__clients_beyond_the_quota_are_refused),
+        cmocka_unit_test(session__limit_that_is_raised_lets_in_who_waits),
         cmocka_unit_test(session__meshes_triangles_and_memory_have_quotas),
         cmocka_unit_test(session__sigterm_answers_what_is_in_flight),
         cmocka_unit_test(session__idle_daemon_ends_by_itself),
