@@ -295,6 +295,22 @@ ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
     [ "$(json_value scheduler)" = null ] && [ "$(json_value high_level)" = null ]
 report "stats --threads tells what the threads of the last step did"
 
+# Triangles beside each other, so many that a team is worth while.
+awk 'BEGIN { for (i = 0; i < 6000; i++) printf "v %d 0 0\nv %d 1 0\nv %d 0 1\n", i, i, i
+    for (i = 0; i < 6000; i++) printf "f %d %d %d\n", 3 * i + 1, 3 * i + 2, 3 * i + 3 }' \
+    >many.obj
+if [ "$(nproc)" -gt 1 ]; then
+    ctl check --url "unix:$dir/s" --threads 2 --repeat 3 --method paper --scheduler paper \
+        --high-level disjoint --refit paper many.obj many.obj &&
+        ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 2 ] &&
+        [ "$(json_value scheduler)" = '"paper"' ] && [ "$(json_value refit)" = '"paper"' ] &&
+        [ "$(json_value high_level)" = '"disjoint"' ]
+    report "stats --threads --json has the names of what was chosen"
+else
+    number=$((number + 1))
+    echo "ok $number - stats --threads --json has names # SKIP one processor"
+fi
+
 { sleep 0.3; "$PCCDCTL" check --url "unix:$dir/s" --repeat 0 s0.ply s1.ply >/dev/null; } &
 ctl trace --socket "$dir/s" --steps 1 -o trace.json && wait $! && is_trace trace.json &&
     says '^trace +trace\.json: [0-9]+ events$' &&
