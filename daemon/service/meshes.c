@@ -31,17 +31,25 @@ struct srv_mesh *srv_mesh_new(struct srv_session *session, struct srv_shape *sha
     return mesh;
 }
 
+static void free_if_done(struct srv_mesh *mesh)
+{
+    if (mesh->is_gone && mesh->objects == NULL) {
+        free(mesh);
+    }
+}
+
 void srv_mesh_free(struct srv_mesh *mesh)
 {
     srv_assert_loop();
-    while (mesh->objects != NULL) {
-        srv_object_unlink(mesh->objects);
-    }
     srv_resource_drop(&mesh->current->resource);
     if (mesh->next != NULL) {
         srv_resource_drop(&mesh->next->resource);
     }
-    free(mesh);
+    mesh->current = NULL;
+    mesh->next = NULL;
+    mesh->handle = 0;
+    mesh->is_gone = true;
+    free_if_done(mesh);
 }
 
 int srv_mesh_refuse_busy(const struct srv_mesh *mesh, uint32_t handle,
@@ -83,6 +91,7 @@ void srv_object_unlink(struct srv_object *object)
     }
     mesh->object_count--;
     object->mesh = NULL;
+    free_if_done(mesh);
 }
 
 /* ---- replacements ------------------------------------------------------------------ */

@@ -27,17 +27,18 @@ struct srv_mesh {
     struct srv_shape *next;     /* announced and not committed; NULL: none */
     struct srv_object *objects; /* made of it, in the scenes that the session has */
     uint64_t object_count;
-    uint32_t handle;     /* 0: none yet */
+    uint32_t handle;     /* 0: none yet, or no more */
     uint64_t number;     /* in this daemon; never another mesh's */
     uint32_t generation; /* of `current`: 1, then one more with each replacement */
     bool is_committed;   /* `current` is */
     bool is_busy;        /* the commit of `next` is in flight */
+    bool is_gone;        /* only its objects know it; goes with the last of them */
 };
 
 /* A mesh of a shape, whose reference it takes over. NULL: no memory; the reference stays
  * the caller's. */
 struct srv_mesh *srv_mesh_new(struct srv_session *session, struct srv_shape *shape);
-/* Let go of its shapes and objects; those stay. */
+/* Let go of its shapes; objects that are made of it stay. Takes no longer for many. */
 void srv_mesh_free(struct srv_mesh *mesh);
 
 /* PCCD_E_BUSY with *error set while its replacement is being committed, else 0. */

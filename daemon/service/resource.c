@@ -194,14 +194,25 @@ static void object_free(struct srv_object *object)
     free(object);
 }
 
+/* Of a scene, at a turn of the loop: some 100 us. */
+#define OBJECTS_PER_TURN 1024u
+
+static void free_nothing(struct srv_job *job)
+{
+    (void)job;
+}
+
 static void scene_free_rest(struct srv_job *job)
 {
     struct srv_scene *scene = (struct srv_scene *)job;
     struct srv_session *session = scene->resource.session;
-    uint32_t cursor = 0;
-    for (struct srv_object *object;
-         (object = srv_handles_pop(&scene->objects, &cursor));) {
-        object_free(object);
+    for (uint32_t i = 0; i < OBJECTS_PER_TURN && scene->objects.count > 0; i++) {
+        object_free(srv_handles_pop(&scene->objects, &scene->freed));
+    }
+    if (scene->objects.count > 0) { /* comes back behind what else the loop has to do */
+        srv_job_init(job, free_nothing, scene_free_rest);
+        srv_compute_push_reap(&session->loop->pages, &session->page_lane, job);
+        return;
     }
     srv_handles_deinit(&scene->objects);
     session->loop->metrics.counters.scenes_now--;

@@ -87,6 +87,7 @@ struct srv_placed {
 struct srv_scene {
     struct srv_resource resource;
     struct srv_handles objects;          /* [loop] of struct srv_object */
+    uint32_t freed;                      /* [loop] where in `objects` freeing them is */
     struct eng_scene_settings settings;  /* does not change */
     struct proto_LIST_SCENE_result told; /* [loop] its steps, and the last of them */
     struct srv_shared *shared;           /* likewise; NULL: its session's alone */

@@ -532,6 +532,47 @@ static void session__limit_that_is_raised_lets_in_who_waits(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+#define MANY 16384u
+
+/* Whether another client is told how many objects are left while they go. */
+static bool is_told_meanwhile(struct pccd_client *other)
+{
+    struct pccd_client *client = test_connect(shared.url);
+    uint64_t before = test_stat(other, "objects_now");
+    uint64_t left;
+    uint32_t scene, mesh, object;
+    bool is_told = false;
+
+    assert_non_null(client);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &mesh, NULL),
+                     0);
+    for (uint32_t i = 0; i < MANY; i++) {
+        assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+    }
+    pccd_close(client);
+    while ((left = test_stat(other, "objects_now")) > before && !is_told) {
+        is_told = left < before + MANY;
+    }
+    return is_told;
+}
+
+/* If it failed, all clients would wait until everything of one that leaves is freed: 5 ms
+ * for a scene that is full, and there may be 64 of them. */
+static void session__that_had_much_leaves_by_turns(void **state)
+{
+    struct pccd_client *other = test_connect(shared.url);
+    bool is_told = false;
+    (void)state;
+    assert_non_null(other);
+    for (int i = 0; i < 4 && !is_told; i++) {
+        is_told = is_told_meanwhile(other);
+    }
+    assert_true(is_told);
+    pccd_close(other);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -547,6 +588,7 @@ int main(void)
         cmocka_unit_test(session__clients_beyond_the_quota_are_refused),
         cmocka_unit_test(session__limit_that_is_raised_lets_in_who_waits),
         cmocka_unit_test(session__meshes_triangles_and_memory_have_quotas),
+        cmocka_unit_test(session__that_had_much_leaves_by_turns),
         cmocka_unit_test(session__sigterm_answers_what_is_in_flight),
         cmocka_unit_test(session__idle_daemon_ends_by_itself),
         cmocka_unit_test(session__wrong_options_are_refused),
