@@ -43,12 +43,6 @@
 #define HELLO_MS  10000u /* for a client to say hello */
 #define LINGER_MS 1000u  /* for a client to read its last reply */
 
-/* One that waits for room, as it came. */
-struct srv_message {
-    size_t bytes;
-    uint8_t data[];
-};
-
 static void on_poll(uv_poll_t *poll, int status, int events);
 static void on_timer(uv_timer_t *timer);
 
@@ -67,7 +61,7 @@ static void close_soon(struct srv_conn *conn)
 static void watch(struct srv_conn *conn)
 {
     int events = UV_DISCONNECT;
-    if (conn->state != SRV_CONN_FLUSHING && conn->put_off == NULL &&
+    if (conn->state != SRV_CONN_FLUSHING && conn->put_off.message == NULL &&
         (conn->state != SRV_CONN_OPEN ||
          conn->replies.count < PROTO_REPLIES_QUEUED_MAX)) {
         events |= UV_READABLE;
@@ -88,27 +82,16 @@ static void watch(struct srv_conn *conn)
 int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes)
 {
     srv_assert_loop();
-    PCCD_ASSERT(conn->put_off == NULL && bytes <= PROTO_MESSAGE_BYTES_MAX);
-    if (conn->put_off_turns == SRV_PUT_OFF_MAX) {
-        return PCCD_E_LIMIT;
-    }
-    struct srv_message *copy = malloc(sizeof *copy + bytes);
-    if (copy == NULL) {
-        return PCCD_E_NOMEM;
-    }
-    copy->bytes = bytes;
-    memcpy(copy->data, message, bytes);
-    conn->put_off = copy;
-    conn->put_off_turns++;
-    conn->reactor->put_off_count++;
-    return 0;
+    PCCD_ASSERT(bytes <= PROTO_MESSAGE_BYTES_MAX);
+    int status = srv_putoff_keep(&conn->put_off, message, bytes);
+    conn->reactor->put_off_count += status == 0;
+    return status;
 }
 
 static struct srv_message *take_put_off(struct srv_conn *conn)
 {
-    struct srv_message *message = conn->put_off;
+    struct srv_message *message = srv_putoff_take(&conn->put_off);
     conn->reactor->put_off_count -= message != NULL;
-    conn->put_off = NULL;
     return message;
 }
 
@@ -129,7 +112,7 @@ void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user)
         return;
     }
     for (struct srv_conn *conn = reactor->conns; conn != NULL; conn = conn->next) {
-        if (conn->put_off != NULL && conn->state == SRV_CONN_OPEN &&
+        if (conn->put_off.message != NULL && conn->state == SRV_CONN_OPEN &&
             conn->session->user == user) {
             uv_timer_start(&conn->timer, on_timer, 0, 0);
         }
@@ -220,7 +203,7 @@ void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session)
 static void on_timer(uv_timer_t *timer)
 {
     struct srv_conn *conn = timer->data;
-    if (conn->state == SRV_CONN_OPEN && conn->put_off != NULL) {
+    if (conn->state == SRV_CONN_OPEN && conn->put_off.message != NULL) {
         come_back(conn);
         return;
     }
@@ -446,13 +429,13 @@ static bool read_one(struct srv_conn *conn)
         return false;
     }
     reactor->loop.metrics.counters.messages++;
-    conn->put_off_turns = 0;
+    conn->put_off.turns = 0;
     srv_request_catch_up(&reactor->loop);
     srv_dispatch(conn->session, reactor->buffer, bytes);
     if (srv_outbox_is_due(&reactor->outbox)) {
         srv_conn_send_kept(reactor);
     }
-    return conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
+    return conn->state == SRV_CONN_OPEN && conn->put_off.message == NULL &&
            conn->replies.count < PROTO_REPLIES_QUEUED_MAX;
 }
 
@@ -473,7 +456,7 @@ static bool read_one(struct srv_conn *conn)
  * sixth of all switches between processes. */
 void srv_conn_read(struct srv_conn *conn)
 {
-    if (conn->put_off != NULL) {
+    if (conn->put_off.message != NULL) {
         return;
     }
     conn->is_corked = conn->is_new;
@@ -514,8 +497,8 @@ static void discard(struct srv_conn *conn)
 static void read_last_words(struct srv_conn *conn)
 {
     uint32_t count = 0;
-    while (conn->fd >= 0 && conn->state == SRV_CONN_OPEN && conn->put_off == NULL &&
-           count < LAST_WORDS_MAX && read_one(conn)) {
+    while (conn->fd >= 0 && conn->state == SRV_CONN_OPEN &&
+           conn->put_off.message == NULL && count < LAST_WORDS_MAX && read_one(conn)) {
         count++;
     }
 }

@@ -15,6 +15,7 @@
 
 #include "host.h"
 #include "proto_limits.h"
+#include "putoff.h"
 #include "replyqueue.h"
 
 /* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
@@ -30,7 +31,6 @@ enum srv_conn_state {
 };
 
 struct srv_peer;
-struct srv_message;
 struct srv_outlet;
 struct srv_reactor;
 
@@ -46,8 +46,7 @@ struct srv_conn {
     uint32_t open_count; /* libuv handles not closed yet */
     uv_poll_t poll;
     uv_timer_t timer; /* for hello, then for what was put off, or the peer's end */
-    struct srv_message *put_off;   /* NULL: none; nothing is read meanwhile */
-    uint32_t put_off_turns;        /* how often, the message that was read last */
+    struct srv_putoff put_off;     /* while something is, nothing is read */
     struct srv_replyqueue replies; /* that the socket does not take yet */
     uint32_t turns;                /* at which something was read */
     bool is_ahead;                 /* its client sends before it has an answer */
@@ -67,9 +66,6 @@ void srv_conn_send_kept(struct srv_reactor *reactor);
 
 /* Read what has arrived, as after an event. Must not be called from inside a handler. */
 void srv_conn_read(struct srv_conn *conn);
-
-/* A message comes back that often at most: sessions of its user may leave for ever. */
-#define SRV_PUT_OFF_MAX 64u
 
 /* Close now; its session waits or ends. Must not be called from inside a handler. */
 void srv_conn_close(struct srv_conn *conn);

@@ -17,6 +17,7 @@ libserver_la_SOURCES = \
     daemon/server/outlet.c daemon/server/outlet.h \
     daemon/server/priority.c daemon/server/priority.h \
     daemon/server/pulse.c daemon/server/pulse.h \
+    daemon/server/putoff.c daemon/server/putoff.h \
     daemon/server/reactor.c daemon/server/reactor.h \
     daemon/server/replyqueue.c daemon/server/replyqueue.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
