@@ -8,7 +8,8 @@
  *      |                                           (LINGERING: at the peer's end, 1 s)
  *      `-- send failed, too many replies --> BROKEN --> closed
  *
- *     OPEN, from the client's end of file or hangup --> closed
+ *     OPEN, from the client's end of file or hangup, which is seen when all that it said
+ *     before has been read, also where a send has failed meanwhile --> closed
  *
  *           Lingering matters: closing a socket with unread messages makes the peer see a
  *           reset before it sees the last reply.
@@ -20,7 +21,6 @@
 
 #include <errno.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/socket.h>
 
 #include "allow.h"
@@ -254,6 +254,15 @@ static int queue_reply(struct srv_conn *conn, const void *message, size_t bytes,
     return status;
 }
 
+/* The socket refuses a message. A client that has closed it ends as it would without one:
+ * what it said before, as that it goes for good, is read first, its end comes behind. */
+static void not_sent(struct srv_conn *conn, int status)
+{
+    if (status != PCCD_E_DISCONNECTED || !srv_watch_has_ended(conn->fd)) {
+        fail(conn, "the client cannot be sent to");
+    }
+}
+
 /* Send, or queue what the socket does not take now; takes the descriptors over. */
 static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
                      const int *fds, int fd_count)
@@ -264,7 +273,7 @@ static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
     if (status != PCCD_E_AGAIN) {
         srv_reply_close_fds(fds, fd_count);
         if (status != 0) {
-            fail(conn, "the client cannot be sent to");
+            not_sent(conn, status);
         }
         return;
     }
@@ -363,7 +372,7 @@ static void flush(struct srv_conn *conn)
             return;
         }
         if (status != 0) {
-            fail(conn, "the client cannot be sent to");
+            not_sent(conn, status);
             return;
         }
         drop_reply(conn);

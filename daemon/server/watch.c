@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <stddef.h>
 #include <sys/epoll.h>
 #include <sys/resource.h>
@@ -63,4 +64,10 @@ int srv_watch_reserve(uv_loop_t *loop, uv_poll_t *poll, int fd, uint32_t *count)
     uv_close((uv_handle_t *)poll, NULL); /* stops it, too: NULL is never called */
     close(last);
     return 0;
+}
+
+bool srv_watch_has_ended(int fd)
+{
+    struct pollfd socket = {.fd = fd};
+    return poll(&socket, 1, 0) == 1 && (socket.revents & POLLHUP) != 0;
 }

@@ -1,7 +1,8 @@
 /* watch.h - libuv's polls, without its ways to end the process.
  *
  * Room:     server. May include: libuv.
- * Does:     ask the system beforehand for what libuv aborts without.
+ * Does:     ask the system beforehand for what libuv aborts without, and about one socket
+ *           without waiting for the loop.
  * Threads:  [loop]
  * Source:   libuv 1.44: uv__io_poll aborts when a descriptor cannot be added to epoll,
  *           maybe_resize when its table of descriptors cannot grow.
@@ -9,6 +10,7 @@
 #ifndef SRV_WATCH_H
 #define SRV_WATCH_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <uv.h>
 
@@ -24,5 +26,9 @@ int srv_watch_reserve(uv_loop_t *loop, uv_poll_t *poll, int fd, uint32_t *count)
 
 /* uv_poll_start. PCCD_E_SYSTEM: epoll has no room for it; nothing is watched then. */
 int srv_watch_start(uv_poll_t *poll, int fd, int events, uv_poll_cb on_poll);
+
+/* Whether the peer of a connected socket has closed it, or both ways of it, by now.
+ * False also where the system does not say. */
+bool srv_watch_has_ended(int fd);
 
 #endif

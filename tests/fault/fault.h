@@ -38,6 +38,7 @@
     X(mmap)                                                                              \
     X(open)                                                                              \
     X(pipe2)                                                                             \
+    X(poll)                                                                              \
     X(posix_fallocate)                                                                   \
     X(pthread_create)                                                                    \
     X(realloc)                                                                           \

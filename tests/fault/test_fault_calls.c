@@ -34,6 +34,7 @@ static const struct plausible all[] = {
     {FAULT_getsockopt, {ENOMEM}},
     {FAULT_memfd_create, {EMFILE, ENFILE, ENOMEM}},
     {FAULT_mmap, {ENOMEM, EAGAIN, ENFILE}},
+    {FAULT_poll, {EINTR, ENOMEM}},
     {FAULT_posix_fallocate, {EINTR, ENOMEM, ENOSPC}},
     {FAULT_read, {EINTR, EAGAIN}},
     {FAULT_recvfrom, {EINTR, EAGAIN, ENOMEM, ENOBUFS, ECONNRESET}},

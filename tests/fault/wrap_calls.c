@@ -7,6 +7,7 @@
  */
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -44,6 +45,8 @@ WRAP(int, lstat, (const char *path, struct stat *info), (path, info))
 WRAP(int, memfd_create, (const char *name, unsigned flags), (name, flags))
 WRAP(int, mkdir, (const char *path, mode_t mode), (path, mode))
 WRAP(int, pipe2, (int fds[2], int flags), (fds, flags))
+WRAP(int, poll, (struct pollfd * fds, nfds_t count, int timeout_ms),
+     (fds, count, timeout_ms))
 WRAP(ssize_t, read, (int fd, void *at, size_t bytes), (fd, at, bytes))
 WRAP(ssize_t, recvfrom,
      (int fd, void *at, size_t bytes, int flags, struct sockaddr *address,

@@ -13,6 +13,7 @@ integration_names = \
     tests/integration/test_int_flow \
     tests/integration/test_int_hostile \
     tests/integration/test_int_journal \
+    tests/integration/test_int_leave \
     tests/integration/test_int_loss \
     tests/integration/test_int_misuse \
     tests/integration/test_int_notify \
@@ -106,6 +107,10 @@ tests_integration_test_int_journal_LDADD = $(integration_libs)
 tests_integration_test_int_observe_SOURCES = tests/integration/test_int_observe.c
 tests_integration_test_int_observe_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_observe_LDADD = $(integration_libs)
+
+tests_integration_test_int_leave_SOURCES = tests/integration/test_int_leave.c
+tests_integration_test_int_leave_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_leave_LDADD = $(integration_libs)
 
 tests_integration_test_int_notify_SOURCES = tests/integration/test_int_notify.c
 tests_integration_test_int_notify_CPPFLAGS = $(integration_cppflags)

@@ -1,0 +1,97 @@
+/* test_int_leave.c - clients that leave, and what the daemon makes of it.
+ *
+ * Room:     tests/integration. May include: proto, tests/support.
+ * Does:     ends with an answer under way, and a client that only looks as if it had
+ *           left.
+ * Does not: kill clients (test_int_death) or let them come back (test_int_resume).
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "raw.h"
+
+/* Requests that nobody waits for the answers to. */
+static void ask(struct test_raw *raw)
+{
+    const struct proto_PING_request request = {.token = 0};
+
+    assert_int_not_equal(test_raw_request(raw, PROTO_METHOD_PING, &request), 0);
+}
+
+static void say_goodbye(struct test_raw *raw)
+{
+    const struct proto_BYE_request request = {.reserved = 0};
+
+    assert_int_not_equal(test_raw_request(raw, PROTO_METHOD_BYE, &request), 0);
+}
+
+/* If it failed, every program that ends in order would look like one that the daemon had
+ * to give up, and its session wait for somebody who has said goodbye. */
+static void leaving__with_an_answer_unsent_is_an_ordinary_end(void **state)
+{
+    const char *const options[] = {"--log-level", "debug", NULL};
+    const struct proto_HELLO_request hello = {.version_min = PROTO_VERSION_MIN,
+                                              .version_max = PROTO_VERSION_MAX,
+                                              .resumable = true};
+    struct proto_HELLO_result result;
+    struct test_daemon daemon;
+    struct test_raw raw;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    assert_true(test_raw_open(&raw, daemon.socket));
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, &result), 0);
+    assert_int_equal(kill(daemon.pid, SIGSTOP), 0);
+    ask(&raw);
+    say_goodbye(&raw);
+    test_raw_close(&raw);
+    assert_int_equal(kill(daemon.pid, SIGCONT), 0);
+    assert_true(test_raw_open(&raw, daemon.socket)); /* is served behind the other one */
+    assert_int_equal(test_raw_hello(&raw), 0);
+    test_raw_close(&raw);
+    assert_true(WIFEXITED(test_daemon_end(&daemon, SIGTERM, 10000)));
+    assert_true(test_daemon_logged(&daemon, "disconnected"));
+    assert_false(test_daemon_logged(&daemon, "closing"));
+    assert_false(test_daemon_logged(&daemon, "waits for its client"));
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, nobody would learn that the daemon has given a client up that is there
+ * and takes no answers. */
+static void leaving__is_not_what_a_client_does_that_cannot_be_sent_to(void **state)
+{
+    struct test_daemon daemon;
+    struct test_raw raw;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, NULL));
+    assert_true(test_raw_open(&raw, daemon.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(shutdown(raw.socket, SHUT_RD), 0);
+    ask(&raw);
+    for (int i = 0; i < 1000 && !test_daemon_logged(&daemon, "cannot be sent to"); i++) {
+        test_sleep_ms(10);
+    }
+    assert_true(test_daemon_logged(&daemon, "closing: the client cannot be sent to"));
+    test_raw_close(&raw);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(leaving__with_an_answer_unsent_is_an_ordinary_end),
+        cmocka_unit_test(leaving__is_not_what_a_client_does_that_cannot_be_sent_to),
+    };
+
+    return cmocka_run_group_tests_name("leave", tests, NULL, NULL);
+}
