@@ -284,6 +284,7 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
     made->socket = -1;
     made->fds[0] = made->fds[1] = -1;
     made->owner = getpid();
+    made->forks = cli_forks();
     made->next_id = 1;
     made->next_serial = 1;
     made->next_step = 1;

@@ -153,7 +153,7 @@ struct pccd_client {
     struct cli_retired *retired;   /* oldest first */
     struct cli_shared *shared;     /* by scene; NULL: nothing was heard (shared.h) */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
-    uint32_t pid;
+    uint32_t pid, forks; /* of the daemon; of this process, by then (rpc.h) */
     char cpu[PROTO_STR_MAX + 1];
     char daemon[PROTO_STR_MAX + 1]; /* its name and release */
     uint32_t version, threads_max;  /* of the protocol; of a step */

@@ -1,6 +1,6 @@
 /* frame.c - a step being written into a slot.
  *
- * Room:     client/lib. May include: attach.h, step.h.
+ * Room:     client/lib. May include: attach.h, rpc.h, step.h.
  * Does:     lay out a slot's payload: the segment table at its start, then the positions,
  *           each range at a multiple of 8 bytes; publish it.
  * Does not: read anything back from the slot, or check what the daemon checks.
@@ -11,6 +11,7 @@
 
 #include "attach.h"
 #include "client.h"
+#include "rpc.h"
 #include "step.h"
 
 #define PAYLOAD_ALIGN 64u /* of the first range: a cache line */
@@ -123,6 +124,9 @@ static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
     if (frame->slot >= frame->client->ring.slot_count ||
         frame->client->ring.slots[frame->slot].state != CLI_SLOT_BEGUN) {
         return cli_fail(frame->client, PCCD_E_INVAL, "the frame is not begun");
+    }
+    if (cli_is_copy(frame->client)) {
+        return cli_alive(frame->client); /* the slot is another process's */
     }
     *own = &frame->client->ring.slots[frame->slot];
     return 0;

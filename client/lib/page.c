@@ -1,6 +1,6 @@
 /* page.c - pages of records in the result region.
  *
- * Room:     client/lib. May include: page.h.
+ * Room:     client/lib. May include: page.h, rpc.h.
  * Does:     a ring of unreleased pages. The daemon writes pages one after the other and
  *           its replies keep their order, so the region is free up to the first page
  *           that is still held; result_head says how far.
@@ -10,6 +10,8 @@
 #include "page.h"
 
 #include <stdlib.h>
+
+#include "rpc.h"
 
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
 {
@@ -118,7 +120,7 @@ void cli_page_release(struct pccd_client *client, uint64_t serial)
     drop_retired(client);
     /* Pairs with the daemon's load before it writes the next page: every read of the page
      * by this thread comes before the store. */
-    if (moved && upload != NULL) {
+    if (moved && upload != NULL && !cli_is_copy(client)) {
         atomic_store(&upload->result_head.value, head);
     }
 }

@@ -6,7 +6,8 @@
  *           of a step.
  * Threads:  a client and everything made from it belong to one thread at a time;
  *           different clients are independent. The library has no threads of its own; the
- *           url direct: has those that compute a step.
+ *           url direct: has those that compute a step. In a forked copy of the process
+ *           every call with a client but pccd_close is E_DISCONNECTED.
  *
  * Every function that returns int returns 0 (PCCD_OK) or a negative status of
  * enum pccd_status, and leaves its outputs untouched on failure unless it says otherwise.
@@ -104,8 +105,9 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
  * there. */
 void pccd_close(struct pccd_client *client);
 
-/* The socket, to watch for readability in a loop of one's own; then call pccd_poll. With
- * direct: a descriptor made by the first call, or -1 when there is none to be had. */
+/* The socket, to watch for readability in a loop of one's own while pccd_poll has E_AGAIN
+ * (other calls take answers in, too). With direct: a descriptor made by the first call, or
+ * -1 when there is none to be had. */
 int pccd_fd(const struct pccd_client *client);
 
 /* The url "direct:" computes in this process, without a daemon: the same calls, answers,

@@ -258,10 +258,10 @@ static int take(struct pccd_client *client, bool waits)
     struct proto_error error;
     size_t bytes = 0;
     int fd_count = 0;
-    int rc;
+    int rc = cli_alive(client);
 
-    if (client->dead) {
-        return cli_alive(client);
+    if (rc != 0) {
+        return rc;
     }
     if (client->link.is_down) {
         return PCCD_E_AGAIN;

@@ -11,6 +11,7 @@
 
 #include <errno.h>
 #include <poll.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -110,8 +111,40 @@ int cli_lose(struct pccd_client *client, const char *why)
     return PCCD_E_DISCONNECTED;
 }
 
+static uint32_t forks; /* written by a forked copy, before it goes on */
+
+static void on_forked(void)
+{
+    forks++;
+}
+
+static void watch_forks(void)
+{
+    (void)pthread_atfork(NULL, NULL, on_forked);
+}
+
+uint32_t cli_forks(void)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+    (void)pthread_once(&once, watch_forks);
+    return forks;
+}
+
+bool cli_is_copy(const struct pccd_client *client)
+{
+    return client->forks != forks;
+}
+
 int cli_alive(struct pccd_client *client)
 {
+    if (cli_is_copy(client) && !client->dead) {
+        (void)snprintf(client->dead_text, sizeof(client->dead_text),
+                       "this process is a copy of the one that connected to the daemon "
+                       "at %s: it must connect itself",
+                       client->url);
+        return cli_die(client);
+    }
     if (client->dead) {
         return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
     }
@@ -239,10 +272,13 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     struct proto_upload *upload = client->ring.upload.base;
     uint64_t done_seen = upload != NULL ? atomic_load(&upload->done_seq.value) : 0;
     bool spins = upload != NULL && client->spin_us > 0 && compute_inflight(client) > 0;
-    /* What has just been asked is not answered yet: who will wait need not look. */
-    int rc =
-        client->has_sent && !spins && !client->dead ? PCCD_E_AGAIN : cli_receive(client);
+    int rc = cli_alive(client);
 
+    if (rc != 0) {
+        return rc;
+    }
+    /* What has just been asked is not answered yet: who will wait need not look. */
+    rc = client->has_sent && !spins ? PCCD_E_AGAIN : cli_receive(client);
     client->has_sent = false;
     if (client->link.is_down) {
         return cli_recover(client, deadline_ns);

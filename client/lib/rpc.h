@@ -74,8 +74,15 @@ int cli_die(struct pccd_client *client);
 /* Close descriptors that came with an answer and were not taken. */
 void cli_fds_close(struct pccd_client *client);
 
-/* PCCD_E_DISCONNECTED with its text when the connection is lost for good, else 0. */
+/* PCCD_E_DISCONNECTED with its text when the connection is lost for good, or another
+ * process's, else 0. */
 int cli_alive(struct pccd_client *client);
+
+/* How often this process is a copy of a copy, from the first call on. [any] */
+uint32_t cli_forks(void);
+/* Whether it was forked since the client connected: the socket and the ring are those of
+ * the process that did, and must not be touched. Costs no system call. */
+bool cli_is_copy(const struct pccd_client *client);
 
 /* Close the socket and forget every call, so that another can be opened. */
 void cli_rpc_close(struct pccd_client *client);

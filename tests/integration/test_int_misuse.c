@@ -11,6 +11,8 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -68,6 +70,74 @@ static void misuse__pages_that_are_held_take_no_step_its_answer(void **state)
     pccd_answer_release(client, &answer);
     pccd_answer_release(client, &held);
     assert_true(test_crossing_turn(crossing));
+}
+
+/* ---- a process that forks ---------------------------------------------------------- */
+
+/* In the copy: how many calls did something. */
+static int misuse_copy(struct test_crossing *crossing, struct pccd_frame *frame,
+                       uint64_t step, struct pccd_answer *held)
+{
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer answer;
+    struct pccd_frame another;
+    void *to = NULL;
+    uint64_t number = 0;
+    int wrong = 0;
+
+    wrong += pccd_ping(client, NULL) != PCCD_E_DISCONNECTED;
+    wrong += pccd_frame_x1(frame, crossing->floor, PCCD_FORMAT_F32, 0, 1, &to) !=
+             PCCD_E_DISCONNECTED;
+    wrong += pccd_frame_commit(frame, NULL, &number) != PCCD_E_DISCONNECTED;
+    pccd_frame_abort(frame);
+    wrong +=
+        pccd_frame_begin(client, crossing->scene, 1, 64, &another) != PCCD_E_DISCONNECTED;
+    wrong += pccd_wait(client, step, -1, &answer) != PCCD_E_DISCONNECTED;
+    wrong += pccd_poll(client, &answer) != PCCD_E_DISCONNECTED;
+    pccd_answer_release(client, held);
+    pccd_close(client);
+    return wrong;
+}
+
+/* If it failed, a game that forks while it computes would lose answers to the copy, or
+ * have it write into the frame at hand. */
+static void misuse__a_forked_copy_touches_nothing(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer held;
+    struct pccd_answer answer;
+    struct pccd_frame frame;
+    void *to = NULL;
+    uint64_t still = 0;
+    uint64_t step = 0;
+    float x[3][3];
+    pid_t child;
+    int status = 0;
+
+    turn(crossing, &held);
+    crossing->z = -crossing->z;
+    test_crossing_positions(x, crossing->z);
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 2, sizeof(x), &frame), 0);
+    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &to),
+                     0);
+    assert_int_equal(pccd_submit_still(client, crossing->scene, NULL, &still), 0);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        test_end_with_parent();
+        _exit(misuse_copy(crossing, &frame, still, &held));
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    assert_int_equal(pccd_wait(client, still, -1, &answer), 0);
+    pccd_answer_release(client, &answer);
+    memcpy(to, x, sizeof(x));
+    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
+    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_true(test_crossing_is_right(crossing, &answer));
+    pccd_answer_release(client, &held);
 }
 
 /* ---- news of shared scenes --------------------------------------------------------- */
@@ -154,6 +224,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(
             misuse__pages_that_are_held_take_no_step_its_answer, test_crossing_open,
             test_crossing_close),
+        cmocka_unit_test_setup_teardown(misuse__a_forked_copy_touches_nothing,
+                                        test_crossing_open, test_crossing_close),
         cmocka_unit_test(misuse__a_scene_that_is_not_there_has_nothing_to_forget),
         cmocka_unit_test(misuse__scenes_that_are_left_while_others_step_are_forgotten),
     };
