@@ -159,6 +159,41 @@ class Ways(Case):
         self.assertEqual(client.fileno(), -1)
         self.fails(pccd.Status.E_DISCONNECTED, client.ping)
 
+    # If this failed, a program that forks would lose answers to its copy, or have it
+    # write into the frame at hand, or give back records that are still read.
+    def test_copies__of_the_process_touch_nothing(self):
+        def in_the_copy(client, answer, frame):
+            answer.release()
+            for call in (client.ping, frame.commit, client.poll):
+                with contextlib.suppress(AssertionError):
+                    self.fails(pccd.Status.E_DISCONNECTED, call)
+                    continue
+                return 1
+            client.close()
+            return 0
+
+        with pccd.connect(private=True, **SMALL) as client:
+            scene = Scene(client)
+            number = scene.submit(0.5)
+            answer = client.wait(number)
+            self.assertGreater(answer.count, 0)
+            words = bytes(client._ring.words)
+            frame = client.frame(scene.scene, 64)
+            begun = bytes(client._ring.words)
+            self.assertNotEqual(words, begun)
+            pid = os.fork()
+            if pid == 0:
+                code = 2
+                try:
+                    code = in_the_copy(client, answer, frame)
+                finally:
+                    os._exit(code)
+            self.assertEqual(os.waitpid(pid, 0)[1], 0)
+            self.assertEqual(bytes(client._ring.words), begun)
+            frame.abort()
+            answer.release()
+            self.assertGreater(client.ping(), 0)
+
 
 class Losses(Case):
     """A daemon under a supervisor, whose workers are killed."""

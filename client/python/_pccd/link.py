@@ -19,6 +19,7 @@ import os
 import select
 import socket
 import time
+import weakref
 from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 import msgpack  # type: ignore
@@ -61,6 +62,24 @@ class Call:
         return self.method in ("mesh.create", "mesh.replace", "mesh.data", "mesh.commit")
 
 
+# Every connection of this process, for its forked copies.
+_links: "weakref.WeakSet[Link]" = weakref.WeakSet()
+
+
+def _forked() -> None:
+    """In the copy: the sockets and rings are those of the process that it is one of."""
+    for link in _links:
+        if link._dead is None:
+            link._die(failure(Status.E_DISCONNECTED, "this process is a copy of the one "
+                              f"that connected to the daemon at {link.url}: it must "
+                              "connect itself"))
+        if link._ring is not None:
+            link._ring.let_go()
+
+
+os.register_at_fork(after_in_child=_forked)
+
+
 class Link:
     """A connection, and the requests in flight over it."""
 
@@ -68,6 +87,7 @@ class Link:
         self._options = options
         self._path = ""  # of the daemon's socket
         self._owner = os.getpid()  # a forked copy has no claim on the session
+        _links.add(self)
         self._socket: Optional[socket.socket] = None
         self._poll = select.poll()
         self._buffer = bytearray(MESSAGE_BYTES_MAX)
