@@ -149,12 +149,11 @@ static void arrays_of(uint32_t mesh, const void *x, enum pccd_format format,
 }
 
 /* Announce, upload and commit; arrays[].mesh is set to the new handle. */
-static int make_mesh(struct pccd_client *client, struct upload arrays[2],
+static int make_mesh(struct pccd_client *client, struct upload arrays[2], uint32_t want,
                      struct proto_MESH_COMMIT_result *result)
 {
-    struct proto_MESH_CREATE_request request = {.vertex_count = arrays[0].count,
-                                                .triangle_count = arrays[1].count,
-                                                .want = cli_take_want(client)};
+    struct proto_MESH_CREATE_request request = {
+        .vertex_count = arrays[0].count, .triangle_count = arrays[1].count, .want = want};
     struct proto_MESH_CREATE_result created;
     struct proto_MESH_DESTROY_request destroy;
     char text[CLI_TEXT_BYTES];
@@ -239,6 +238,7 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
     struct cli_kept_mesh *copy = NULL;
     struct proto_MESH_COMMIT_result result;
     uint64_t before;
+    uint32_t want;
     int rc;
 
     if (client->keeps) {
@@ -250,10 +250,11 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
                             "no memory for a copy of the mesh (options.no_keep)");
         }
     }
+    want = *mesh == 0 ? cli_take_want(client) : 0; /* of each daemon that is asked */
     client->link.uploads_ended = 0;
     do {
         before = client->link.told_anew;
-        rc = *mesh == 0 ? make_mesh(client, arrays, &result)
+        rc = *mesh == 0 ? make_mesh(client, arrays, want, &result)
                         : replace_mesh(client, arrays, &result);
     } while (rc != 0 && !client->dead && client->link.told_anew != before &&
              client->link.uploads_ended < client->link.daemons_max);

@@ -105,9 +105,9 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
  * there. */
 void pccd_close(struct pccd_client *client);
 
-/* The socket, to watch for readability in a loop of one's own while pccd_poll has E_AGAIN
- * (other calls take answers in, too). With direct: a descriptor made by the first call, or
- * -1 when there is none to be had. */
+/* The socket, to watch for readability in a loop of one's own while pccd_poll has
+ * E_AGAIN (other calls take answers in, too). With direct: a descriptor made by the first
+ * call, or -1 when there is none to be had. */
 int pccd_fd(const struct pccd_client *client);
 
 /* The url "direct:" computes in this process, without a daemon: the same calls, answers,

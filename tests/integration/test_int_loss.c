@@ -157,6 +157,56 @@ static void loss__a_connection_that_was_given_up_is_ready(void **state)
     pccd_close(client);
 }
 
+/* ---- handles ----------------------------------------------------------------------- */
+
+#define WANTED 77
+
+static void attach_again(void)
+{
+    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_attach(false_good_ring, 2);
+    (void)false_next();
+}
+
+/* End over a mesh. The next daemon refuses it, and says by that what it was asked for. */
+static void end_over_a_mesh(void)
+{
+    struct proto_MESH_CREATE_request create = {.want = 0};
+    struct proto_error error;
+
+    attach_again();
+    false_take_client();
+    attach_again();
+    (void)proto_decode_body(&false_daemon.envelope,
+                            &proto_messages[PROTO_METHOD_MESH_CREATE].request, &create,
+                            &error);
+    error =
+        (struct proto_error){.code = create.want == WANTED ? PCCD_E_BUSY : PCCD_E_HANDLE};
+    (void)proto_encode_error(&false_daemon.encoder, false_daemon.envelope.id, &error);
+    (void)proto_send(false_daemon.socket, false_daemon.encoder.data,
+                     false_daemon.encoder.bytes, NULL, 0);
+    (void)false_next();
+}
+
+/* If it failed, who repeats a session while daemons die would have its meshes under other
+ * handles than it asked for, and know nothing of it. */
+static void loss__a_handle_is_wanted_of_the_next_daemon_too(void **state)
+{
+    static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static const uint32_t triangle[1][3] = {{0, 1, 2}};
+    struct pccd_client *client;
+    uint32_t mesh = 0;
+
+    (void)state;
+    false_start(end_over_a_mesh);
+    client = connect_for(5000);
+    assert_int_equal(pccd_want(client, WANTED), 0);
+    assert_int_equal(
+        pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
+        PCCD_E_BUSY);
+    pccd_close(client);
+}
+
 /* ---- calls that do not wait -------------------------------------------------------- */
 
 static void watch_and_end(void)
@@ -219,6 +269,8 @@ int main(void)
         cmocka_unit_test_teardown(loss__the_descriptor_is_ready_until_it_is_over,
                                   false_stop),
         cmocka_unit_test_teardown(loss__a_connection_that_was_given_up_is_ready,
+                                  false_stop),
+        cmocka_unit_test_teardown(loss__a_handle_is_wanted_of_the_next_daemon_too,
                                   false_stop),
         cmocka_unit_test_teardown(loss__a_watcher_that_does_not_wait_is_told_so,
                                   false_stop),
