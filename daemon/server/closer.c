@@ -89,7 +89,11 @@ struct srv_closer *srv_closer_new(void)
     *closer = (struct srv_closer){.capacity = capacity, .stuck_at = UINT64_MAX};
     pthread_mutex_init(&closer->mutex, NULL); /* neither fails on Linux */
     pthread_cond_init(&closer->wake, NULL);
-    pthread_cond_init(&closer->calm, NULL);
+    pthread_condattr_t monotonic; /* whoever sets the clock back holds up nobody */
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(&closer->calm, &monotonic);
+    pthread_condattr_destroy(&monotonic);
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
@@ -129,7 +133,7 @@ void srv_closer_free(struct srv_closer *closer)
 static void wait_for_calm(struct srv_closer *closer)
 {
     struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
+    clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_nsec += CALM_NS;
     if (until.tv_nsec >= 1000000000) {
         until.tv_nsec -= 1000000000;
