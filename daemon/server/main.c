@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -129,6 +130,7 @@ static int run_locked(const struct srv_options *options, char **argv)
 int main(int argc, char **argv)
 {
     prepare_environment(argv);
+    (void)prctl(PR_SET_NAME, "pccdd", 0, 0, 0); /* started anew, it would be "exe" */
     struct srv_options options;
     srv_options_parse(&options, argc, argv);
     srv_log_set_level(options.log_level);

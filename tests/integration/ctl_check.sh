@@ -286,6 +286,9 @@ ctl check --url "unix:$dir/s" t0.ply t1.ply && ctl stats --socket "$dir/s" &&
     [ -n "$(json_value exact_share)" ]
 report "stats counts the steps of check, as text and as JSON"
 
+[ "$(cat "/proc/$daemon_pid/comm")" = pccdd ]
+report "the daemon is found by its name"
+
 ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
     ctl stats --threads --socket "$dir/s" && says '^step [0-9]+ by 1 thread$' \
         '^  ingest +[0-9.]+ ms$' '^  step +[0-9.]+ ms$' '^thread +task_units +pairs' \
