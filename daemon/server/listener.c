@@ -221,7 +221,7 @@ static bool accept_one(struct srv_listener *listener)
     struct ucred peer;
     socklen_t bytes = sizeof peer;
     if ((uint32_t)fd >= listener->fd_count) {
-        close(fd); /* libuv has no room for it */
+        srv_closer_push(reactor->closer, fd); /* libuv has no room for it */
         turn_away(listener);
         return false;
     }

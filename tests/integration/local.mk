@@ -1,6 +1,7 @@
 # tests/integration/local.mk - a real daemon and real clients.
 
 integration_names = \
+    tests/integration/test_int_backlog \
     tests/integration/test_int_allow \
     tests/integration/test_int_autostart \
     tests/integration/test_int_boxes \
@@ -95,6 +96,10 @@ tests_integration_test_int_filter_LDADD = $(integration_libs)
 tests_integration_test_int_flow_SOURCES = tests/integration/test_int_flow.c
 tests_integration_test_int_flow_CPPFLAGS = $(integration_cppflags) $(XXHASH_CFLAGS)
 tests_integration_test_int_flow_LDADD = $(integration_libs) $(XXHASH_LIBS)
+
+tests_integration_test_int_backlog_SOURCES = tests/integration/test_int_backlog.c
+tests_integration_test_int_backlog_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_backlog_LDADD = $(integration_libs)
 
 tests_integration_test_int_hostile_SOURCES = tests/integration/test_int_hostile.c
 tests_integration_test_int_hostile_CPPFLAGS = $(integration_cppflags)

@@ -8,7 +8,6 @@
  */
 #include <errno.h>
 #include <fcntl.h>
-#include <netinet/in.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -21,6 +20,7 @@
 
 #include <cmocka.h>
 
+#include "lingering.h"
 #include "witness.h"
 
 #define SCENES_TRIED 1000
@@ -252,20 +252,7 @@ static void message__wrong_requests_are_answered_and_survived(void **state)
 static pid_t stop_daemon(void)
 {
     pid_t pid = (pid_t)pccd_daemon_pid(test_witness.crossing.client);
-    char path[64];
-    char state = 'R';
-
-    (void)snprintf(path, sizeof(path), "/proc/%d/stat", (int)pid);
-    assert_int_equal(kill(pid, SIGSTOP), 0);
-    for (int i = 0; i < 1000 && state != 'T'; i++) {
-        FILE *file = fopen(path, "r");
-
-        assert_non_null(file);
-        assert_int_equal(fscanf(file, "%*d (%*[^)]) %c", &state), 1);
-        (void)fclose(file);
-        test_sleep_ms(1);
-    }
-    assert_int_equal(state, 'T');
+    assert_true(test_stop(pid));
     return pid;
 }
 
@@ -321,31 +308,6 @@ static void descriptors__are_refused_by_the_kernel_where_it_can(void **state)
     test_witness_turn();
 }
 
-/* A socket whose close(2) takes LINGER_S: it has sent more than its peer, which does not
- * read, takes, and wants to see it off. Its peer goes to *peer. */
-static int make_lingering(int *peer)
-{
-    static char bytes[65536];
-    const struct linger linger = {.l_onoff = 1, .l_linger = LINGER_S};
-    struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    socklen_t length = sizeof(address);
-    int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-
-    assert_int_equal(bind(listener, (struct sockaddr *)&address, length), 0);
-    assert_int_equal(listen(listener, 1), 0);
-    assert_int_equal(getsockname(listener, (struct sockaddr *)&address, &length), 0);
-    assert_int_equal(connect(fd, (struct sockaddr *)&address, length), 0);
-    *peer = accept(listener, NULL, NULL);
-    assert_true(*peer >= 0);
-    while (send(fd, bytes, sizeof(bytes), MSG_DONTWAIT) > 0) {
-    }
-    assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_LINGER, &linger, sizeof(linger)), 0);
-    (void)close(listener);
-    return fd;
-}
-
 /* If it failed, one client could stop the daemon for as long as it likes: close(2) of
  * what it has sent blocks. Read by the daemon in the first round, unread in the second.
  */
@@ -355,7 +317,7 @@ static void descriptors__that_do_not_close_hold_up_nobody(void **state)
     for (int round = 0; round < 2; round++) {
         uint64_t begin_ms;
         int peer = -1;
-        int fd = make_lingering(&peer);
+        int fd = test_lingering_new(LINGER_S, &peer);
         pid_t pid = stop_daemon();
 
         assert_true(test_raw_open(&raw, test_witness.daemon.socket));

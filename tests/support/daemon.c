@@ -345,3 +345,26 @@ bool test_daemon_logged(const struct test_daemon *daemon, const char *text)
     (void)fclose(file);
     return strstr(log, text) != NULL;
 }
+
+bool test_stop(pid_t pid)
+{
+    char path[64];
+    char state = 'R';
+
+    (void)snprintf(path, sizeof(path), "/proc/%d/stat", (int)pid);
+    if (kill(pid, SIGSTOP) != 0) {
+        return false;
+    }
+    for (int i = 0; i < 10000 && state != 'T'; i++) {
+        FILE *file = fopen(path, "r");
+
+        if (file == NULL || fscanf(file, "%*d (%*[^)]) %c", &state) != 1) {
+            state = 0;
+        }
+        if (file != NULL) {
+            (void)fclose(file);
+        }
+        test_sleep_ms(1);
+    }
+    return state == 'T';
+}

@@ -71,6 +71,10 @@ bool test_daemon_logged(const struct test_daemon *daemon, const char *text);
  * said again after a change of user, which takes it back. */
 void test_end_with_parent(void);
 
+/* Stop a process until it is sent SIGCONT, and wait until it stands still: 10 s at most,
+ * else false. */
+bool test_stop(pid_t pid);
+
 /* CLOCK_MONOTONIC, milliseconds and microseconds. */
 uint64_t test_now_ms(void);
 uint64_t test_now_us(void);
