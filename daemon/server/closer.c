@@ -20,22 +20,23 @@
 #include "invariant.h"
 #include "log.h"
 
-#define PATIENCE_S      1
+#define PATIENCE_MS     1000
 #define DESCRIPTORS_MAX (1u << 20) /* believed of a system that sets no limit */
 
 /* With so many to close the loop waits a little rather than take more: who sends them
  * fast could use them all up. Not again while none of them closes. */
 #define CALM_MAX 256u
-#define CALM_NS  100000000
+#define CALM_MS  100
 
 struct srv_closer {
     pthread_t thread;
     pthread_mutex_t mutex; /* everything below */
     pthread_cond_t wake;   /* there is one to close, or stop */
-    pthread_cond_t calm;   /* fewer than CALM_MAX are left */
+    pthread_cond_t calm;   /* fewer than CALM_MAX are left, or the thread has ended */
     uint64_t closed;       /* since the start */
     uint64_t stuck_at;     /* `closed` when the loop has waited in vain */
     bool stop;
+    bool has_ended; /* the thread, but for its return */
     uint32_t first; /* in the ring */
     uint32_t count;
     uint32_t capacity;
@@ -64,6 +65,8 @@ static void *closer_main(void *context)
             pthread_cond_signal(&closer->calm);
         }
     }
+    closer->has_ended = true;
+    pthread_cond_signal(&closer->calm);
     pthread_mutex_unlock(&closer->mutex);
     return NULL;
 }
@@ -107,22 +110,40 @@ struct srv_closer *srv_closer_new(void)
     return closer;
 }
 
+/* CLOCK_MONOTONIC, as `calm` waits by. */
+static struct timespec after(long ms)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += ms / 1000;
+    until.tv_nsec += ms % 1000 * 1000000;
+    if (until.tv_nsec >= 1000000000) {
+        until.tv_nsec -= 1000000000;
+        until.tv_sec++;
+    }
+    return until;
+}
+
 void srv_closer_free(struct srv_closer *closer)
 {
     if (closer == NULL) {
         return;
     }
+    const struct timespec until = after(PATIENCE_MS);
+    int status = 0;
     pthread_mutex_lock(&closer->mutex);
     closer->stop = true;
     pthread_cond_signal(&closer->wake);
+    while (!closer->has_ended && status == 0) {
+        status = pthread_cond_timedwait(&closer->calm, &closer->mutex, &until);
+    }
+    bool has_ended = closer->has_ended;
     pthread_mutex_unlock(&closer->mutex);
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_sec += PATIENCE_S;
-    if (pthread_timedjoin_np(closer->thread, NULL, &until) != 0) {
+    if (!has_ended) {
         srv_log(SRV_LOG_WARN, 0, "a descriptor of a client does not close; leaving it");
         return; /* its thread still uses it */
     }
+    pthread_join(closer->thread, NULL);
     pthread_cond_destroy(&closer->wake);
     pthread_cond_destroy(&closer->calm);
     pthread_mutex_destroy(&closer->mutex);
@@ -132,13 +153,7 @@ void srv_closer_free(struct srv_closer *closer)
 /* Locked. */
 static void wait_for_calm(struct srv_closer *closer)
 {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_nsec += CALM_NS;
-    if (until.tv_nsec >= 1000000000) {
-        until.tv_nsec -= 1000000000;
-        until.tv_sec++;
-    }
+    const struct timespec until = after(CALM_MS);
     int status = 0;
     while (closer->count >= CALM_MAX && status == 0) {
         status = pthread_cond_timedwait(&closer->calm, &closer->mutex, &until);

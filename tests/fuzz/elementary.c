@@ -100,6 +100,13 @@ static void print_all(const struct fuzz_run *runs, int job_count, bool with_fami
     }
 }
 
+static time_t now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec;
+}
+
 /* One process a job, each with a seed of its own and counters that all see. */
 static int work_in_processes(uint64_t seed, uint64_t count, int job_count)
 {
@@ -127,15 +134,15 @@ static int work_in_processes(uint64_t seed, uint64_t count, int job_count)
         }
     }
     int failed = started < job_count;
-    time_t told = time(NULL);
+    time_t told = now_s();
     for (int running = started; running > 0;) {
         int status;
         pid_t pid = waitpid(-1, &status, WNOHANG);
         if (pid > 0) {
             running--;
             failed |= status != 0;
-        } else if (time(NULL) - told >= REPORT_S) {
-            told = time(NULL);
+        } else if (now_s() - told >= REPORT_S) {
+            told = now_s();
             print_all(runs, started, false);
         } else {
             usleep(100000);

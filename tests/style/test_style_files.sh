@@ -22,6 +22,12 @@ long_headers='
 client/lib/pccd.h   one header is the whole library, to be read from top to bottom
 '
 
+# Files that may ask for the time of day, each with its reason. Nobody waits by it.
+day_times='
+daemon/service/log.c               a line of the log begins with it
+client/lib/recorder_snapshot.c     a recording says when it was made
+'
+
 # The log is what breaks the rule; an empty one passes. A tool that could not read the files
 # has said so in the errors.
 check() {
@@ -96,6 +102,23 @@ check files__have_no_tabs
     done
 } >"$work/log"
 check files__have_no_trailing_blanks
+
+# If this failed, something would wait by a clock that can be set: for an hour, if somebody sets
+# it back by one. A condition waits by it too, unless it was made for another clock.
+{
+    grep -nE 'CLOCK_(REALTIME|TAI)|\<(gettimeofday|timespec_get) *\(|\<time *\((NULL|0|&)|\<system_clock\>' \
+        "${sources[@]}" | while IFS= read -r line; do
+        printf '%s' "$day_times" | grep -q "^${line%%:*} " || echo "$line"
+    done
+    grep -nE '\<(pthread_timedjoin_np|pthread_(mutex|rwlock)_timed[a-z]*lock|sem_timedwait) *\(' \
+        "${sources[@]}"
+    grep -nE '\<(mtx_timedlock|cnd_timedwait|mq_timed[a-z]*) *\(' "${sources[@]}"
+    grep -lE '\<pthread_cond_timedwait *\(' "${sources[@]}" |
+        xargs -r grep -LE 'pthread_condattr_setclock\([^,]*, CLOCK_MONOTONIC\)' |
+        sed 's/$/: the condition of pthread_cond_timedwait has no CLOCK_MONOTONIC/'
+    grep -nE '\<(time\.time|datetime\.now|datetime\.utcnow)\(' "${scripts[@]}"
+} >"$work/log"
+check waits__are_by_a_clock_that_nobody_sets
 
 # If this failed, work that is left to do would be known to nobody.
 grep -nEw 'TODO|FIXME|XXX|HACK' "${texts[@]}" |
