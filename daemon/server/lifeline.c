@@ -1,4 +1,4 @@
-/* lifeline.c - a pipe that ends when a worker does, before it is gone.
+/* lifeline.c - a pair of sockets between a supervisor and its worker.
  *
  * Room:     server. See lifeline.h.
  * Does:     pass the number of the descriptor in a variable of the environment.
@@ -9,14 +9,24 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "activate.h"
 #include "log.h"
+#include "pccd_types.h"
+#include "seqpacket.h"
 
 #define NAME "PCCD_LIFELINE"
 
 static int held_fd = -1; /* -1: nobody supervises us */
+
+int srv_lifeline_make(int ends[2])
+{
+    return socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0
+               ? 0
+               : PCCD_E_SYSTEM;
+}
 
 int srv_lifeline_give(int fd)
 {
@@ -43,6 +53,27 @@ void srv_lifeline_raise(uint32_t count)
         close(held_fd);
         held_fd = raised;
     }
+}
+
+int srv_lifeline_fd(void)
+{
+    return held_fd;
+}
+
+int srv_lifeline_tell(int lifeline, int listen_fd)
+{
+    return proto_send(lifeline, "l", 1, &listen_fd, listen_fd >= 0 ? 1 : 0);
+}
+
+int srv_lifeline_hear(int *fd)
+{
+    char byte;
+    size_t bytes = 0;
+    int fds[PROTO_FDS_MAX];
+    int fd_count = 0;
+    int status = proto_receive(held_fd, &byte, 1, &bytes, fds, &fd_count);
+    *fd = status == 0 && fd_count > 0 ? fds[0] : -1;
+    return status;
 }
 
 void srv_lifeline_say_end(void)

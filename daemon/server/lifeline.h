@@ -1,10 +1,11 @@
-/* lifeline.h - a pipe that ends when a worker does, before it is gone.
+/* lifeline.h - a pair of sockets between a supervisor and its worker.
  *
  * Room:     server. May include: the C library.
  * Does:     let a supervisor see the death of its worker as early as another one may take
  *           over: when no thread of it runs any more, but before its sockets are closed,
  *           which with a thousand clients takes some 50 ms, because each of them is woken
  *           and takes the processor away.
+ *           The supervisor passes another listening socket to the worker over it.
  * Does not: tell what it died of: its exit status does, later.
  * Threads:  [main] of either process.
  * Source:   Linux, kernel/exit.c: do_exit of each thread gives its memory (exit_mm) and
@@ -20,14 +21,28 @@
 
 #include <stdint.h>
 
-/* In a child, before exec: let it hold `fd`, the end that is written to, open across
- * exec; negative: none. Returns 0 or a status, errno set. */
+/* Both ends, of a supervisor and of a worker to be, closed on exec. Returns 0 or a
+ * status, errno set. */
+int srv_lifeline_make(int ends[2]);
+
+/* In a child, before exec: let it hold `fd`, the worker's end, open across exec;
+ * negative: none. Returns 0 or a status, errno set. */
 int srv_lifeline_give(int fd);
 
 /* Take over what this process was given, if it was; no program it starts inherits it. */
 void srv_lifeline_take(void);
 /* Under the highest number below `count` that this process may have: see above. */
 void srv_lifeline_raise(uint32_t count);
+
+/* The worker's end; -1: nobody supervises us. */
+int srv_lifeline_fd(void);
+
+/* Tell the worker at the other end of `lifeline` to listen on a socket from now on;
+ * negative: on none any more. Returns 0 or a status. */
+int srv_lifeline_tell(int lifeline, int listen_fd);
+/* The other half, in the worker: *fd is the socket, which is the caller's, or -1. Returns
+ * 0, PCCD_E_AGAIN: nothing was told, or another status: the supervisor is gone. */
+int srv_lifeline_hear(int *fd);
 
 /* This process is about to end in order: the end of the lifeline is no crash. */
 void srv_lifeline_say_end(void);

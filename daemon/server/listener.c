@@ -1,8 +1,8 @@
 /* listener.c - the socket that clients connect to.
  *
  * Room:     server. See listener.h.
- * Does:     binds itself, because libuv cuts long paths silently; accepts a bounded
- *           number of connections per event.
+ * Does:     accept a bounded number of connections per event; put another socket in the
+ *           place of one whose file is gone.
  * Does not: watch the socket while a connection could not be served: at the limit until
  *           one goes, after a refusal of the system for RETRY_MS. The backlog waits
  *           meanwhile.
@@ -12,114 +12,25 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include "allow.h"
 #include "closer.h"
 #include "conn.h"
-#include "invariant.h"
+#include "lifeline.h"
+#include "lockfile.h"
+#include "log.h"
 #include "pccd_types.h"
 #include "reactor.h"
 #include "session.h"
 #include "watch.h"
 
-#define BACKLOG          4096 /* clients that all come back after a crash */
 #define ACCEPTS_PER_TURN 16
+#define ACCEPTS_LAST     4096 /* of a socket that is given up */
 #define RETRY_MS         100u
 #define FDS_BESIDE       512u /* descriptors of the daemon that are no connections */
-
-/* ---- the path ---------------------------------------------------------------------- */
-
-int srv_listener_prepare_folder(const struct srv_options *options)
-{
-    const char *socket_path = options->socket_path;
-    mode_t mode = srv_allow_has_list(&options->allow) ? 0711 : 0700;
-    char folder[SRV_SOCKET_PATH_BYTES];
-    const char *slash = strrchr(socket_path, '/');
-    if (slash == NULL || slash == socket_path) {
-        return 0; /* the current folder, or the root */
-    }
-    snprintf(folder, sizeof folder, "%.*s", (int)(slash - socket_path), socket_path);
-    mode_t before = umask(0); /* no other thread creates files */
-    int failed = mkdir(folder, mode);
-    umask(before);
-    if (failed != 0 && errno != EEXIST) {
-        srv_log(SRV_LOG_ERROR, 0, "%s: %s", folder, strerror(errno));
-        return PCCD_E_SYSTEM;
-    }
-    struct stat info;
-    if (lstat(folder, &info) != 0) {
-        srv_log(SRV_LOG_ERROR, 0, "%s: %s", folder, strerror(errno));
-        return PCCD_E_SYSTEM;
-    }
-    /* In a folder where others may rename, they could put their socket in place of ours.
-     * A link is judged by what it leads to, unless somebody else made it. */
-    bool ours = info.st_uid == geteuid() || info.st_uid == 0;
-    if (ours && S_ISLNK(info.st_mode)) {
-        ours = stat(folder, &info) == 0 && (info.st_uid == geteuid() || info.st_uid == 0);
-    }
-    bool open_to_all =
-        (info.st_mode & (S_IWGRP | S_IWOTH)) != 0 && (info.st_mode & S_ISVTX) == 0;
-    if (!ours || !S_ISDIR(info.st_mode) || open_to_all) {
-        srv_log(
-            SRV_LOG_ERROR, 0,
-            "%s must be a folder of this user or of root that nobody else can write to",
-            folder);
-        return PCCD_E_SYSTEM;
-    }
-    return 0;
-}
-
-/* Remove what a dead daemon left; anything but a socket stays. */
-static int remove_stale(const char *path)
-{
-    struct stat info;
-    if (lstat(path, &info) != 0) {
-        return errno == ENOENT ? 0 : PCCD_E_SYSTEM;
-    }
-    if (!S_ISSOCK(info.st_mode)) {
-        errno = EEXIST;
-        return PCCD_E_SYSTEM;
-    }
-    return unlink(path) == 0 ? 0 : PCCD_E_SYSTEM;
-}
-
-int srv_listener_bind(const struct srv_options *options, int *fd)
-{
-    const char *path = options->socket_path;
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    PCCD_ASSERT(strlen(path) < sizeof address.sun_path); /* checked with the options */
-    strcpy(address.sun_path, path);
-    int made = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (made < 0) {
-        return PCCD_E_SYSTEM;
-    }
-    int status = remove_stale(path);
-    if (status == 0) {
-        mode_t mask = srv_allow_has_list(&options->allow) ? 0111 : 0177;
-        mode_t before = umask(mask); /* no other thread creates files */
-        status = bind(made, (const struct sockaddr *)&address, sizeof address) == 0
-                     ? 0
-                     : PCCD_E_SYSTEM;
-        umask(before);
-    }
-    if (status == 0 && listen(made, BACKLOG) != 0) {
-        status = PCCD_E_SYSTEM;
-    }
-    if (status != 0) {
-        int saved = errno;
-        close(made);
-        errno = saved;
-        return status;
-    }
-    *fd = made;
-    return 0;
-}
 
 /* ---- accepting --------------------------------------------------------------------- */
 
@@ -256,15 +167,138 @@ static void on_readable(uv_poll_t *poll, int status, int events)
     }
 }
 
-/* ---- life -------------------------------------------------------------------------- */
+/* ---- the file of the socket -------------------------------------------------------- */
 
-/* Remove our socket; one that was given to us goes on to listen. */
-static void remove_path(const struct srv_options *options)
+static void drop_reserve(struct srv_listener *listener)
 {
-    if (options->listen_fd < 0) {
-        unlink(options->socket_path);
+    if (listener->reserve_fd >= 0) {
+        close(listener->reserve_fd);
+        listener->reserve_fd = -1;
     }
 }
+
+/* Listen on another socket, under the same number. Who came to the former one before its
+ * file went is still taken over, if there is room. */
+static void replace_socket(struct srv_listener *listener, int fd)
+{
+    for (int i = 0; i < ACCEPTS_LAST && accept_one(listener); i++) {
+    }
+    watch(listener, false);
+    uv_timer_stop(&listener->retry);
+    drop_reserve(listener); /* it is of the former one */
+    int made = dup3(fd, listener->fd, O_CLOEXEC);
+    close(fd);
+    if (made < 0) {
+        srv_reactor_let_go(listener->reactor, strerror(errno));
+        return;
+    }
+    keep_reserve(listener);
+    srv_listener_room(listener);
+}
+
+/* Our own file is not there any more. */
+static void bind_anew(struct srv_listener *listener, enum srv_socketfile_state state)
+{
+    struct srv_reactor *reactor = listener->reactor;
+    int fd = -1;
+    if (state == SRV_SOCKETFILE_TAKEN) {
+        srv_reactor_let_go(reactor, "something else is there now");
+    } else if (!srv_lockfile_is_held(reactor->lockfile)) {
+        srv_reactor_let_go(reactor, "it was removed, and its lock file too");
+    } else if (srv_socketfile_bind(&listener->file, reactor->loop.options, &fd) != 0) {
+        srv_reactor_let_go(reactor, strerror(errno));
+    } else {
+        srv_log(SRV_LOG_WARN, 0, "%s was removed; listening there anew",
+                listener->file.path);
+        replace_socket(listener, fd);
+    }
+}
+
+static void on_look(uv_timer_t *timer)
+{
+    struct srv_listener *listener = timer->data;
+    enum srv_socketfile_state state = srv_socketfile_look(&listener->file);
+    if (state != SRV_SOCKETFILE_OURS && listener->reactor->loop.options->listen_fd < 0) {
+        bind_anew(listener, state);
+    } else if (state != SRV_SOCKETFILE_OURS) {
+        srv_log(SRV_LOG_ERROR, 0,
+                "%s was removed: new clients cannot find the daemon until whoever made "
+                "it makes it anew (systemctl restart pccdd.socket)",
+                listener->file.path);
+    }
+}
+
+/* From the supervisor: another socket, or none any more. */
+static void on_supervisor(struct srv_listener *listener)
+{
+    int fd = -1;
+    int status = srv_lifeline_hear(&fd);
+    if (status == PCCD_E_AGAIN) {
+        return;
+    }
+    if (status != 0) {
+        uv_poll_stop(&listener->news); /* it is gone: a signal comes, too */
+    } else if (fd >= 0) {
+        replace_socket(listener, fd);
+    } else {
+        srv_reactor_let_go(listener->reactor, "its supervisor has");
+    }
+}
+
+static void on_news(uv_poll_t *poll, int status, int events)
+{
+    struct srv_listener *listener = poll->data;
+    (void)events;
+    if (status < 0) {
+        uv_poll_stop(poll);
+    } else if (srv_lifeline_fd() >= 0) {
+        on_supervisor(listener);
+    } else if (srv_socketfile_look(&listener->file) != SRV_SOCKETFILE_OURS) {
+        uv_timer_start(&listener->look, on_look, SRV_SOCKETFILE_SETTLE_MS, 0);
+    }
+}
+
+int srv_listener_follow(struct srv_listener *listener)
+{
+    struct srv_reactor *reactor = listener->reactor;
+    int fd = srv_lifeline_fd();
+    if (fd < 0 && reactor->loop.options->listen_fd >= 0) {
+        srv_socketfile_adopt(&listener->file, reactor->loop.options->socket_path);
+    }
+    if (fd < 0) {
+        fd = listener->file.notify_fd;
+    }
+    if (fd < 0) {
+        return 0; /* nobody tells */
+    }
+    if ((uint32_t)fd >= listener->fd_count ||
+        uv_poll_init(&reactor->uv, &listener->news, fd) != 0) {
+        return PCCD_E_SYSTEM;
+    }
+    uv_timer_init(&reactor->uv, &listener->look);
+    listener->news.data = listener;
+    listener->look.data = listener;
+    listener->is_following = true;
+    return srv_watch_start(&listener->news, fd, UV_READABLE, on_news);
+}
+
+/* Follow it no more, and remove it, if it is our own; one that was given to us goes on to
+ * listen. */
+static void drop_file(struct srv_listener *listener)
+{
+    if (listener->is_following) {
+        uv_close((uv_handle_t *)&listener->news, NULL);
+        uv_close((uv_handle_t *)&listener->look, NULL);
+        listener->is_following = false;
+    }
+    if (listener->reactor->loop.options->listen_fd < 0) {
+        srv_socketfile_remove(&listener->file);
+    } else {
+        srv_socketfile_leave(&listener->file);
+    }
+}
+
+/* ---- life -------------------------------------------------------------------------- */
 
 static void tell(int fd, const char *byte)
 {
@@ -301,7 +335,8 @@ int srv_listener_open(struct srv_listener *listener, struct srv_reactor *reactor
     const char *path = reactor->loop.options->socket_path;
     *listener = (struct srv_listener){.reactor = reactor, .fd = -1, .reserve_fd = -1};
     int fd = reactor->loop.options->listen_fd;
-    int status = fd >= 0 ? 0 : srv_listener_bind(reactor->loop.options, &fd);
+    int status =
+        fd >= 0 ? 0 : srv_socketfile_bind(&listener->file, reactor->loop.options, &fd);
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
         return status;
@@ -310,7 +345,7 @@ int srv_listener_open(struct srv_listener *listener, struct srv_reactor *reactor
     if (srv_watch_reserve(&reactor->uv, &listener->spare, fd, &listener->fd_count) != 0 ||
         uv_poll_init(&reactor->uv, &listener->poll, fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: the socket cannot be watched", path);
-        remove_path(reactor->loop.options);
+        srv_socketfile_remove(&listener->file);
         close(fd);
         return PCCD_E_SYSTEM;
     }
@@ -327,14 +362,11 @@ void srv_listener_close(struct srv_listener *listener)
     if (listener->fd < 0) {
         return;
     }
-    remove_path(listener->reactor->loop.options);
+    drop_file(listener);
     watch(listener, false);
     uv_close((uv_handle_t *)&listener->poll, NULL);
     uv_close((uv_handle_t *)&listener->retry, NULL);
     close(listener->fd);
     listener->fd = -1;
-    if (listener->reserve_fd >= 0) {
-        close(listener->reserve_fd);
-        listener->reserve_fd = -1;
-    }
+    drop_reserve(listener);
 }

@@ -1,8 +1,9 @@
 /* listener.h - the socket that clients connect to.
  *
- * Room:     server. May include: libuv, the C library.
- * Does:     bind, listen, accept; keep within the connection limit and survive a lack of
- *           descriptors without spinning.
+ * Room:     server. May include: libuv, the C library, socketfile.h.
+ * Does:     listen, accept; keep within the connection limit and survive a lack of
+ *           descriptors without spinning; listen anew, or give up, when the file of the
+ *           socket is gone.
  * Does not: know what a client says (conn.h) or hold the path's lock (lockfile.h).
  * Threads:  [loop]
  */
@@ -11,6 +12,8 @@
 
 #include <stdbool.h>
 #include <uv.h>
+
+#include "socketfile.h"
 
 struct srv_reactor;
 struct srv_options;
@@ -24,17 +27,11 @@ struct srv_listener {
     uv_poll_t poll;
     uv_poll_t spare;  /* closed at once: see watch.h */
     uv_timer_t retry; /* after the system refused an accept */
+    struct srv_socketfile file;
+    bool is_following; /* the two below are libuv's */
+    uv_poll_t news;    /* of the file, or from the supervisor that has made it */
+    uv_timer_t look;   /* at the file, soon after news of it */
 };
-
-/* Make the folder of the socket when it is missing: for us alone, or with a list of who
- * may be a client for others to pass. Returns 0 or a status; what was wrong is logged.
- * Before the lock is taken. */
-int srv_listener_prepare_folder(const struct srv_options *options);
-
-/* A listening socket at the options' path in *fd, for us alone, or with a list of who may
- * be a client for everybody to connect to and be judged; a socket that is there is a dead
- * daemon's, because the caller holds the lock. Returns 0 or a status, errno set. */
-int srv_listener_bind(const struct srv_options *options, int *fd);
 
 /* Tell whoever started us that clients can connect: the byte 1 to `fd`, which is closed;
  * nothing when it is negative. Or, the byte 0, that another daemon holds the path, and
@@ -48,6 +45,11 @@ void srv_listener_make_room(const struct srv_options *options);
 /* Listen on the options' listen_fd, or else on a new socket at socket_path; nobody is
  * accepted before srv_listener_room. Returns 0 or a status; what was wrong is logged. */
 int srv_listener_open(struct srv_listener *listener, struct srv_reactor *reactor);
+
+/* From here on notice when the file of the socket is gone. Where it is our own, and its
+ * lock too, listen anew at that path; else accept nobody any more, and say so to the
+ * reactor. Returns 0 or PCCD_E_SYSTEM. */
+int srv_listener_follow(struct srv_listener *listener);
 
 /* Stop listening and remove the socket, if it is our own. */
 void srv_listener_close(struct srv_listener *listener);

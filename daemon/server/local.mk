@@ -21,6 +21,7 @@ libserver_la_SOURCES = \
     daemon/server/reactor.c daemon/server/reactor.h \
     daemon/server/replyqueue.c daemon/server/replyqueue.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
+    daemon/server/socketfile.c daemon/server/socketfile.h \
     daemon/server/supervise.c daemon/server/supervise.h \
     daemon/server/threads.c daemon/server/threads.h \
     daemon/server/timer.c \

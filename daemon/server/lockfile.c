@@ -80,10 +80,17 @@ int srv_lockfile_acquire(struct srv_lockfile *lockfile, const char *socket_path,
     return PCCD_E_SYSTEM;
 }
 
+bool srv_lockfile_is_held(const struct srv_lockfile *lockfile)
+{
+    return lockfile->fd >= 0 && is_same_file(lockfile->fd, lockfile->path);
+}
+
 void srv_lockfile_release(struct srv_lockfile *lockfile)
 {
     if (lockfile->fd >= 0) {
-        unlink(lockfile->path);
+        if (is_same_file(lockfile->fd, lockfile->path)) {
+            unlink(lockfile->path);
+        }
         close(lockfile->fd);
         lockfile->fd = -1;
     }

@@ -9,6 +9,7 @@
 #ifndef SRV_LOCKFILE_H
 #define SRV_LOCKFILE_H
 
+#include <stdbool.h>
 #include <sys/types.h>
 
 #define SRV_LOCKFILE_BYTES 128u
@@ -24,7 +25,12 @@ struct srv_lockfile {
 int srv_lockfile_acquire(struct srv_lockfile *lockfile, const char *socket_path,
                          pid_t *holder);
 
-/* Remove the file and drop the lock; nothing when it is not held. */
+/* Whether the lock that we hold is still that of the path: not when the file was removed,
+ * or its folder renamed. */
+bool srv_lockfile_is_held(const struct srv_lockfile *lockfile);
+
+/* Remove the file, if it is the one that we hold, and drop the lock; nothing when it is
+ * not held. */
 void srv_lockfile_release(struct srv_lockfile *lockfile);
 
 #endif

@@ -27,6 +27,7 @@
 #include "log.h"
 #include "notify.h"
 #include "reactor.h"
+#include "socketfile.h"
 #include "supervise.h"
 #include "threads.h"
 
@@ -120,8 +121,8 @@ static int run_locked(const struct srv_options *options, char **argv)
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", lockfile.path, strerror(errno));
         return 1;
     }
-    int exit_status =
-        options->supervise ? srv_supervise(options, argv) : srv_reactor_run(options);
+    int exit_status = options->supervise ? srv_supervise(options, argv, &lockfile)
+                                         : srv_reactor_run(options, &lockfile);
     srv_lockfile_release(&lockfile);
     remove_private_folder(options);
     return exit_status;
@@ -153,13 +154,13 @@ int main(int argc, char **argv)
         options.threads_max = srv_threads_granted(options.threads_max);
     }
     if (options.listen_fd >= 0) {
-        int exit_status = srv_reactor_run(&options);
+        int exit_status = srv_reactor_run(&options, NULL);
         if (exit_status == 0) {
             srv_lifeline_say_end();
         }
         return exit_status; /* who gave us the socket answers for its path */
     }
-    if (srv_listener_prepare_folder(&options) != 0) {
+    if (srv_socketfile_prepare_folder(&options) != 0) {
         return 1;
     }
     return run_locked(&options, argv);

@@ -29,6 +29,7 @@
 #include "invariant.h"
 #include "kernel.h"
 #include "lifeline.h"
+#include "lockfile.h"
 #include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
@@ -152,6 +153,27 @@ void srv_reactor_shutdown(struct srv_reactor *reactor, const char *why)
     uv_prepare_start(&reactor->stopper, on_stopper);
 }
 
+void srv_reactor_let_go(struct srv_reactor *reactor, const char *why)
+{
+    srv_assert_loop();
+    if (reactor->loop.phase != SRV_PHASE_RUNNING || reactor->has_let_go) {
+        return;
+    }
+    srv_log(SRV_LOG_ERROR, 0,
+            "%s: %s; letting go of it, %u clients are served until "
+            "they leave",
+            reactor->loop.options->socket_path, why, reactor->loop.client_count);
+    reactor->has_let_go = true;
+    srv_listener_close(&reactor->listener);
+    if (reactor->lockfile != NULL) {
+        srv_lockfile_release(reactor->lockfile);
+    }
+    srv_linger_end_all(&reactor->loop); /* nobody can come back any more */
+    if (reactor->loop.client_count == 0) {
+        srv_reactor_shutdown(reactor, "nobody can find it");
+    }
+}
+
 static void on_signal(uv_signal_t *signal, int number)
 {
     struct srv_reactor *reactor = signal->data;
@@ -176,7 +198,7 @@ static void watch_idle(struct srv_reactor *reactor, bool first)
     if (reactor->loop.phase != SRV_PHASE_RUNNING) {
         return;
     }
-    if (options->private_daemon && !first) {
+    if ((options->private_daemon || reactor->has_let_go) && !first) {
         srv_reactor_shutdown(reactor, "the last client has gone");
     } else if (options->private_daemon) {
         uv_timer_start(&reactor->idle, on_idle, PRIVATE_WAIT_MS, 0);
@@ -339,7 +361,10 @@ static int serve(struct srv_reactor *reactor)
     }
     if (status == 0) {
         srv_lifeline_raise(reactor->listener.fd_count);
+        status = srv_listener_follow(&reactor->listener);
         srv_priority_prompt(); /* the other threads are there, and do not inherit it */
+    }
+    if (status == 0) {
         status = srv_sandbox_enter(reactor->loop.options);
     }
     /* A spare worker waits here, with all behind it that takes long: threads take 5 ms to
@@ -369,7 +394,7 @@ static int serve(struct srv_reactor *reactor)
     return status;
 }
 
-int srv_reactor_run(const struct srv_options *options)
+int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lockfile)
 {
     srv_thread_enter(SRV_THREAD_LOOP);
     struct srv_reactor *reactor = calloc(1, sizeof *reactor);
@@ -379,6 +404,7 @@ int srv_reactor_run(const struct srv_options *options)
         return 1;
     }
     reactor->listener.fd = -1;
+    reactor->lockfile = lockfile;
     int status = srv_loop_init(&reactor->loop, options);
     choose_places(reactor);
     reactor->loop.does_brief = true;

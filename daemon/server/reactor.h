@@ -20,6 +20,7 @@
 #include "pulse.h"
 
 struct srv_closer;
+struct srv_lockfile;
 
 struct srv_reactor {
     struct srv_loop loop; /* first: the reactor is the service's host */
@@ -33,6 +34,8 @@ struct srv_reactor {
     uint32_t reply_count;   /* queued, of all connections */
     uint32_t put_off_count; /* messages that wait for room, of all connections */
     bool grace_over;        /* requests in flight have been cancelled */
+    bool has_let_go;        /* of the socket's path: go with the last client */
+    struct srv_lockfile *lockfile; /* of the path; NULL: who gave us the socket has it */
     struct srv_bell bell;   /* rung when a thread has finished jobs */
     uv_signal_t sigterm;
     uv_signal_t sigint;
@@ -44,9 +47,14 @@ struct srv_reactor {
     struct srv_outbox outbox;
 };
 
-/* Serve until a signal, the last client or the idle time ends it. The socket path's lock
- * is held by the caller. Returns the exit status of the program. */
-int srv_reactor_run(const struct srv_options *options);
+/* Serve until a signal, the last client or the idle time ends it. `lockfile`, which the
+ * caller holds, is that of the socket's path, NULL where the options have a socket.
+ * Returns the exit status of the program. */
+int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lockfile);
+
+/* The path of the socket is not ours any more: let another daemon have it, serve the
+ * clients that are here until they leave, and end. */
+void srv_reactor_let_go(struct srv_reactor *reactor, const char *why);
 
 /* Begin to stop: no new connections or requests. Further calls do nothing. */
 void srv_reactor_shutdown(struct srv_reactor *reactor, const char *why);

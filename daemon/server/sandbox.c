@@ -20,6 +20,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 
 static const int allowed[] = {
     /* clients: taken over by accept4, not made */
@@ -35,6 +36,7 @@ static const int allowed[] = {
     SCMP_SYS(write),
     SCMP_SYS(writev),
     SCMP_SYS(close),
+    SCMP_SYS(dup3), /* a listening socket in the place of another */
     SCMP_SYS(fcntl),
     SCMP_SYS(geteuid), /* is a client this process's own user? */
     /* the event loop */
@@ -110,8 +112,23 @@ static int allow_some(scmp_filter_ctx filter)
     return status;
 }
 
+/* Who has bound the socket binds it anew when somebody removes its file. */
+static int allow_binding(scmp_filter_ctx filter)
+{
+    static const int calls[] = {SCMP_SYS(bind), SCMP_SYS(listen), SCMP_SYS(umask),
+                                SCMP_SYS(inotify_add_watch)};
+    const uint64_t type = SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK;
+    int status = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(socket), 3,
+                                  SCMP_A0(SCMP_CMP_EQ, AF_UNIX),
+                                  SCMP_A1(SCMP_CMP_EQ, type), SCMP_A2(SCMP_CMP_EQ, 0));
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
+        status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, calls[i], 0);
+    }
+    return status;
+}
+
 /* 0 or a negative errno. */
-static int enter(void)
+static int enter(const struct srv_options *options)
 {
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     if (filter == NULL) {
@@ -121,7 +138,8 @@ static int enter(void)
     for (size_t i = 0; i < sizeof allowed / sizeof allowed[0] && status == 0; i++) {
         status = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
     }
-    if (status == 0 && allow_some(filter) != 0) {
+    if (status == 0 && (allow_some(filter) != 0 ||
+                        (options->listen_fd < 0 && allow_binding(filter) != 0))) {
         status = -EINVAL;
     }
     if (status == 0) {
@@ -142,8 +160,9 @@ bool srv_sandbox_is_default(void)
 
 #else
 
-static int enter(void)
+static int enter(const struct srv_options *options)
 {
+    (void)options;
     return -ENOSYS; /* built without libseccomp */
 }
 
@@ -160,7 +179,7 @@ int srv_sandbox_enter(const struct srv_options *options)
         (options->sandbox == SRV_SANDBOX_AUTO && !srv_sandbox_is_default())) {
         return 0;
     }
-    int status = enter();
+    int status = enter(options);
     if (status == 0) {
         srv_log(SRV_LOG_DEBUG, 0, "in the sandbox");
         return 0;

@@ -2,7 +2,8 @@
  *
  * Room:     server. May include: options.h.
  * Does:     no new privileges, and a list of system calls: no files are opened, no
- *           programs or processes started, no sockets made, no memory made executable.
+ *           programs or processes started, no memory made executable, no sockets made but
+ *           of the kind that listens, by whom has bound it.
  * Does not: protect clients from each other: that is what checks and quotas are for.
  * Threads:  [loop]; holds for all threads, those to come too.
  * Source:   seccomp(2), libseccomp.

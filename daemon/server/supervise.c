@@ -34,6 +34,7 @@
 #include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
+#include "socketfile.h"
 
 #define FORK_TRIES     50
 #define FORK_PAUSE_MS  100
@@ -50,6 +51,9 @@ struct crash {
 };
 
 struct supervisor {
+    const struct srv_options *options;
+    struct srv_lockfile *lockfile;
+    struct srv_socketfile file;
     int listen_fd;
     int signal_fd;
     int ready_fd; /* ours to write to; -1: none, or it has been told */
@@ -113,7 +117,7 @@ static bool fork_worker(const struct supervisor *supervisor, int wait_fd,
 {
     int ends[2] = {-1, -1};
     pid_t parent = getpid();
-    if (pipe2(ends, O_CLOEXEC) != 0) {
+    if (srv_lifeline_make(ends) != 0) {
         ends[0] = ends[1] = -1;
     }
     pid_t child = fork();
@@ -283,6 +287,61 @@ static int on_reaped(struct supervisor *supervisor, pid_t pid, int wait_status)
     return -1;
 }
 
+/* ---- the file of the socket -------------------------------------------------------- */
+
+/* Nobody finds the socket any more: the worker serves who is here, and is the last. */
+static void let_go(struct supervisor *supervisor, const char *why)
+{
+    srv_log(SRV_LOG_ERROR, 0, "%s: %s; letting go of it", supervisor->file.path, why);
+    srv_socketfile_leave(&supervisor->file);
+    srv_lockfile_release(supervisor->lockfile);
+    end_spare(supervisor);
+    supervisor->stopping = true;
+    if (srv_lifeline_tell(supervisor->worker.lifeline, -1) != 0) {
+        kill(supervisor->worker.pid, SIGTERM);
+    }
+}
+
+/* Another socket, for this worker and those to come. */
+static void bind_anew(struct supervisor *supervisor)
+{
+    int fd = -1;
+    if (srv_socketfile_bind(&supervisor->file, supervisor->options, &fd) != 0) {
+        let_go(supervisor, strerror(errno));
+        return;
+    }
+    srv_log(SRV_LOG_WARN, 0, "%s was removed; listening there anew",
+            supervisor->file.path);
+    close(supervisor->listen_fd);
+    supervisor->listen_fd = fd;
+    end_spare(supervisor); /* it has the former one */
+    supervisor->wants_spare = true;
+    if (srv_lifeline_tell(supervisor->worker.lifeline, fd) != 0) {
+        kill(supervisor->worker.pid, SIGKILL); /* the next one is given it */
+    }
+}
+
+/* There is news of the file. */
+static void on_file(struct supervisor *supervisor)
+{
+    const struct timespec pause = {.tv_nsec = SRV_SOCKETFILE_SETTLE_MS * 1000000l};
+    if (srv_socketfile_look(&supervisor->file) == SRV_SOCKETFILE_OURS) {
+        return;
+    }
+    nanosleep(&pause, NULL);
+    enum srv_socketfile_state state = srv_socketfile_look(&supervisor->file);
+    if (state == SRV_SOCKETFILE_TAKEN) {
+        let_go(supervisor, "something else is there now");
+    } else if (state == SRV_SOCKETFILE_GONE &&
+               !srv_lockfile_is_held(supervisor->lockfile)) {
+        let_go(supervisor, "it was removed, and its lock file too");
+    } else if (state == SRV_SOCKETFILE_GONE) {
+        bind_anew(supervisor);
+    }
+}
+
+/* ---- running ----------------------------------------------------------------------- */
+
 /* Returns -1 to go on, or the exit status. */
 static int on_signal(struct supervisor *supervisor)
 {
@@ -317,22 +376,29 @@ static int run(struct supervisor *supervisor)
         bool waits = supervisor->wants_spare && !supervisor->stopping;
         struct pollfd watched[] = {
             {.fd = supervisor->signal_fd, .events = POLLIN},
-            {.fd = supervisor->worker.lifeline, .events = POLLIN}}; /* -1: left out */
-        int count = poll(watched, 2, waits ? SPARE_PAUSE_MS : -1);
+            {.fd = supervisor->worker.lifeline, .events = POLLIN}, /* -1: left out */
+            {.fd = supervisor->stopping ? -1 : supervisor->file.notify_fd,
+             .events = POLLIN}};
+        int count = poll(watched, 3, waits ? SPARE_PAUSE_MS : -1);
         if (count == 0) {
             start_spare(supervisor);
         } else if (count > 0 && watched[0].revents != 0) {
             exit_status = on_signal(supervisor); /* before a start that it forbids */
-        } else if (count > 0) {
+        } else if (count > 0 && watched[1].revents != 0) {
             exit_status = on_lifeline(supervisor);
+        } else if (count > 0) {
+            on_file(supervisor);
         }
     }
     return exit_status;
 }
 
-int srv_supervise(const struct srv_options *options, char **argv)
+int srv_supervise(const struct srv_options *options, char **argv,
+                  struct srv_lockfile *lockfile)
 {
-    struct supervisor supervisor = {.listen_fd = -1,
+    struct supervisor supervisor = {.options = options,
+                                    .lockfile = lockfile,
+                                    .listen_fd = -1,
                                     .signal_fd = -1,
                                     .worker = {.lifeline = -1},
                                     .spare = {.lifeline = -1},
@@ -347,7 +413,7 @@ int srv_supervise(const struct srv_options *options, char **argv)
     sigaddset(&signals, SIGINT);
     if (sigprocmask(SIG_BLOCK, &signals, NULL) != 0 ||
         (supervisor.signal_fd = signalfd(-1, &signals, SFD_CLOEXEC)) < 0 ||
-        srv_listener_bind(options, &supervisor.listen_fd) != 0) {
+        srv_socketfile_bind(&supervisor.file, options, &supervisor.listen_fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", options->socket_path, strerror(errno));
         close_if_open(&supervisor.signal_fd);
         return 1;
@@ -356,7 +422,7 @@ int srv_supervise(const struct srv_options *options, char **argv)
             options->socket_path);
     int exit_status = run(&supervisor);
     end_spare(&supervisor);
-    unlink(options->socket_path);
+    srv_socketfile_remove(&supervisor.file);
     close(supervisor.listen_fd);
     close_if_open(&supervisor.worker.lifeline);
     close_if_open(&supervisor.signal_fd);

@@ -3,13 +3,15 @@
  * Room:     server. May include: options.h.
  * Does:     hold the path's lock and the listening socket, so that clients queue instead
  *           of being refused while a worker is being started; pass signals on; give up
- *           when it crashes again and again.
+ *           when it crashes again and again; listen anew, or let go, when the socket's
+ *           file is gone.
  * Does not: talk to clients or compute: nothing of theirs can make it crash.
  * Threads:  one.
  */
 #ifndef SRV_SUPERVISE_H
 #define SRV_SUPERVISE_H
 
+#include "lockfile.h"
 #include "options.h"
 
 /* Crashes within that time after which it gives up: as a rule, and at most. */
@@ -19,6 +21,7 @@
 
 /* Run workers, each this program with the same `argv`, until one ends by itself. Returns
  * the exit status of the program. The caller holds the lock of the socket path. */
-int srv_supervise(const struct srv_options *options, char **argv);
+int srv_supervise(const struct srv_options *options, char **argv,
+                  struct srv_lockfile *lockfile);
 
 #endif

@@ -22,6 +22,7 @@
     X(accept4)                                                                           \
     X(bind)                                                                              \
     X(close)                                                                             \
+    X(dup3)                                                                              \
     X(epoll_create1)                                                                     \
     X(epoll_ctl)                                                                         \
     X(epoll_wait)                                                                        \
@@ -31,6 +32,8 @@
     X(fork)                                                                              \
     X(getrandom)                                                                         \
     X(getsockopt)                                                                        \
+    X(inotify_add_watch)                                                                 \
+    X(inotify_init1)                                                                     \
     X(listen)                                                                            \
     X(lstat)                                                                             \
     X(memfd_create)                                                                      \
@@ -51,6 +54,7 @@
     X(shutdown)                                                                          \
     X(sigaction)                                                                         \
     X(socket)                                                                            \
+    X(socketpair)                                                                        \
     X(unlink)                                                                            \
     X(write)
 

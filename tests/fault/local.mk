@@ -14,6 +14,7 @@ FAULT_WRAP_CALLS = \
     -Wl,--wrap=mmap,--wrap=open,--wrap=pipe2,--wrap=poll,--wrap=posix_fallocate \
     -Wl,--wrap=pthread_create,--wrap=read,--wrap=recvfrom,--wrap=recvmsg,--wrap=sendmsg \
     -Wl,--wrap=sendto,--wrap=setsockopt,--wrap=shutdown \
+    -Wl,--wrap=dup3,--wrap=inotify_add_watch,--wrap=inotify_init1,--wrap=socketpair \
     -Wl,--wrap=sigaction,--wrap=socket,--wrap=unlink,--wrap=write
 fault_sources = \
     tests/fault/fault.c \

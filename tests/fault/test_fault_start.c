@@ -40,6 +40,8 @@ static const struct {
     {FAULT_fcntl, {EMFILE}},
     {FAULT_flock, {EINTR, ENOLCK}},
     {FAULT_getrandom, {EAGAIN}},
+    {FAULT_inotify_add_watch, {ENOSPC, EACCES}},
+    {FAULT_inotify_init1, {EMFILE, ENOSYS}},
     {FAULT_listen, {EADDRINUSE}},
     {FAULT_lstat, {EACCES, ENOMEM}},
     {FAULT_memory, {ENOMEM}},

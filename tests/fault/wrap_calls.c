@@ -12,6 +12,7 @@
 #include <signal.h>
 #include <stdarg.h>
 #include <sys/epoll.h>
+#include <sys/inotify.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -31,6 +32,7 @@ WRAP(int, accept4, (int fd, struct sockaddr *address, socklen_t *bytes, int flag
      (fd, address, bytes, flags))
 WRAP(int, bind, (int fd, const struct sockaddr *address, socklen_t bytes),
      (fd, address, bytes))
+WRAP(int, dup3, (int from, int to, int flags), (from, to, flags))
 WRAP(int, epoll_create1, (int flags), (flags))
 WRAP(int, epoll_wait, (int fd, struct epoll_event *events, int count, int timeout_ms),
      (fd, events, count, timeout_ms))
@@ -40,6 +42,8 @@ WRAP(pid_t, fork, (void), ())
 WRAP(ssize_t, getrandom, (void *at, size_t bytes, unsigned flags), (at, bytes, flags))
 WRAP(int, getsockopt, (int fd, int level, int name, void *value, socklen_t *bytes),
      (fd, level, name, value, bytes))
+WRAP(int, inotify_add_watch, (int fd, const char *path, uint32_t mask), (fd, path, mask))
+WRAP(int, inotify_init1, (int flags), (flags))
 WRAP(int, listen, (int fd, int backlog), (fd, backlog))
 WRAP(int, lstat, (const char *path, struct stat *info), (path, info))
 WRAP(int, memfd_create, (const char *name, unsigned flags), (name, flags))
@@ -66,6 +70,8 @@ WRAP(int, sigaction,
      (int number, const struct sigaction *action, struct sigaction *before),
      (number, action, before))
 WRAP(int, socket, (int family, int type, int protocol), (family, type, protocol))
+WRAP(int, socketpair, (int family, int type, int protocol, int fds[2]),
+     (family, type, protocol, fds))
 WRAP(int, unlink, (const char *path), (path))
 WRAP(ssize_t, write, (int fd, const void *from, size_t bytes), (fd, from, bytes))
 

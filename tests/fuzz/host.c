@@ -41,7 +41,7 @@ static pthread_t server;
 static void *serve(void *context)
 {
     (void)context;
-    FUZZ_CHECK(srv_reactor_run(&options) == 0);
+    FUZZ_CHECK(srv_reactor_run(&options, NULL) == 0);
     return NULL;
 }
 

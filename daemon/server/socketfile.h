@@ -1,0 +1,59 @@
+/* socketfile.h - the file by which clients find the socket.
+ *
+ * Room:     server. May include: options.h, the C library.
+ * Does:     make its folder, bind a listening socket to it; tell, without waking an idle
+ *           process, when somebody has removed or replaced it.
+ * Does not: decide what happens then (listener.c, supervise.c), or hold the path's lock
+ *           (lockfile.h).
+ * Threads:  [loop], or a supervisor's only one.
+ * Source:   inotify(7). To remove a name of a file changes the number of its links, which
+ *           is IN_ATTRIB of the file itself, whatever else its folder is used for.
+ */
+#ifndef SRV_SOCKETFILE_H
+#define SRV_SOCKETFILE_H
+
+#include <stdbool.h>
+#include <sys/types.h>
+
+#include "options.h"
+
+/* After a change, before a look: who removes a whole folder shall be at the end first. */
+#define SRV_SOCKETFILE_SETTLE_MS 100u
+
+enum srv_socketfile_state {
+    SRV_SOCKETFILE_OURS = 0,  /* clients find our socket */
+    SRV_SOCKETFILE_GONE = 1,  /* nothing is there */
+    SRV_SOCKETFILE_TAKEN = 2, /* something that is not ours is */
+};
+
+struct srv_socketfile {
+    const char *path;
+    int notify_fd; /* readable after a change; -1: nobody tells */
+    dev_t device;
+    ino_t inode; /* 0: we know of no file */
+};
+
+/* Make the folder of the socket when it is missing: for us alone, or with a list of who
+ * may be a client for others to pass. Returns 0 or a status; what was wrong is logged.
+ * Before the lock is taken. */
+int srv_socketfile_prepare_folder(const struct srv_options *options);
+
+/* A listening socket at the options' path in *fd, for us alone, or with a list of who may
+ * be a client for everybody to connect to and be judged; a socket that is there is a dead
+ * daemon's, because the caller holds the lock. The file is watched from then on. A second
+ * time where the first one's file is gone. Returns 0 or a status, errno set. */
+int srv_socketfile_bind(struct srv_socketfile *file, const struct srv_options *options,
+                        int *fd);
+
+/* Watch the file of a socket that somebody else has bound. */
+void srv_socketfile_adopt(struct srv_socketfile *file, const char *path);
+
+/* How things are, after a change or at any time; what there was to read is read. */
+enum srv_socketfile_state srv_socketfile_look(struct srv_socketfile *file);
+
+/* Remove the file if it is ours, and watch no more. */
+void srv_socketfile_remove(struct srv_socketfile *file);
+/* Only watch no more. */
+void srv_socketfile_leave(struct srv_socketfile *file);
+
+#endif
