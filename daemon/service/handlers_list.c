@@ -167,7 +167,8 @@ int srv_on_LIST_PAIR(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
                                asked->scene);
     }
-    struct srv_plan plan = {.work = work_pair, .scene = scene};
+    struct srv_plan plan = {
+        .work = work_pair, .ring = call->session->ring, .scene = scene};
     return srv_request_start(call, &plan);
 }
 

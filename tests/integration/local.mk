@@ -22,6 +22,7 @@ integration_names = \
     tests/integration/test_int_observe \
     tests/integration/test_int_overdue \
     tests/integration/test_int_peer \
+    tests/integration/test_int_protocol \
     tests/integration/test_int_quota \
     tests/integration/test_int_record \
     tests/integration/test_int_record_filter \
@@ -144,6 +145,10 @@ tests_integration_test_int_misuse_LDADD = $(integration_libs)
 tests_integration_test_int_peer_SOURCES = tests/integration/test_int_peer.c
 tests_integration_test_int_peer_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_peer_LDADD = $(integration_libs)
+
+tests_integration_test_int_protocol_SOURCES = tests/integration/test_int_protocol.c
+tests_integration_test_int_protocol_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_protocol_LDADD = $(integration_libs)
 
 tests_integration_test_int_quota_SOURCES = tests/integration/test_int_quota.c
 tests_integration_test_int_quota_CPPFLAGS = $(integration_cppflags)

@@ -1,0 +1,421 @@
+/* test_int_protocol.c - sentences of PROTOCOL.md, held against a real daemon.
+ *
+ * Room:     tests/integration. May include: proto, tests/support.
+ * Does:     say over a socket what the document says, without the library, and look at
+ *           the bytes of what comes back.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "journal.h"
+#include "prng.h"
+#include "raw.h"
+
+#define SLOT_BYTES 65536u
+#define MIB        (1u << 20)
+
+static struct test_raw raw;
+static uint32_t scene, mesh, objects[2];
+
+static void call(int method, const void *request, void *result)
+{
+    int rc = test_raw_call(&raw, method, request, result);
+    if (rc != 0) {
+        print_error("%s: %s\n", proto_messages[method].name, raw.error.text);
+    }
+    assert_int_equal(rc, 0);
+}
+
+/* Refused, by a sentence that names what was wrong, and the session goes on. */
+static void refuse(int method, const void *request, int code, const char *word)
+{
+    uint64_t token = 77;
+    struct proto_PING_request ping = {.token = token};
+    struct proto_PING_result pong;
+    assert_int_equal(test_raw_call(&raw, method, request, NULL), code);
+    assert_false(raw.error.fatal);
+    if (strstr(raw.error.text, word) == NULL) {
+        fail_msg("\"%s\" does not say %s", raw.error.text, word);
+    }
+    call(PROTO_METHOD_PING, &ping, &pong);
+    assert_int_equal(pong.token, token);
+}
+
+static int open_raw(void **state)
+{
+    (void)state;
+    return test_raw_open(&raw, test_shared.socket) ? 0 : -1;
+}
+
+static int close_raw(void **state)
+{
+    (void)state;
+    test_raw_close(&raw);
+    return 0;
+}
+
+/* A scene of that name ("": of this session alone), and two objects: a large triangle at
+ * height 0, and a small one. */
+static void make_scene_with(const char *name, const float (*small)[3])
+{
+    struct proto_SCENE_CREATE_request create = {.share = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_request add = {0};
+    struct proto_SCENE_ADD_result added;
+    uint32_t floor = 0;
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_attach(&raw, 2, SLOT_BYTES), 0);
+    assert_int_equal(test_raw_mesh(&raw, test_floor_x, 3, test_triangle, 1, &floor), 0);
+    assert_int_equal(test_raw_mesh(&raw, small, 3, test_triangle, 1, &mesh), 0);
+    strcpy(create.name, name);
+    call(PROTO_METHOD_SCENE_CREATE, &create, &created);
+    add.scene = scene = created.scene;
+    for (int i = 0; i < 2; i++) {
+        add.mesh = i == 0 ? floor : mesh;
+        call(PROTO_METHOD_SCENE_ADD, &add, &added);
+        objects[i] = added.object;
+    }
+}
+
+/* The small one at height 1. */
+static void make_scene(const char *name)
+{
+    make_scene_with(name, test_triangle_x);
+}
+
+/* ---- hello ------------------------------------------------------------------------- */
+
+/* If it failed, a client that mixes up its two versions would be told that there is no
+ * common one, and be dropped, or one that says hello twice would lose its session. */
+static void hello__upside_down_or_twice_is_refused_and_nothing_is_lost(void **state)
+{
+    const struct proto_HELLO_request upside_down = {.version_min = 2, .version_max = 1};
+    const struct proto_HELLO_request again = {.version_min = 1, .version_max = 1};
+    struct proto_SCENE_DESTROY_request destroy = {0};
+    (void)state;
+    refuse(PROTO_METHOD_HELLO, &upside_down, PCCD_E_INVAL, "version_min 2");
+    make_scene("");
+    refuse(PROTO_METHOD_HELLO, &again, PCCD_E_STATE, "already");
+    destroy.scene = scene;
+    call(PROTO_METHOD_SCENE_DESTROY, &destroy, NULL);
+}
+
+/* ---- statuses ---------------------------------------------------------------------- */
+
+/* If it failed, who waits for another session's scene could not tell that from a mistake
+ * of its own. */
+static void status__a_shared_scene_that_is_not_there_is_again(void **state)
+{
+    const struct proto_SCENE_CREATE_request attach = {.name = "later", .share = 2};
+    const struct proto_SCENE_CREATE_request make = {.name = "later", .share = 0};
+    struct proto_SCENE_CREATE_result result;
+    struct test_raw other;
+    (void)state;
+    assert_int_equal(test_raw_hello(&raw), 0);
+    refuse(PROTO_METHOD_SCENE_CREATE, &attach, PCCD_E_AGAIN, "later");
+    assert_true(test_raw_open(&other, test_shared.socket));
+    assert_int_equal(test_raw_hello(&other), 0);
+    assert_int_equal(test_raw_call(&other, PROTO_METHOD_SCENE_CREATE, &make, &result), 0);
+    call(PROTO_METHOD_SCENE_CREATE, &attach, &result);
+    assert_true(result.existed);
+    test_raw_close(&other);
+}
+
+/* If it failed, a method would need the shared memory, or not, against what is said. */
+static void status__what_needs_the_ring_is_refused_before_it(void **state)
+{
+    struct proto_SCENE_CREATE_request create = {.share = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
+    struct proto_MESH_CREATE_result announced;
+    (void)state;
+    assert_int_equal(test_raw_hello(&raw), 0);
+    call(PROTO_METHOD_SCENE_CREATE, &create, &created);
+    call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
+    const struct proto_MESH_DATA_request data = {
+        .mesh = announced.mesh, .seq = 2, .count = 3};
+    const struct proto_MESH_EDGES_request edges = {.mesh = announced.mesh, .count = 1};
+    const struct proto_FRAME_SUBMIT_request submit = {.scene = created.scene};
+    const struct proto_FRAME_FETCH_request fetch = {.scene = created.scene};
+    const struct proto_SCENE_BOXES_request boxes = {.scene = created.scene, .count = 1};
+    const struct proto_TRACE_DUMP_request dump = {.count = 1};
+    refuse(PROTO_METHOD_MESH_DATA, &data, PCCD_E_STATE, "shm.attach");
+    refuse(PROTO_METHOD_MESH_EDGES, &edges, PCCD_E_STATE, "shm.attach");
+    refuse(PROTO_METHOD_FRAME_SUBMIT, &submit, PCCD_E_STATE, "shm.attach");
+    refuse(PROTO_METHOD_FRAME_FETCH, &fetch, PCCD_E_STATE, "shm.attach");
+    refuse(PROTO_METHOD_SCENE_BOXES, &boxes, PCCD_E_STATE, "shm.attach");
+    refuse(PROTO_METHOD_TRACE_DUMP, &dump, PCCD_E_STATE, "");
+}
+
+/* ---- fields that are not needed ---------------------------------------------------- */
+
+/* If it failed, a client would take a counter that is left out for one that the daemon
+ * does not have, or wait for one in vain. */
+static void stats__leave_out_what_is_zero_and_not_needed(void **state)
+{
+    const struct proto_STATS_request request = {.reserved = 0};
+    const struct proto_fields *fields = &proto_messages[PROTO_METHOD_STATS].result;
+    struct proto_STATS_result result;
+    uint32_t zeros = 0;
+    uint32_t absent = 0;
+    (void)state;
+    assert_int_equal(test_raw_hello(&raw), 0);
+    memset(raw.message, 0, sizeof(raw.message)); /* nothing of older messages */
+    call(PROTO_METHOD_STATS, &request, &result);
+    for (uint32_t i = 0; i < fields->count; i++) {
+        const struct proto_field *field = &fields->items[i];
+        uint64_t value = 1; /* of `cpu`, which is never empty */
+        uint8_t name[64] = {(uint8_t)(0xa0 | field->name_bytes)}; /* a short string */
+        if (field->type == PROTO_TYPE_u64) {
+            memcpy(&value, (const char *)&result + field->offset, sizeof(value));
+        }
+        memcpy(name + 1, field->name, field->name_bytes);
+        bool is_there = memmem(raw.message, sizeof(raw.message), name,
+                               field->name_bytes + 1u) != NULL;
+        assert_int_equal(is_there, field->need == PROTO_NEED_REQ || value != 0);
+        zeros += value == 0 && is_there;
+        absent += !is_there;
+    }
+    assert_true(zeros > 0 && absent > 0);
+}
+
+/* ---- what is computed -------------------------------------------------------------- */
+
+static uint64_t done_seq(void)
+{
+    return atomic_load(&test_raw_upload(&raw)->done_seq.value);
+}
+
+/* If it failed, a client that watches done_seq would not see that the answer has come,
+ * or would count on it where nothing is computed. */
+static void done_seq__counts_lists_of_pairs_and_no_other_lists(void **state)
+{
+    struct proto_SCENE_IGNORE_request ignore = {.ignored = true};
+    struct proto_LIST_PAIR_request pair = {0};
+    struct proto_LIST_PAIR_result told;
+    struct proto_LIST_OBJECT_request object = {0};
+    struct proto_LIST_OBJECT_result listed;
+    uint64_t before = 0;
+    (void)state;
+    make_scene("");
+    object.scene = pair.scene = ignore.scene = scene;
+    ignore.a = objects[0];
+    ignore.b = objects[1];
+    call(PROTO_METHOD_SCENE_IGNORE, &ignore, NULL);
+    before = done_seq();
+    call(PROTO_METHOD_LIST_PAIR, &pair, &told);
+    assert_true(told.a == objects[0] && told.b == objects[1]);
+    assert_int_equal(done_seq(), before + 1);
+    call(PROTO_METHOD_LIST_OBJECT, &object, &listed);
+    assert_int_equal(listed.object, objects[0]);
+    assert_int_equal(done_seq(), before + 1);
+}
+
+/* ---- answers ----------------------------------------------------------------------- */
+
+/* The small triangle goes from height z0 to z1, which is through the floor or not. */
+static void fall(float z0, float z1, uint32_t mode,
+                 struct proto_FRAME_SUBMIT_result *answer)
+{
+    const struct proto_segment segment = {
+        .object = objects[1], .kind = 1, .count = 3, .offset0 = 32, .offset1 = 72};
+    struct proto_FRAME_SUBMIT_request submit = {
+        .scene = scene, .segments = 1, .mode = mode};
+    uint8_t *payload = test_raw_payload(&raw, 0);
+    float x[3][3];
+    memcpy(payload, &segment, sizeof(segment));
+    test_crossing_positions(x, z0);
+    memcpy(payload + 32, x, sizeof(x));
+    test_crossing_positions(x, z1);
+    memcpy(payload + 72, x, sizeof(x));
+    submit.seq = test_raw_publish(&raw, 0);
+    call(PROTO_METHOD_FRAME_SUBMIT, &submit, answer);
+    assert_int_equal(answer->mode, mode);
+    assert_int_equal(answer->incomplete, 0);
+    assert_int_equal(answer->total, answer->vf + answer->ee);
+    atomic_store(&test_raw_upload(&raw)->result_head.value, answer->release);
+}
+
+/* If it failed, a client would read a verdict or a time that the mode does not give. */
+static void answer__fields_outside_their_mode_are_as_said(void **state)
+{
+    struct proto_FRAME_SUBMIT_result answer;
+    (void)state;
+    make_scene("");
+    for (uint32_t mode = PCCD_MODE_ALL; mode < PCCD_MODE_COUNT; mode++) {
+        bool has_contacts = mode == PCCD_MODE_ALL || mode == PCCD_MODE_FIRST;
+        fall(1, -1, mode, &answer);
+        assert_int_equal(answer.verdict,
+                         mode == PCCD_MODE_ANY ? PCCD_VERDICT_YES : PCCD_VERDICT_NONE);
+        assert_int_equal(answer.vf, mode == PCCD_MODE_ANY ? 0 : 3);
+        assert_int_equal(answer.record_bytes, mode == PCCD_MODE_PAIRS ? 20 : 64);
+        assert_true(has_contacts ? answer.toi_first <= 0.5 && answer.toi_first > 0.499999
+                                 : answer.toi_first == 2);
+        assert_int_equal(answer.possible, 0);
+        fall(0, -1, mode, &answer);
+        assert_int_equal(answer.initial, has_contacts ? 3 : 0);
+        fall(1, 2, mode, &answer);
+        assert_int_equal(answer.verdict,
+                         mode == PCCD_MODE_ANY ? PCCD_VERDICT_NO : PCCD_VERDICT_NONE);
+        assert_true(answer.toi_first == 2);
+        assert_int_equal(answer.total + answer.vf + answer.ee + answer.initial, 0);
+    }
+}
+
+/* ---- rigid segments ---------------------------------------------------------------- */
+
+/* Registered: numbers whose products are rounded. */
+static const float rest_x[3][3] = {
+    {.1f, .7f, 1.3f}, {-.3f, 1.1f, .9f}, {2.3f, -.6f, .7f}};
+
+/* A coordinate by the sentence of the document: x' = ((r0 x + r1 y) + r2 z) + t, each
+ * operation rounded once; volatile, so that none is fused with another. */
+static double transformed(const double row[4], const float x[3])
+{
+    volatile double a = row[0] * (double)x[0];
+    volatile double b = row[1] * (double)x[1];
+    volatile double c = row[2] * (double)x[2];
+    volatile double sum = a + b;
+    sum = sum + c;
+    return sum + row[3];
+}
+
+/* The same, where the processor multiplies and adds at once: other bits. */
+static double fused(const double row[4], const float x[3])
+{
+    return fma(row[2], (double)x[2], fma(row[1], (double)x[1], row[0] * (double)x[0])) +
+           row[3];
+}
+
+/* The vertices first .. first + count - 1 of the small triangle get a transform for each
+ * end: in the slot and, as the document says it, in `expected`. */
+static void write_rigid(struct prng *prng, uint32_t at, uint32_t first, uint32_t count,
+                        double expected[2][3][3], uint32_t *others)
+{
+    const struct proto_segment segment = {.object = objects[1],
+                                          .kind = 2,
+                                          .format = 1,
+                                          .first = first,
+                                          .count = count,
+                                          .offset0 = 64 + at * 192,
+                                          .offset1 = 64 + at * 192 + 96};
+    uint8_t *payload = test_raw_payload(&raw, 0);
+    memcpy(payload + at * sizeof(segment), &segment, sizeof(segment));
+    for (uint32_t end = 0; end < 2; end++) {
+        double m[12];
+        for (int i = 0; i < 12; i++) {
+            m[i] = prng_between(prng, -2, 2);
+        }
+        memcpy(payload + segment.offset0 + 96 * end, m, sizeof(m));
+        for (uint32_t i = 3 * first; i < 3 * (first + count); i++) {
+            const float *x = rest_x[i / 3];
+            expected[end][i / 3][i % 3] = transformed(m + 4 * (i % 3), x);
+            *others += expected[end][i / 3][i % 3] != fused(m + 4 * (i % 3), x);
+        }
+    }
+}
+
+/* The positions at both ends of the step that a page of the journal ends with. */
+static void read_step(const struct proto_SCENE_JOURNAL_result *page, double x[2][3][3])
+{
+    const uint8_t *at = (const uint8_t *)raw.result.base + page->offset;
+    const uint8_t *end = at + page->count;
+    struct proto_journal_entry entry = {0};
+    struct proto_segment segment;
+    for (; at < end; at += entry.bytes) {
+        memcpy(&entry, at, sizeof(entry));
+        if (entry.kind == PROTO_JOURNAL_STEP) {
+            const uint8_t *slot = at + sizeof(entry) + sizeof(struct proto_journal_step);
+            memcpy(&segment, slot, sizeof(segment));
+            assert_true(segment.object == objects[1] && segment.count == 3);
+            memcpy(x[0], slot + segment.offset0, sizeof(x[0]));
+            memcpy(x[1], slot + segment.offset1, sizeof(x[1]));
+        }
+    }
+    assert_int_equal(entry.kind, PROTO_JOURNAL_STEP);
+}
+
+/* If it failed, whoever computes rigid motion by the document, as to verify an answer or
+ * to place objects again, would have other bits than the daemon. */
+static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
+{
+    struct proto_SCENE_JOURNAL_request ask = {.begin = MIB};
+    struct proto_SCENE_JOURNAL_result page;
+    struct proto_FRAME_SUBMIT_request submit = {.segments = 2};
+    struct proto_FRAME_SUBMIT_result answer;
+    struct prng prng = {prng_seed()};
+    double expected[2][3][3];
+    double found[2][3][3];
+    uint32_t others = 0;
+    (void)state;
+    make_scene_with("rigid", rest_x);
+    ask.scene = submit.scene = scene;
+    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    for (int i = 0; i < 200; i++) {
+        write_rigid(&prng, 0, 0, 2, expected, &others); /* the one part, and the other */
+        write_rigid(&prng, 1, 2, 1, expected, &others);
+        submit.seq = test_raw_publish(&raw, 0);
+        call(PROTO_METHOD_FRAME_SUBMIT, &submit, &answer);
+        ask.begin = 0;
+        ask.cursor = page.end;
+        call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+        read_step(&page, found);
+        assert_memory_equal(found, expected, sizeof(found));
+        atomic_store(&test_raw_upload(&raw)->result_head.value, page.release);
+    }
+    assert_true(others > 100); /* or the order would not show */
+}
+
+/* If it failed, vertices that a rigid segment does not name would be dragged along. */
+static void rigid__leaves_the_rest_of_the_object_where_it_is(void **state)
+{
+    struct proto_SCENE_JOURNAL_request ask = {.begin = MIB};
+    struct proto_SCENE_JOURNAL_result page;
+    struct proto_FRAME_SUBMIT_request submit = {.segments = 1};
+    struct prng prng = {prng_seed()};
+    double expected[2][3][3];
+    double found[2][3][3];
+    uint32_t others = 0;
+    (void)state;
+    make_scene_with("part", rest_x);
+    ask.scene = submit.scene = scene;
+    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    for (uint32_t i = 0; i < 9; i++) {
+        expected[0][i / 3][i % 3] = expected[1][i / 3][i % 3] =
+            (double)rest_x[i / 3][i % 3];
+    }
+    write_rigid(&prng, 0, 1, 1, expected, &others);
+    submit.seq = test_raw_publish(&raw, 0);
+    call(PROTO_METHOD_FRAME_SUBMIT, &submit, NULL);
+    ask.begin = 0;
+    ask.cursor = page.end;
+    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    read_step(&page, found);
+    assert_memory_equal(found, expected, sizeof(found));
+}
+
+#define TEST(function) cmocka_unit_test_setup_teardown(function, open_raw, close_raw)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(hello__upside_down_or_twice_is_refused_and_nothing_is_lost),
+        TEST(status__a_shared_scene_that_is_not_there_is_again),
+        TEST(status__what_needs_the_ring_is_refused_before_it),
+        TEST(stats__leave_out_what_is_zero_and_not_needed),
+        TEST(done_seq__counts_lists_of_pairs_and_no_other_lists),
+        TEST(answer__fields_outside_their_mode_are_as_said),
+        TEST(rigid__has_the_bits_of_the_document_part_by_part),
+        TEST(rigid__leaves_the_rest_of_the_object_where_it_is),
+    };
+    return cmocka_run_group_tests_name("protocol", tests, test_shared_start,
+                                       test_shared_stop);
+}
