@@ -14,6 +14,8 @@
 #include <string.h>
 
 #include "codec.h"
+#include "pccd_daemon.h"
+#include "pccd_trace.h"
 
 #define LINE_BYTES 4096
 
@@ -50,7 +52,7 @@ static void print_notifications(void)
 
 static void print_fields(const char *title, const struct proto_fields *fields)
 {
-    printf("\n| %s | Type | Needed | Meaning |\n|---|---|---|---|\n", title);
+    printf("| %s | Type | Needed | Meaning |\n|---|---|---|---|\n", title);
     for (uint32_t i = 0; i < fields->count; i++) {
         const struct proto_field *field = &fields->items[i];
         printf("| `%s` | %s | %s | %s |\n", field->name, type_name(field->type),
@@ -85,6 +87,7 @@ static void print_messages(void)
         const struct proto_message_info *message = &proto_messages[i];
         printf("%s### `%s`\n\n%c%s.\n", i > 0 ? "\n" : "", message->name,
                toupper((unsigned char)message->text[0]), message->text + 1);
+        puts("");
         print_fields(i < PROTO_METHOD_COUNT ? "Param" : "Field", &message->request);
         if (i == PROTO_METHOD_STATS) {
             puts("\nThe result is the table of [counters](#counters).");
@@ -92,6 +95,7 @@ static void print_messages(void)
             printf("\nThe result has the fields of `%s`.\n",
                    proto_messages[same_result(i)].name);
         } else if (i < PROTO_METHOD_COUNT) {
+            puts("");
             print_fields("Result", &message->result);
         }
     }
@@ -100,10 +104,7 @@ static void print_messages(void)
 static void print_stats(void)
 {
     const struct proto_fields *fields = &proto_messages[PROTO_METHOD_STATS].result;
-    puts("| Counter | Meaning |\n|---|---|");
-    for (uint32_t i = 0; i < fields->count; i++) {
-        printf("| `%s` | %s |\n", fields->items[i].name, fields->items[i].text);
-    }
+    print_fields("Counter", fields);
 }
 
 static void print_statuses(void)
@@ -156,6 +157,120 @@ static void print_limits(void)
 #undef LIMIT
 }
 
+static void print_enum(const char *name)
+{
+    printf("\n`enum %s`\n\n| Value | Name | Meaning |\n|---|---|---|\n", name);
+}
+
+static void print_value(const char *name, unsigned value, const char *text)
+{
+    printf("| %u | `%s` | %s |\n", value, name, text);
+}
+
+#define VALUE(name, text) print_value(#name, (unsigned)(name), text)
+
+/* Of the parameters of a step. */
+static void print_step_enums(void)
+{
+    print_enum("pccd_mode");
+    VALUE(PCCD_MODE_ALL, "every contact");
+    VALUE(PCCD_MODE_FIRST, "the contacts that may attain the scene's earliest time");
+    VALUE(PCCD_MODE_ANY, "whether there is a contact; no records");
+    VALUE(PCCD_MODE_PAIRS, "the candidate pairs after box tests");
+    print_enum("pccd_method");
+    VALUE(PCCD_METHOD_DEFAULT, "wide; paper where its scheduler is asked for");
+    VALUE(PCCD_METHOD_PAPER, "binary tree of boxes over triangles");
+    VALUE(PCCD_METHOD_WIDE, "trees of 16 children over vertices, edges and faces");
+    print_enum("pccd_scheduler");
+    VALUE(PCCD_SCHEDULER_DEFAULT, "the daemon's default; in an answer: one thread alone");
+    VALUE(PCCD_SCHEDULER_STEAL, "threads steal work from each other");
+    VALUE(PCCD_SCHEDULER_PAPER, "dynamic assignment, then high-level nodes");
+    print_enum("pccd_high_level");
+    VALUE(PCCD_HIGH_LEVEL_DEFAULT, "the daemon's default; in an answer: no such phase");
+    VALUE(PCCD_HIGH_LEVEL_ROUND_ROBIN, "pairs dealt out; a lock where a node is rebuilt");
+    VALUE(PCCD_HIGH_LEVEL_DISJOINT, "pairs without a common node at a time, no lock");
+    print_enum("pccd_refit");
+    VALUE(PCCD_REFIT_DEFAULT, "the daemon's default; in an answer: one thread alone");
+    VALUE(PCCD_REFIT_EVEN, "many small subtrees, taken on demand");
+    VALUE(PCCD_REFIT_PAPER, "two subtrees a thread, the first dealt out");
+}
+
+/* Of the answer to a step, and of its records. */
+static void print_answer_enums(void)
+{
+    print_enum("pccd_incomplete");
+    VALUE(PCCD_COMPLETE, "the answer is whole");
+    VALUE(PCCD_INCOMPLETE_RESULT_FULL, "the page ended: go on with `frame.fetch`");
+    VALUE(PCCD_INCOMPLETE_DEADLINE, "the deadline passed");
+    VALUE(PCCD_INCOMPLETE_CANCELLED, "cancelled");
+    VALUE(PCCD_INCOMPLETE_CONTACT_LIMIT, "more records than the daemon keeps of a step");
+    print_enum("pccd_verdict");
+    VALUE(PCCD_VERDICT_NO, "there is no contact");
+    VALUE(PCCD_VERDICT_POSSIBLE, "nothing is proved, but something is undecided");
+    VALUE(PCCD_VERDICT_YES, "there is a contact");
+    VALUE(PCCD_VERDICT_NONE, "not asked (another mode), or ended before it was known");
+    print_enum("pccd_kind");
+    VALUE(PCCD_VF, "a vertex of object a, a face of object b");
+    VALUE(PCCD_EE, "an edge of object a, an edge of object b");
+    print_enum("pccd_contact_flag");
+    VALUE(PCCD_PROVED, "the contact exists, and begins in [toi, toi_hi]");
+    VALUE(PCCD_INITIAL, "the features touch at t = 0; then toi = toi_hi = 0");
+    print_enum("pccd_format");
+    VALUE(PCCD_FORMAT_F32, "float[3], 12 bytes a vertex");
+    VALUE(PCCD_FORMAT_F64, "double[3], 24 bytes a vertex");
+}
+
+/* Of scenes and objects, and of what shows what a daemon does. */
+static void print_other_enums(void)
+{
+    print_enum("pccd_quality");
+    VALUE(PCCD_QUALITY_DEFAULT, "median");
+    VALUE(PCCD_QUALITY_MEDIAN, "median of the centroids along the longest axis");
+    VALUE(PCCD_QUALITY_SAH, "surface area heuristic: slower to build");
+    print_enum("pccd_share");
+    VALUE(PCCD_SHARE_CREATE, "make the scene; there must be none of that name");
+    VALUE(PCCD_SHARE_OPEN, "make it unless there is one");
+    VALUE(PCCD_SHARE_ATTACH, "take part; there must be one");
+    print_enum("pccd_object_what");
+    VALUE(PCCD_OBJECT_GROUP, "`group` is set");
+    VALUE(PCCD_OBJECT_MASK, "`mask` is set");
+    VALUE(PCCD_OBJECT_SELF, "`self` is set");
+    VALUE(PCCD_OBJECT_ALL, "all of these");
+    print_enum("pccd_tree");
+    VALUE(PCCD_TREE_VERTICES, "of the method wide, over vertices: up to 16 children");
+    VALUE(PCCD_TREE_EDGES, "likewise, over edges");
+    VALUE(PCCD_TREE_FACES, "likewise, over faces");
+    VALUE(PCCD_TREE_TRIANGLES, "of the method paper: binary");
+    print_enum("pccd_histogram_kind");
+    VALUE(PCCD_HISTOGRAM_STEPS, "steps, as computed");
+    VALUE(PCCD_HISTOGRAM_REQUESTS, "requests, from arrival to answer");
+    print_enum("pccd_trace_kind");
+    VALUE(PCCD_TRACE_STEP, "a whole step; a: triangles, b: threads");
+    VALUE(PCCD_TRACE_REFIT, "a thread's part of the refit");
+    VALUE(PCCD_TRACE_UNIT, "self-CD task unit; a: node, b: triangles below it");
+    VALUE(PCCD_TRACE_SUBTREE, "all units below a node; a: node, b: triangles");
+    VALUE(PCCD_TRACE_PAIRS, "what a pair of nodes leads to; a, b: nodes");
+    VALUE(PCCD_TRACE_HIGH, "a thread's part of a high-level node; a: node, b: pairs");
+    VALUE(PCCD_TRACE_TESTS, "elementary tests; a: enum pccd_kind, b: candidates");
+    VALUE(PCCD_TRACE_REBUILD, "reconstruction; a: node, b: triangles");
+    VALUE(PCCD_TRACE_ASIDE, "a share of a subtree built aside; a: node, b: triangles");
+    VALUE(PCCD_TRACE_WAIT, "without work");
+    VALUE(PCCD_TRACE_MERGE, "sort, gather, hash");
+    VALUE(PCCD_TRACE_REQUEST, "a client's request, from its arrival to its answer");
+    VALUE(PCCD_TRACE_RECEIVE, "the loop reads a request");
+    VALUE(PCCD_TRACE_ANSWER, "the loop sends an answer");
+}
+
+#undef VALUE
+
+static void print_enums(void)
+{
+    puts("Values of the parameters and fields that name an enum.");
+    print_step_enums();
+    print_answer_enums();
+    print_other_enums();
+}
+
 /* ---- the document ----------------------------------------------------------------- */
 
 struct region {
@@ -167,6 +282,7 @@ static const struct region regions[] = {
     {"methods", print_methods},   {"notifications", print_notifications},
     {"messages", print_messages}, {"counters", print_stats},
     {"statuses", print_statuses}, {"limits", print_limits},
+    {"enums", print_enums},
 };
 
 /* ---- the manual page --------------------------------------------------------------- */

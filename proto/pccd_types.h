@@ -41,7 +41,7 @@ extern "C" {
     X(E_SHUTDOWN, -20, "the daemon is shutting down")                                    \
     X(E_CANCELLED, -21, "cancelled")                                                     \
     X(E_SYSTEM, -22, "the operating system refused")                                     \
-    X(E_AGAIN, -23, "nothing has arrived yet")                                           \
+    X(E_AGAIN, -23, "not there yet")                                                     \
     X(E_FORMAT, -24, "file format not understood")                                       \
     X(E_INTERNAL, -25, "internal error")                                                 \
     X(E_ACCESS, -26, "not allowed to this user")

@@ -28,5 +28,9 @@ static_assert(sizeof(struct pccd_trace_event) == 32, "an event has 32 bytes");
 static_assert(offsetof(struct pccd_trace_event, kind) == 16, "event.kind");
 static_assert(sizeof(struct pccd_edge) == 8, "an edge has 8 bytes");
 static_assert(sizeof(struct pccd_box) == 48, "a box has 48 bytes");
+static_assert(offsetof(struct pccd_box, low0) == 0, "box.low0");
+static_assert(offsetof(struct pccd_box, high0) == 12, "box.high0");
+static_assert(offsetof(struct pccd_box, low1) == 24, "box.low1");
+static_assert(offsetof(struct pccd_box, high1) == 36, "box.high1");
 
 #endif

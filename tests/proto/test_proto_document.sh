@@ -31,6 +31,29 @@ done >"$work/log"
 # If this failed, a message would be documented nowhere.
 tap_result $? document__has_a_section_for_each_message "$work/log"
 
+# If this failed, who writes a client by the document would not know what a number means.
+headers="$top_srcdir/proto/pccd_types.h $top_srcdir/proto/pccd_trace.h $top_srcdir/proto/pccd_daemon.h"
+# shellcheck disable=SC2086 # several files
+sed -n 's/^ *\(PCCD_[A-Z0-9_]*\) = \([0-9]*\)u\{0,1\}[, ].*/\1 \2/p; s/^ *\(PCCD_[A-Z0-9_]*\) = \([0-9]*\)$/\1 \2/p' $headers |
+    grep -v '_COUNT ' >"$work/values"
+while read -r name value; do
+    grep -Fq "| $value | \`$name\` |" "$document" || echo "$name = $value is not there"
+done <"$work/values" >"$work/log"
+for name in $(grep -o 'enum pccd_[a-z_]*' "$document" | grep -v 'pccd_status' | cut -d' ' -f2 | LC_ALL=C sort -u); do
+    grep -Fqx "\`enum $name\`" "$document" || echo "no table of enum $name"
+done >>"$work/log"
+[ "$(wc -l <"$work/values")" -gt 60 ] && [ ! -s "$work/log" ]
+tap_result $? document__has_every_value_of_every_enum "$work/log"
+
+# If this failed, the daemon would answer a status that the document says never comes.
+sentence=$(tr '\n' ' ' <"$document" | grep -o 'Codes [^.]*do not go over the wire')
+for name in $(printf '%s' "$sentence" | grep -o 'E_[A-Z]*'); do
+    find "$top_srcdir/daemon" -name '*.c' -exec cat {} + | tr '\n' ' ' |
+        grep -o "proto_error_set([^;\"]*PCCD_$name[^;]*"
+done >"$work/log"
+[ -n "$sentence" ] && [ ! -s "$work/log" ]
+tap_result $? document__says_which_statuses_do_not_come "$work/log"
+
 LC_ALL=C sort "$frozen" >"$work/frozen"
 LC_ALL=C sort "$work/manifest" >"$work/now"
 LC_ALL=C comm -23 "$work/frozen" "$work/now" >"$work/log"
