@@ -125,7 +125,8 @@ enum pccd_kind {
 
 /* Flags of a contact. */
 enum pccd_contact_flag {
-    PCCD_PROVED = 1u,  /* the contact exists and its first time lies in [toi, toi_hi] */
+    PCCD_PROVED = 1u,  /* the contact exists and its first time lies in [toi, toi_hi];
+                          every record of this release has it */
     PCCD_INITIAL = 2u  /* the features already touch at t = 0 (then toi = toi_hi = 0) */
 };
 
@@ -143,13 +144,13 @@ enum pccd_incomplete {
     PCCD_INCOMPLETE_RESULT_FULL = 1, /* page ended; go on with the cursor */
     PCCD_INCOMPLETE_DEADLINE = 2,    /* the deadline passed; these records were found */
     PCCD_INCOMPLETE_CANCELLED = 3,   /* cancelled; likewise */
-    PCCD_INCOMPLETE_CONTACT_LIMIT = 4 /* more records than the daemon keeps of one step */
+    PCCD_INCOMPLETE_CONTACT_LIMIT = 4 /* more than the daemon keeps: the first in order */
 };
 
 /* The answer of mode `any`. */
 enum pccd_verdict {
     PCCD_VERDICT_NO = 0,
-    PCCD_VERDICT_POSSIBLE = 1, /* nothing proved, but something undecided */
+    PCCD_VERDICT_POSSIBLE = 1, /* nothing proved, something undecided: not yet given */
     PCCD_VERDICT_YES = 2,
     PCCD_VERDICT_NONE = 3 /* other modes, or incomplete before a decision */
 };
@@ -158,7 +159,7 @@ enum pccd_verdict {
  *
  * toi, toi_hi  parameter of the step, 0 .. 1. `toi` is never after the first contact.
  *              Proved: first contact in [toi, toi_hi] and toi_hi - toi <= tolerance.
- *              Possible: no contact before toi; the undecided stretch begins there.
+ *              Else (not in this release): none before toi, unknown from there on.
  * param        VF: barycentric weights of the face's second and third vertex.
  *              EE: position along edge a and along edge b, 0 at the lower vertex index.
  * normal       unit, pointing from feature b to feature a as they lie at t = 0; zeros

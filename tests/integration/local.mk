@@ -7,6 +7,7 @@ integration_names = \
     tests/integration/test_int_boxes \
     tests/integration/test_int_brief \
     tests/integration/test_int_choice \
+    tests/integration/test_int_contract \
     tests/integration/test_int_deadline \
     tests/integration/test_int_death \
     tests/integration/test_int_direct \
@@ -68,6 +69,10 @@ tests_integration_test_int_brief_LDADD = $(integration_libs)
 tests_integration_test_int_choice_SOURCES = tests/integration/test_int_choice.c
 tests_integration_test_int_choice_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_choice_LDADD = $(integration_libs)
+
+tests_integration_test_int_contract_SOURCES = tests/integration/test_int_contract.c
+tests_integration_test_int_contract_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_contract_LDADD = $(integration_libs)
 
 tests_integration_test_int_deadline_SOURCES = tests/integration/test_int_deadline.c
 tests_integration_test_int_deadline_CPPFLAGS = $(integration_cppflags)

@@ -97,7 +97,8 @@ class Frame:
 
     def rigid(self, object: int, count: int, m0: ArrayLike, m1: ArrayLike,
               first: int = 0) -> None:
-        """Transforms (3, 4) for both ends, rows of [R | t], of registered positions."""
+        """Transforms (3, 4) for both ends, rows of [R | t], of registered positions. In
+        between, vertices go straight: a turn needs several steps (pccd(7), MOTION)."""
         ends = [np.ascontiguousarray(m, np.float64).reshape(-1) for m in (m0, m1)]
         if ends[0].size != 12 or ends[1].size != 12:
             raise failure(Status.E_INVAL, "a transform has the shape (3, 4)")
