@@ -40,6 +40,7 @@
 
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
 #define LAST_TURNS      16     /* for what has come before a connection is closed */
+#define REPORT_MS       1000u  /* from a line that is left out until it is told of */
 #define FORCE_MS        5000u  /* for a cancelled request to let go */
 
 /* ---- stopping ---------------------------------------------------------------------- */
@@ -67,6 +68,7 @@ static void close_handles(struct srv_reactor *reactor)
     close_if_open((uv_handle_t *)&reactor->sigint);
     close_if_open((uv_handle_t *)&reactor->idle);
     close_if_open((uv_handle_t *)&reactor->grace);
+    close_if_open((uv_handle_t *)&reactor->report);
     close_if_open((uv_handle_t *)&reactor->stopper);
     close_if_open((uv_handle_t *)&reactor->sender);
     close_if_open((uv_handle_t *)&reactor->pulse.timer);
@@ -289,9 +291,21 @@ static void choose_places(struct srv_reactor *reactor)
     reactor->loop.metrics.counters.threads_bound = reactor->loop.is_pinned;
 }
 
+static void on_report(uv_timer_t *timer)
+{
+    (void)timer;
+    srv_log_report();
+}
+
+/* Before each wait. */
 static void on_sender(uv_prepare_t *prepare)
 {
-    srv_conn_send_kept(prepare->data);
+    struct srv_reactor *reactor = prepare->data;
+    srv_conn_send_kept(reactor);
+    if (srv_log_owes_report() && !uv_is_active((uv_handle_t *)&reactor->report) &&
+        !uv_is_closing((uv_handle_t *)&reactor->report)) {
+        uv_timer_start(&reactor->report, on_report, REPORT_MS, 0);
+    }
 }
 
 static int init_buffers(struct srv_reactor *reactor)
@@ -317,6 +331,7 @@ static int init_handles(struct srv_reactor *reactor)
     }
     uv_timer_init(&reactor->uv, &reactor->idle);
     uv_timer_init(&reactor->uv, &reactor->grace);
+    uv_timer_init(&reactor->uv, &reactor->report);
     uv_prepare_init(&reactor->uv, &reactor->stopper);
     uv_prepare_init(&reactor->uv, &reactor->sender);
     reactor->sender.data = reactor;
@@ -426,6 +441,7 @@ int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lock
     if (status != 0) {
         return 1;
     }
+    srv_log_report();
     srv_log(SRV_LOG_INFO, 0, "ended");
     return 0;
 }

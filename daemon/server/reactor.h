@@ -42,6 +42,7 @@ struct srv_reactor {
     uv_timer_t idle;  /* until we go because nobody is here */
     uv_timer_t grace; /* until requests in flight are cancelled, then until we give up */
     struct srv_pulse pulse; /* of which the service manager is told */
+    uv_timer_t report; /* until what the log has left out is said */
     uv_prepare_t stopper; /* looks, before each wait, whether the next phase can begin */
     uv_prepare_t sender;  /* lets, before each wait, what is kept of answers go */
     struct srv_outbox outbox;

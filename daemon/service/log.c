@@ -1,7 +1,8 @@
 /* log.c - what the daemon says about itself.
  *
  * Room:     service. See log.h.
- * Does:     formats into a buffer on the stack and writes it with one call.
+ * Does:     formats into a buffer on the stack and writes it with one call; counts, for
+ *           each kind of line, when its next one would come if they came evenly.
  * Does not: allocate or lock.
  * Threads:  [any].
  */
@@ -14,6 +15,8 @@
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
+
+#include "now.h"
 
 #define LINE_BYTES 1024u
 
@@ -56,17 +59,60 @@ static size_t write_prefix(char *line, size_t capacity, enum srv_level level,
     return length + (size_t)more;
 }
 
-void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
+/* ---- how often --------------------------------------------------------------------- */
+
+#define KINDS_MAX   64u /* those beyond share the last place */
+#define INTERVAL_NS (1000000000u / SRV_LOG_PER_S)
+
+/* Relaxed: each number by itself; a line more or less does not matter. */
+static struct kind {
+    _Atomic(const char *) format; /* NULL: none yet */
+    _Atomic uint64_t due_ns;      /* until then all lines are used up, INTERVAL_NS each */
+    _Atomic uint64_t left_out;    /* since the last report */
+} kinds[KINDS_MAX];
+
+static atomic_bool owes_report;
+
+static struct kind *kind_of(const char *format)
 {
-    if ((int)level > atomic_load_explicit(&level_max, memory_order_relaxed)) {
-        return;
+    for (uint32_t i = 0; i < KINDS_MAX; i++) {
+        const char *known = NULL;
+        if (atomic_compare_exchange_strong(&kinds[i].format, &known, format) ||
+            known == format) {
+            return &kinds[i];
+        }
     }
+    return &kinds[KINDS_MAX - 1];
+}
+
+/* Whether a line of that kind may be written now; it is counted either way. */
+static bool is_in_time(struct kind *kind)
+{
+    uint64_t now_ns = srv_now_ns();
+    uint64_t due_ns = atomic_load_explicit(&kind->due_ns, memory_order_relaxed);
+    uint64_t next_ns;
+    do {
+        next_ns = (due_ns > now_ns ? due_ns : now_ns) + INTERVAL_NS;
+        if (next_ns > now_ns + (uint64_t)SRV_LOG_BURST * INTERVAL_NS) {
+            atomic_fetch_add_explicit(&kind->left_out, 1, memory_order_relaxed);
+            atomic_store(&owes_report, true);
+            return false;
+        }
+    } while (!atomic_compare_exchange_weak_explicit(
+        &kind->due_ns, &due_ns, next_ns, memory_order_relaxed, memory_order_relaxed));
+    return true;
+}
+
+/* ---- lines ------------------------------------------------------------------------- */
+
+static void write_line(enum srv_level level, uint64_t session, const char *format,
+                       va_list arguments) __attribute__((format(printf, 3, 0)));
+static void write_line(enum srv_level level, uint64_t session, const char *format,
+                       va_list arguments)
+{
     char line[LINE_BYTES];
     size_t start = write_prefix(line, sizeof line, level, session);
-    va_list arguments;
-    va_start(arguments, format);
     int written = vsnprintf(line + start, sizeof line - start, format, arguments);
-    va_end(arguments);
     size_t room = sizeof line - start - 1;
     size_t length = start + (written < 0              ? 0
                              : (size_t)written < room ? (size_t)written
@@ -83,5 +129,45 @@ void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
     if (poll(&out, 1, 0) > 0) {
         ssize_t ignored = write(STDERR_FILENO, line, length + 1);
         (void)ignored; /* nobody is left to tell */
+    }
+}
+
+void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
+{
+    bool is_limited = level == SRV_LOG_WARN || level == SRV_LOG_INFO;
+    if ((int)level > atomic_load_explicit(&level_max, memory_order_relaxed) ||
+        (is_limited && !is_in_time(kind_of(format)))) {
+        return;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    write_line(level, session, format, arguments);
+    va_end(arguments);
+}
+
+static void say(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void say(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    write_line(SRV_LOG_WARN, 0, format, arguments);
+    va_end(arguments);
+}
+
+bool srv_log_owes_report(void)
+{
+    return atomic_load_explicit(&owes_report, memory_order_relaxed);
+}
+
+void srv_log_report(void)
+{
+    atomic_store(&owes_report, false);
+    for (uint32_t i = 0; i < KINDS_MAX; i++) {
+        const char *format = atomic_load(&kinds[i].format);
+        uint64_t count = atomic_exchange(&kinds[i].left_out, 0);
+        if (count > 0) {
+            say("%llu lines of the kind \"%s\" were left out", (unsigned long long)count,
+                format);
+        }
     }
 }

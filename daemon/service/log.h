@@ -1,14 +1,16 @@
 /* log.h - what the daemon says about itself.
  *
  * Room:     service. May include: the C library.
- * Does:     one line to stderr per event: ISO time, level, session, text.
- * Does not: rotate, buffer or filter by anything but the level, or wait: what stderr has
- *           no room for is lost.
+ * Does:     one line to stderr per event: ISO time, level, session, text. Of each kind of
+ *           line that clients can cause as often as they like, a number at once and then
+ *           some a second; say how many were left out.
+ * Does not: rotate or buffer, or wait: what stderr has no room for is lost.
  * Threads:  [any]; a line is one write, so lines never mix.
  */
 #ifndef SRV_LOG_H
 #define SRV_LOG_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 enum srv_level {
@@ -29,5 +31,15 @@ int srv_log_level_by_name(const char *name);
  * some of it comes from peers. */
 void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Of each kind, which is what has the same `format`, at the levels of warnings and of
+ * infos: so many lines at once, and then so many a second. */
+#define SRV_LOG_BURST 100u
+#define SRV_LOG_PER_S 10u
+
+/* Whether lines were left out that nobody has been told of. Costs one load. */
+bool srv_log_owes_report(void);
+/* Say how many, a line a kind. */
+void srv_log_report(void);
 
 #endif

@@ -126,6 +126,63 @@ static void allow__strangers_take_no_places(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+#define REFUSED 1500u
+
+/* The log's lines that hold `text`. */
+static unsigned lines_with(const struct test_daemon *daemon, const char *text)
+{
+    char line[1024];
+    unsigned count = 0;
+    FILE *file = fopen(daemon->log, "r");
+
+    assert_non_null(file);
+    while (fgets(line, sizeof(line), file) != NULL) {
+        count += strstr(line, text) != NULL;
+    }
+    (void)fclose(file);
+    return count;
+}
+
+/* If it failed, whoever may not be a client could fill the disk with lines that say so:
+ * 56 404 in three seconds. */
+static void allow__strangers_do_not_fill_the_log(void **state)
+{
+    static const char *const options[] = {"--allow-gid", "54321", NULL};
+    static struct test_raw raw;
+    struct test_daemon daemon;
+    uint64_t begin_ms = test_now_ms();
+    uint64_t seconds;
+    int status = 0;
+    pid_t child;
+
+    (void)state;
+    if (geteuid() != 0) {
+        skip();
+    }
+    start(&daemon, options);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        bool is_refused = setgroups(0, NULL) == 0 && setgid(7) == 0 && setuid(USER) == 0;
+
+        for (unsigned i = 0; i < REFUSED && is_refused; i++) {
+            is_refused = test_raw_open(&raw, daemon.socket) &&
+                         test_raw_hello(&raw) == PCCD_E_ACCESS;
+            test_raw_close(&raw);
+        }
+        _exit(is_refused ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    for (int i = 0; i < 30 && lines_with(&daemon, "were left out") == 0; i++) {
+        test_sleep_ms(100); /* said by itself, though nobody comes any more */
+    }
+    assert_true(lines_with(&daemon, "were left out") > 0);
+    seconds = (test_now_ms() - begin_ms) / 1000 + 1;
+    assert_in_range(lines_with(&daemon, "refused: "), 100, 100 + 10 * seconds + seconds);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 /* If it failed, a socket without a list could be reached by others. */
 static void allow__without_a_list_only_our_own_user_gets_there(void **state)
 {
@@ -149,6 +206,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(allow__lists_of_users_and_groups_are_kept),
         cmocka_unit_test(allow__strangers_take_no_places),
+        cmocka_unit_test(allow__strangers_do_not_fill_the_log),
         cmocka_unit_test(allow__without_a_list_only_our_own_user_gets_there),
     };
 

@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -61,10 +62,59 @@ static void log__does_not_wait_for_a_reader(void **state)
     }
 }
 
+/* Lines of stderr, which is the pipe's end for writing, that end with `end`. */
+static unsigned count_lines(const char *text, const char *end)
+{
+    unsigned count = 0;
+    for (const char *at = strstr(text, end); at != NULL; at = strstr(at + 1, end)) {
+        count += at[strlen(end)] == '\n';
+    }
+    return count;
+}
+
+/* If it failed, whoever connects again and again could fill the disk with lines, or hide
+ * what the daemon says of others. */
+static void log__of_a_kind_is_bounded(void **state)
+{
+    static char text[PIPE_READ];
+    int fds[2];
+    (void)state;
+    assert_int_equal(pipe(fds), 0);
+    int kept = dup(STDERR_FILENO);
+    assert_int_equal(dup2(fds[1], STDERR_FILENO), STDERR_FILENO);
+    close(fds[1]);
+    for (unsigned i = 0; i < 3 * SRV_LOG_BURST; i++) {
+        srv_log(SRV_LOG_WARN, 7, "a client was %s", "refused");
+    }
+    srv_log(SRV_LOG_WARN, 0, "something else");
+    bool owes = srv_log_owes_report();
+    srv_log_report();
+    bool owes_still = srv_log_owes_report();
+    srv_log_report();
+    assert_int_equal(dup2(kept, STDERR_FILENO), STDERR_FILENO); /* the last writer */
+    close(kept);
+    ssize_t length = 0;
+    for (ssize_t got;
+         (got = read(fds[0], text + length, sizeof text - 1 - (size_t)length)) > 0;) {
+        length += got;
+    }
+    close(fds[0]);
+    assert_true(owes && !owes_still);
+    unsigned count = count_lines(text, "s7 a client was refused");
+    assert_in_range(count, SRV_LOG_BURST, SRV_LOG_BURST + 2 * SRV_LOG_PER_S);
+    assert_int_equal(count_lines(text, "something else"), 1);
+    char report[96];
+    (void)snprintf(report, sizeof report,
+                   "%u lines of the kind \"a client was %%s\" were left out",
+                   3 * SRV_LOG_BURST - count);
+    assert_int_equal(count_lines(text, report), 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(log__does_not_wait_for_a_reader),
+        cmocka_unit_test(log__of_a_kind_is_bounded),
     };
     return cmocka_run_group_tests_name("srv_log", tests, NULL, NULL);
 }
