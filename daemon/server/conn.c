@@ -155,6 +155,7 @@ void srv_conn_close(struct srv_conn *conn)
     struct srv_reactor *reactor = conn->reactor;
     PCCD_ASSERT(conn->fd >= 0);
     srv_conn_send_kept(reactor);
+    srv_refused_remove(&reactor->refused, conn);
     while (conn->replies.count > 0) {
         drop_reply(conn);
     }
@@ -198,6 +199,7 @@ void srv_conn_orphan(struct srv_conn *conn)
 void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session)
 {
     conn->session = session;
+    srv_refused_remove(&conn->reactor->refused, conn);
 }
 
 static void on_timer(uv_timer_t *timer)
@@ -238,6 +240,7 @@ void srv_conn_finish(struct srv_conn *conn)
 void srv_conn_established(struct srv_conn *conn)
 {
     uv_timer_stop(&conn->timer);
+    srv_refused_remove(&conn->reactor->refused, conn);
 }
 
 /* ---- sending ----------------------------------------------------------------------- */
@@ -580,6 +583,9 @@ int srv_conn_new(struct srv_reactor *reactor, int fd, const struct srv_peer *pee
     }
     reactor->conns = conn;
     reactor->conn_count++;
+    if (conn->session->state == SRV_SESSION_REFUSED) {
+        srv_refused_add(&reactor->refused, conn);
+    }
     uv_timer_start(&conn->timer, on_timer, HELLO_MS, 0);
     watch(conn);
     srv_log(SRV_LOG_DEBUG, conn->session->id, "connected, user %u", (unsigned)peer->uid);

@@ -16,6 +16,7 @@
 #include "host.h"
 #include "proto_limits.h"
 #include "putoff.h"
+#include "refused.h"
 #include "replyqueue.h"
 
 /* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
@@ -39,6 +40,7 @@ struct srv_conn {
     struct srv_conn *next;
     struct srv_reactor *reactor;
     struct srv_session *session; /* NULL: it went on over another connection */
+    struct srv_refused_link refused;
     int fd;
     struct srv_outlet *outlet; /* of fd */
     enum srv_conn_state state;

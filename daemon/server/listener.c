@@ -30,6 +30,8 @@
 #define ACCEPTS_PER_TURN 16
 #define ACCEPTS_LAST     4096 /* of a socket that is given up */
 #define RETRY_MS         100u
+#define REFUSED_MIN      16u /* clients that are refused and have not closed yet */
+#define REFUSED_PER_TURN 16u
 #define FDS_BESIDE       512u /* descriptors of the daemon that are no connections */
 
 /* ---- accepting --------------------------------------------------------------------- */
@@ -52,11 +54,23 @@ static void watch(struct srv_listener *listener, bool watching)
     }
 }
 
+static uint32_t refused_max(const struct srv_options *options)
+{
+    return options->connections_max > REFUSED_MIN ? options->connections_max
+                                                  : REFUSED_MIN;
+}
+
+/* Those of clients that are refused have places of their own. */
+static bool is_full(const struct srv_reactor *reactor)
+{
+    return reactor->conn_count - reactor->refused.count >=
+           reactor->loop.options->connections_max;
+}
+
 void srv_listener_room(struct srv_listener *listener)
 {
     struct srv_reactor *reactor = listener->reactor;
-    if (reactor->conn_count < reactor->loop.options->connections_max &&
-        !uv_is_active((uv_handle_t *)&listener->retry)) {
+    if (!is_full(reactor) && !uv_is_active((uv_handle_t *)&listener->retry)) {
         watch(listener, true);
     }
 }
@@ -83,10 +97,19 @@ static void pause_for_retry(struct srv_listener *listener)
     uv_timer_start(&listener->retry, on_retry, RETRY_MS, 0);
 }
 
-/* No descriptor is left: turn the next client away with the reserve, so that it does not
- * wait for nothing, then pause. */
+/* No descriptor is left: have some of those back that refused clients hold, or else turn
+ * the next client away with the reserve, so that it does not wait for nothing; then
+ * pause. */
 static void turn_away(struct srv_listener *listener)
 {
+    struct srv_refused *refused = &listener->reactor->refused;
+    if (refused->count > 0) {
+        srv_refused_shrink(refused, refused->count > REFUSED_PER_TURN
+                                        ? refused->count - REFUSED_PER_TURN
+                                        : 0);
+        pause_for_retry(listener);
+        return;
+    }
     srv_log(SRV_LOG_WARN, 0, "no descriptor for a new connection");
     listener->reactor->loop.metrics.counters.sessions_refused++;
     if (listener->reserve_fd >= 0) {
@@ -106,7 +129,7 @@ static void turn_away(struct srv_listener *listener)
 static bool accept_one(struct srv_listener *listener)
 {
     struct srv_reactor *reactor = listener->reactor;
-    if (reactor->conn_count >= reactor->loop.options->connections_max) {
+    if (is_full(reactor)) {
         watch(listener, false); /* srv_listener_room goes on */
         return false;
     }
@@ -140,6 +163,7 @@ static bool accept_one(struct srv_listener *listener)
         srv_closer_push(reactor->closer, fd);
         return true;
     }
+    srv_refused_shrink(&reactor->refused, refused_max(reactor->loop.options) - 1);
     const struct srv_peer client = {
         .uid = peer.uid,
         .pid = peer.pid,
@@ -322,7 +346,7 @@ void srv_listener_tell_held(int fd)
 
 static uint32_t fd_count_of(const struct srv_options *options)
 {
-    return 2 * options->connections_max + FDS_BESIDE;
+    return 2 * options->connections_max + refused_max(options) + FDS_BESIDE;
 }
 
 void srv_listener_make_room(const struct srv_options *options)

@@ -19,6 +19,7 @@ libserver_la_SOURCES = \
     daemon/server/pulse.c daemon/server/pulse.h \
     daemon/server/putoff.c daemon/server/putoff.h \
     daemon/server/reactor.c daemon/server/reactor.h \
+    daemon/server/refused.c daemon/server/refused.h \
     daemon/server/replyqueue.c daemon/server/replyqueue.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
     daemon/server/socketfile.c daemon/server/socketfile.h \

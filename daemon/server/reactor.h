@@ -18,6 +18,7 @@
 #include "loop.h"
 #include "outbox.h"
 #include "pulse.h"
+#include "refused.h"
 
 struct srv_closer;
 struct srv_lockfile;
@@ -30,7 +31,8 @@ struct srv_reactor {
     uint8_t *buffer;            /* PROTO_MESSAGE_BYTES_MAX: the message being read */
     struct srv_conn *conns;     /* newest first */
     uint32_t closed_since_trim; /* connections */
-    uint32_t conn_count;
+    uint32_t conn_count;        /* all of them */
+    struct srv_refused refused; /* of these, those of clients that are refused */
     uint32_t reply_count;   /* queued, of all connections */
     uint32_t put_off_count; /* messages that wait for room, of all connections */
     bool grace_over;        /* requests in flight have been cancelled */

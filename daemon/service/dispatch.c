@@ -164,20 +164,24 @@ void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text)
 
 /* ---- refusals, in their order ------------------------------------------------------ */
 
-static int refuse_stranger(struct srv_call *call)
+static int deny_stranger(struct srv_session *session, struct proto_error *error)
 {
-    struct srv_session *session = call->session;
     if (!session->is_stranger) {
         return 0;
     }
     session->loop->metrics.counters.sessions_refused++;
-    proto_error_set(&call->error, PCCD_E_ACCESS,
+    proto_error_set(error, PCCD_E_ACCESS,
                     "user %u is not in the lists of this daemon (pccdd --allow-uid, "
                     "--allow-gid)",
                     (unsigned)session->user->uid);
-    call->error.fatal = true;
-    srv_log(SRV_LOG_WARN, session->id, "refused: %s", call->error.text);
+    error->fatal = true;
+    srv_log(SRV_LOG_WARN, session->id, "refused: %s", error->text);
     return PCCD_E_ACCESS;
+}
+
+static int refuse_stranger(struct srv_call *call)
+{
+    return deny_stranger(call->session, &call->error);
 }
 
 static int refuse_beyond_quota(struct srv_call *call)
@@ -186,21 +190,31 @@ static int refuse_beyond_quota(struct srv_call *call)
         call->method == PROTO_METHOD_HELLO) { /* may find a place (handlers_hello.c) */
         return 0;
     }
-    return srv_dispatch_refuse_quota(call);
+    return srv_dispatch_refuse_quota(call->session, &call->error);
 }
 
-int srv_dispatch_refuse_quota(struct srv_call *call)
+int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *error)
 {
-    struct srv_loop *loop = call->session->loop;
+    struct srv_loop *loop = session->loop;
     loop->metrics.counters.sessions_refused++;
-    proto_error_set(&call->error, PCCD_E_QUOTA,
+    proto_error_set(error, PCCD_E_QUOTA,
                     "user %u has %llu clients already, the quota is %llu",
-                    (unsigned)call->session->user->uid,
-                    (unsigned long long)call->session->user->used[SRV_QUOTA_CLIENTS],
+                    (unsigned)session->user->uid,
+                    (unsigned long long)session->user->used[SRV_QUOTA_CLIENTS],
                     (unsigned long long)loop->quota.limit[SRV_QUOTA_CLIENTS]);
-    call->error.fatal = true;
-    srv_log(SRV_LOG_WARN, call->session->id, "refused: %s", call->error.text);
+    error->fatal = true;
+    srv_log(SRV_LOG_WARN, session->id, "refused: %s", error->text);
     return PCCD_E_QUOTA;
+}
+
+void srv_dispatch_refuse_silent(struct srv_session *session)
+{
+    struct proto_error error = {.fatal = true};
+    srv_assert_loop();
+    if (deny_stranger(session, &error) == 0) {
+        srv_dispatch_refuse_quota(session, &error);
+    }
+    send_answer(session, 0, -1, NULL, &error, NULL, 0);
 }
 
 static int refuse_unknown(struct srv_call *call)

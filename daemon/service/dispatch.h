@@ -29,8 +29,12 @@ void srv_dispatch_answer_early(struct srv_session *session,
 /* The client broke the rules of the stream: tell it why, with message id 0, and close. */
 void srv_dispatch_violation(struct srv_session *session, int code, const char *text);
 
-/* Refuse a client beyond its user's quota: sets call->error, fatal, and returns it. */
-int srv_dispatch_refuse_quota(struct srv_call *call);
+/* Refuse a client beyond its user's quota: sets *error, fatal, and returns its code. */
+int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *error);
+
+/* The connection of a refused client that has said nothing is about to be closed: tell it
+ * why, with message id 0. */
+void srv_dispatch_refuse_silent(struct srv_session *session);
 
 /* Tell every client that the daemon is about to go. */
 void srv_dispatch_goaway(struct srv_loop *loop, int code, const char *text);

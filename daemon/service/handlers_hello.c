@@ -47,7 +47,7 @@ static int open_session(struct srv_call *call, uint32_t version)
     if (session->state == SRV_SESSION_REFUSED &&
         (session->is_stranger || !srv_linger_evict(session->loop, session->user) ||
          srv_session_admit(session, &call->error) != 0)) {
-        return srv_dispatch_refuse_quota(call);
+        return srv_dispatch_refuse_quota(session, &call->error);
     }
     if (request->resumable) {
         srv_linger_enable(session);

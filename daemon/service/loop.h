@@ -63,7 +63,6 @@ struct srv_loop {
     struct srv_session *sessions;   /* newest first, closed ones included */
     struct srv_shared *shared;      /* scenes that sessions share, newest first */
     uint32_t client_count;          /* open sessions */
-    uint32_t refused_count;         /* sessions that wait to hear they are refused */
     uint32_t request_count;         /* in flight, of all sessions */
     uint64_t session_last;          /* number of the newest session */
     uint64_t mesh_last;             /* number of the newest mesh */

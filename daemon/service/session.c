@@ -90,13 +90,7 @@ struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn
     session->counted =
         !peer->is_stranger &&
         srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_CLIENTS, 1, &error) == 0;
-    if (!session->counted && loop->refused_count >= SRV_REFUSED_MAX) {
-        srv_quota_release(&loop->quota, session->user);
-        free(session);
-        return NULL;
-    }
     if (!session->counted) {
-        loop->refused_count++;
         session->state = SRV_SESSION_REFUSED;
     }
     enlist(session);
@@ -112,7 +106,6 @@ int srv_session_admit(struct srv_session *session, struct proto_error *error)
     if (status == 0) {
         session->counted = true;
         session->state = SRV_SESSION_NEW;
-        loop->refused_count--;
     }
     return status;
 }
@@ -161,7 +154,6 @@ void srv_session_detach(struct srv_session *session)
     bool was_waiting = session->state == SRV_SESSION_WAITING;
     bool was_open = session->state == SRV_SESSION_OPEN || was_waiting;
     loop->metrics.counters.sessions_waiting_now -= was_waiting;
-    loop->refused_count -= session->state == SRV_SESSION_REFUSED;
     session->conn = NULL;
     session->state = SRV_SESSION_CLOSED;
     session->user->leaving++;

@@ -22,7 +22,6 @@
 #define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */
 #define SRV_OVERDUE_MAX  8u    /* of one session, answered before their turn, besides */
 #define SRV_SKIPPED_MAX  2048u /* places of a session's tables that may be left empty */
-#define SRV_REFUSED_MAX  16u   /* sessions, of all users, that wait to hear so */
 
 /* Scenes of one session in memory: those it has, and as many that wait to be freed. No
  * quota counts them, and while a long step runs nothing is freed. */
@@ -89,8 +88,7 @@ struct srv_session {
 };
 
 /* A session for a new connection of `peer`. It is REFUSED when the user's quota of
- * clients is full, or when it may not be a client. NULL: no memory, or too many refused
- * ones wait to hear so already. */
+ * clients is full, or when it may not be a client. NULL: no memory. */
 struct srv_session *srv_session_new(struct srv_loop *loop, struct srv_conn *conn,
                                     const struct srv_peer *peer);
 /* A session that nobody is behind, to hold a scene. NULL: no memory. */

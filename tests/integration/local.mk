@@ -28,6 +28,7 @@ integration_names = \
     tests/integration/test_int_record \
     tests/integration/test_int_record_filter \
     tests/integration/test_int_record_shared \
+    tests/integration/test_int_refused \
     tests/integration/test_int_replace \
     tests/integration/test_int_reconnect \
     tests/integration/test_int_restore \
@@ -57,6 +58,10 @@ integration_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
 tests_integration_test_int_socketfile_SOURCES = tests/integration/test_int_socketfile.c
 tests_integration_test_int_socketfile_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_socketfile_LDADD = $(integration_libs)
+
+tests_integration_test_int_refused_SOURCES = tests/integration/test_int_refused.c
+tests_integration_test_int_refused_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_refused_LDADD = $(integration_libs)
 
 tests_integration_test_int_allow_SOURCES = tests/integration/test_int_allow.c
 tests_integration_test_int_allow_CPPFLAGS = $(integration_cppflags)

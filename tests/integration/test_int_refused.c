@@ -1,0 +1,149 @@
+/* test_int_refused.c - clients beyond the quota, more than have places.
+ *
+ * Room:     tests/integration. May include: pccd.h, proto, tests/support.
+ * Does:     connect, some of them silent, until the daemon needs room; what they hear.
+ * Threads:  one; a child becomes another user.
+ */
+#include <grp.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "pccd.h"
+#include "raw.h"
+
+#define BEYOND 200u
+
+/* If it failed, a client that comes when many are refused already would be cut off and
+ * not told why; or those that are would take the places of others. */
+static void refused__every_client_beyond_the_quota_hears_so(void **state)
+{
+    const char *const options[] = {"--clients-max", "8", "--connections-max", "64", NULL};
+    static struct test_raw raws[BEYOND];
+    static struct test_raw late;
+    struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    unsigned heard = 0;
+    unsigned told = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    for (unsigned i = 0; i < BEYOND; i++) { /* the first seven have a place */
+        assert_true(test_raw_open(&raws[i], daemon.socket));
+        if (i % 2 == 1 || i < 7) { /* the others wait, silent */
+            int rc = test_raw_call(&raws[i], PROTO_METHOD_HELLO, &hello, NULL);
+
+            assert_int_equal(rc, i < 7 ? 0 : PCCD_E_QUOTA);
+            heard += rc == PCCD_E_QUOTA;
+        }
+    }
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    for (unsigned i = 8; i < BEYOND; i += 2) {
+        uint32_t id = test_raw_request(&raws[i], PROTO_METHOD_HELLO, &hello);
+        int rc = id != 0 ? test_raw_answer(&raws[i], id, PROTO_METHOD_HELLO, NULL)
+                         : test_raw_receive(&raws[i]); /* told before it had spoken */
+
+        if (id == 0 && rc == 0) {
+            rc = raws[i].envelope.error.code;
+            told++;
+        }
+        assert_int_equal(rc, PCCD_E_QUOTA);
+        heard++;
+    }
+    assert_int_equal(heard, BEYOND - 7);
+    assert_true(told > 0);
+    assert_true(test_raw_open(&late, daemon.socket));
+    assert_int_equal(test_raw_hello(&late), PCCD_E_QUOTA);
+    test_raw_close(&late);
+    for (unsigned i = 0; i < BEYOND; i++) {
+        test_raw_close(&raws[i]);
+    }
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* As somebody who may not be a client: connect BEYOND times without a word, and stay. */
+static void crowd(const struct test_daemon *daemon, int told)
+{
+    static struct test_raw raws[BEYOND];
+    bool is_there = setgroups(0, NULL) == 0 && setgid(7) == 0 && setuid(65534) == 0;
+
+    test_end_with_parent();
+    for (unsigned i = 0; i < BEYOND && is_there; i++) {
+        is_there = test_raw_open(&raws[i], daemon->socket);
+    }
+    if (is_there && write(told, "1", 1) == 1) {
+        (void)pause();
+    }
+    _exit(1);
+}
+
+/* If it failed, those who are refused could use up the descriptors of others. */
+static void refused__give_way_when_descriptors_are_short(void **state)
+{
+    const char *const options[] = {"--allow-gid", "54321", NULL};
+    static struct test_raw clients[40];
+    struct rlimit before;
+    struct rlimit few;
+    struct test_daemon daemon;
+    int status = 0;
+    int told[2];
+    char byte;
+
+    (void)state;
+    if (geteuid() != 0) {
+        skip();
+    }
+    assert_int_equal(pipe(told), 0);
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    few = before;
+    few.rlim_cur = 120;
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0); /* the daemon's */
+    bool started = test_daemon_start(&daemon, options);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    assert_true(started);
+    assert_int_equal(chmod(daemon.directory, 0755), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        crowd(&daemon, told[1]);
+    }
+    assert_int_equal(read(told[0], &byte, 1), 1);
+    for (unsigned i = 0; i < 40; i++) {
+        assert_true(test_raw_open(&clients[i], daemon.socket));
+        assert_int_equal(test_raw_hello(&clients[i]), 0);
+    }
+    assert_int_equal(kill(child, SIGKILL), 0);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status)); /* it was there all the time */
+    for (unsigned i = 0; i < 40; i++) {
+        test_raw_close(&clients[i]);
+    }
+    (void)close(told[0]);
+    (void)close(told[1]);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(refused__every_client_beyond_the_quota_hears_so),
+        cmocka_unit_test(refused__give_way_when_descriptors_are_short),
+    };
+
+    return cmocka_run_group_tests_name("refused", tests, NULL, NULL);
+}
