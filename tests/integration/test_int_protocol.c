@@ -270,6 +270,101 @@ static void answer__fields_outside_their_mode_are_as_said(void **state)
     }
 }
 
+/* ---- the journal ------------------------------------------------------------------- */
+
+static uint32_t u32_at(const uint8_t *at)
+{
+    uint32_t value;
+    memcpy(&value, at, sizeof(value));
+    return value;
+}
+
+static uint64_t u64_at(const uint8_t *at)
+{
+    uint64_t value;
+    memcpy(&value, at, sizeof(value));
+    return value;
+}
+
+/* The next entry of a page, which is of that kind and about that object; *at goes behind
+ * it. */
+static const uint8_t *entry_at(const uint8_t **at, uint32_t kind, uint32_t object)
+{
+    const uint8_t *entry = *at;
+    assert_int_equal(u64_at(entry) % 8, 0);
+    assert_int_equal(u32_at(entry + 0x08), kind);
+    assert_int_equal(u32_at(entry + 0x0c), object);
+    *at += u64_at(entry);
+    return entry;
+}
+
+/* What the document says of an entry for the small triangle, made of test_triangle_x. */
+static void check_object(const uint8_t *entry)
+{
+    double x[3];
+    assert_int_equal(u64_at(entry), 0x10 + 8 + 3 * 24 + 12 + 4); /* the last are zeros */
+    assert_int_equal(u32_at(entry + 0x10), 3);
+    assert_int_equal(u32_at(entry + 0x14), 1);
+    memcpy(x, entry + 0x18 + 24, sizeof(x));
+    assert_true(x[0] == 1 && x[1] == 0 && x[2] == 1);
+    assert_int_equal(u32_at(entry + 0x18 + 3 * 24 + 4), 1);
+}
+
+/* The small triangle went from height 1 to -1. */
+static void check_step(const uint8_t *entry)
+{
+    double z;
+    assert_int_equal(u64_at(entry + 0x18), 1);
+    assert_int_equal(u32_at(entry + 0x28), PCCD_MODE_ANY);
+    assert_int_equal(u32_at(entry + 0x40), 1);
+    const uint8_t *slot = entry + 0x48;
+    assert_int_equal(u32_at(slot), objects[1]);
+    memcpy(&z, slot + u64_at(slot + 0x10) + 16, sizeof(z));
+    assert_true(z == 1);
+    memcpy(&z, slot + u64_at(slot + 0x18) + 16, sizeof(z));
+    assert_true(z == -1);
+}
+
+/* If it failed, a reader that was written by the document would take a journal apart at
+ * the wrong bytes. */
+static void journal__is_laid_out_as_the_document_says(void **state)
+{
+    struct proto_SCENE_JOURNAL_request ask = {.begin = MIB};
+    struct proto_SCENE_JOURNAL_result page;
+    struct proto_FRAME_SUBMIT_result answer;
+    struct proto_OBJECT_SET_request set = {.what = 7, .group = 5, .mask = 6};
+    struct proto_SCENE_IGNORE_request ignore = {.ignored = true};
+    struct proto_SCENE_REMOVE_request remove = {0};
+    (void)state;
+    make_scene("journal");
+    ask.scene = set.scene = ignore.scene = remove.scene = scene;
+    set.object = ignore.a = remove.object = objects[1];
+    ignore.b = objects[0];
+    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    fall(1, -1, PCCD_MODE_ANY, &answer);
+    call(PROTO_METHOD_OBJECT_SET, &set, NULL);
+    call(PROTO_METHOD_SCENE_IGNORE, &ignore, NULL);
+    call(PROTO_METHOD_SCENE_REMOVE, &remove, NULL);
+    ask.begin = 0;
+    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    const uint8_t *at = (const uint8_t *)raw.result.base + page.offset;
+    const uint8_t *end = at + page.count;
+    (void)entry_at(&at, 1, objects[0]);
+    check_object(entry_at(&at, 1, objects[1]));
+    check_step(entry_at(&at, 5, 0));
+    const uint8_t *filter = entry_at(&at, 3, objects[1]);
+    assert_int_equal(u64_at(filter + 0x10), 5);
+    assert_int_equal(u64_at(filter + 0x18), 6);
+    assert_int_equal(u32_at(filter + 0x20), 0);
+    const uint8_t *pairs = entry_at(&at, 4, 0);
+    assert_int_equal(u32_at(pairs + 0x10), 1);
+    assert_int_equal(u32_at(pairs + 0x14), 1);
+    assert_int_equal(u32_at(pairs + 0x18) + u32_at(pairs + 0x1c),
+                     objects[0] + objects[1]);
+    assert_int_equal(u64_at(entry_at(&at, 2, objects[1])), 0x10);
+    assert_ptr_equal(at, end);
+}
+
 /* ---- rigid segments ---------------------------------------------------------------- */
 
 /* Registered: numbers whose products are rounded. */
@@ -413,6 +508,7 @@ int main(void)
         TEST(stats__leave_out_what_is_zero_and_not_needed),
         TEST(done_seq__counts_lists_of_pairs_and_no_other_lists),
         TEST(answer__fields_outside_their_mode_are_as_said),
+        TEST(journal__is_laid_out_as_the_document_says),
         TEST(rigid__has_the_bits_of_the_document_part_by_part),
         TEST(rigid__leaves_the_rest_of_the_object_where_it_is),
     };
