@@ -84,7 +84,7 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/picture \
     -iquote $(top_srcdir)/client/ctl/record \
     -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \
-    -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto
+    -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto $(tool_cppflags)
 libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
     $(XXHASH_CFLAGS)
 # The assembler takes the page in: no compiler tells of it.
@@ -92,7 +92,7 @@ noinst_LTLIBRARIES += libpage.la
 libpage_la_SOURCES = client/ctl/inspect/page_template.c
 libpage_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -Wa,-I.
 $(libpage_la_OBJECTS): client/inspect/page.html
-libctl_la_LIBADD = libpage.la
+libctl_la_LIBADD = libpage.la libtools.la
 
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)

@@ -26,8 +26,9 @@ libload_la_SOURCES = \
     client/load/target.c client/load/target.h \
     client/load/watch.c client/load/watch.h
 load_cppflags = -iquote $(top_srcdir)/client/load -iquote $(top_srcdir)/client/lib \
-    -iquote $(top_srcdir)/proto
+    -iquote $(top_srcdir)/proto $(tool_cppflags)
 libload_la_CPPFLAGS = $(AM_CPPFLAGS) $(load_cppflags)
+libload_la_LIBADD = libtools.la
 
 pccd_load_SOURCES = client/load/main.c
 pccd_load_CPPFLAGS = $(libload_la_CPPFLAGS)

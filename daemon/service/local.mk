@@ -48,6 +48,7 @@ libservice_la_SOURCES = \
     daemon/service/tracing.c daemon/service/tracing.h \
     daemon/service/wire.c daemon/service/wire.h
 service_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/service \
-    $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto
+    $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto $(text_cppflags)
 libservice_la_CPPFLAGS = $(service_cppflags)
+libservice_la_LIBADD = libtext.la
 libservice_la_CFLAGS = $(AM_CFLAGS) -pthread

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "now.h"
+#include "printable.h"
 
 #define LINE_BYTES 1024u
 
@@ -110,18 +111,12 @@ static void write_line(enum srv_level level, uint64_t session, const char *forma
 static void write_line(enum srv_level level, uint64_t session, const char *format,
                        va_list arguments)
 {
-    char line[LINE_BYTES];
+    char line[LINE_BYTES], text[LINE_BYTES];
     size_t start = write_prefix(line, sizeof line, level, session);
-    int written = vsnprintf(line + start, sizeof line - start, format, arguments);
-    size_t room = sizeof line - start - 1;
-    size_t length = start + (written < 0              ? 0
-                             : (size_t)written < room ? (size_t)written
-                                                      : room);
-    for (size_t i = start; i < length; i++) {
-        if ((unsigned char)line[i] < 0x20 || line[i] == 0x7f) {
-            line[i] = '?';
-        }
-    }
+    vsnprintf(text, sizeof text, format, arguments);
+    /* Whatever a client has called itself, a line stays one. */
+    (void)proto_printable(text, strlen(text), line + start, sizeof line - start);
+    size_t length = start + strlen(line + start);
     line[length] = '\n'; /* over the terminating NUL */
     /* A pipe that nobody reads must not stop the daemon. One with room has it for at
      * least PIPE_BUF bytes, enough for a line of each of the two threads. */

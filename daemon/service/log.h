@@ -27,8 +27,8 @@ void srv_log_set_level(enum srv_level level);
 /* The level of that name ("error", "warn", "info", "debug"), or -1. */
 int srv_log_level_by_name(const char *name);
 
-/* `session` 0: not about one. Control characters in the text are shown as '?', because
- * some of it comes from peers. */
+/* `session` 0: not about one. Control characters, and what is not UTF-8, are written
+ * as \xNN, because some of it comes from peers. */
 void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

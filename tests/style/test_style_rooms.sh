@@ -19,15 +19,17 @@ cd "$top_srcdir" || exit 99
 # alone, with the types that it includes.
 rooms='
 proto
+proto/text          proto
 client/oracle
 daemon/engine
-daemon/service      proto daemon/engine
+daemon/service      proto proto/text daemon/engine
 daemon/direct       proto daemon/engine daemon/service
-daemon/server       proto daemon/engine daemon/service
+daemon/server       proto proto/text daemon/engine daemon/service
 client/record       client/lib+
 client/lib          proto client/record
-client/ctl          client/lib+ client/record client/oracle
-client/load         client/lib+
+client/tool         proto/text
+client/ctl          client/lib+ client/record client/oracle client/tool proto/text
+client/load         client/lib+ client/tool proto/text
 client/examples     client/lib+
 bench/scenes        tests/support
 bench               proto daemon/engine client/lib+ tests/support bench/scenes
@@ -41,7 +43,7 @@ tests/proto         proto
 tests/abi           proto client/lib+
 tests/support       proto client/lib+ client/oracle
 tests/integration   proto client/record client/lib+ tests/support client/oracle
-tests/unit          proto daemon/engine daemon/service daemon/server client/record client/lib client/ctl client/load tests/support client/oracle
+tests/unit          proto daemon/engine daemon/service daemon/server client/record client/lib client/ctl client/load client/tool proto/text tests/support client/oracle
 tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/ctl tests/support client/oracle tests/fault
 tests/fault         proto client/lib+ tests/support client/oracle
 tests/zoo           proto client/lib+ tests/support

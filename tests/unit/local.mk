@@ -2,6 +2,7 @@
 include $(top_srcdir)/tests/unit/client.mk
 include $(top_srcdir)/tests/unit/ctl.mk
 include $(top_srcdir)/tests/unit/load.mk
+include $(top_srcdir)/tests/unit/tool.mk
 include $(top_srcdir)/tests/unit/server.mk
 include $(top_srcdir)/tests/unit/engine.mk
 include $(top_srcdir)/tests/unit/oracle.mk

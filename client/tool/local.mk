@@ -1,0 +1,9 @@
+# client/tool/local.mk - what pccdctl and pccd-load do in the same way.
+
+noinst_LTLIBRARIES += libtools.la
+libtools_la_SOURCES = \
+    client/tool/shown.c client/tool/shown.h \
+    client/tool/whole_file.c client/tool/whole_file.h
+tool_cppflags = -iquote $(top_srcdir)/client/tool $(text_cppflags)
+libtools_la_CPPFLAGS = $(AM_CPPFLAGS) $(tool_cppflags)
+libtools_la_LIBADD = libtext.la

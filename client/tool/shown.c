@@ -1,0 +1,91 @@
+/* client/tool/shown.c - names that others chose, in what our programs print.
+ *
+ * Room:     client/tool.
+ * Does:     keeps a few texts, each until it is the oldest of eight.
+ * Threads:  one.
+ * Source:   shown.h.
+ */
+#include "shown.h"
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "printable.h"
+
+#define PLACES      8u
+#define PLACE_BYTES 4096u /* the longest path */
+
+static char *place(void)
+{
+    static char places[PLACES][PLACE_BYTES];
+    static uint32_t next;
+    return places[next++ % PLACES];
+}
+
+const char *tool_shown_field(const char *text, size_t bytes)
+{
+    char *shown = place();
+    proto_printable(text, strnlen(text, bytes), shown, PLACE_BYTES);
+    return shown;
+}
+
+const char *tool_shown(const char *text)
+{
+    return tool_shown_field(text, strlen(text));
+}
+
+/* Bytes that go on with a character of UTF-8 take no column of their own. */
+static bool is_inside(char byte)
+{
+    return ((unsigned char)byte & 0xc0) == 0x80;
+}
+
+/* Cut after so many columns; `used` gets how many there are. */
+static char *cut(const char *text, uint32_t columns, uint32_t *used)
+{
+    char *shown = place();
+    size_t last = 0, bytes = 0; /* of the last column, and behind it */
+    *used = 0;
+    proto_printable(text, strlen(text), shown, PLACE_BYTES);
+    while (shown[bytes] != '\0' && (*used < columns || is_inside(shown[bytes]))) {
+        last = is_inside(shown[bytes]) ? last : bytes;
+        *used += !is_inside(shown[bytes]);
+        bytes++;
+    }
+    if (shown[bytes] != '\0' && columns > 0) {
+        shown[last] = '+';
+        bytes = last + 1;
+    }
+    shown[bytes] = '\0';
+    return shown;
+}
+
+const char *tool_shown_cut(const char *text, uint32_t columns)
+{
+    uint32_t used;
+    return cut(text, columns, &used);
+}
+
+const char *tool_shown_column(const char *text, uint32_t columns)
+{
+    uint32_t used;
+    char *shown = cut(text, columns, &used);
+    for (size_t bytes = strlen(shown); used < columns && bytes + 1 < PLACE_BYTES;
+         used++) {
+        shown[bytes++] = ' ';
+        shown[bytes] = '\0';
+    }
+    return shown;
+}
+
+void tool_misused(const struct argp_state *state, const char *format, ...)
+{
+    char text[PLACE_BYTES];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    argp_error(state, "%s", tool_shown(text));
+}

@@ -1,0 +1,31 @@
+/* client/tool/shown.h - names that others chose, in what our programs print.
+ *
+ * Room:     client/tool. May include: the C library.
+ * Does:     make strings of files, command lines and other processes harmless to a
+ *           terminal, and as wide as a table wants them.
+ * Does not: serve programs that read the text: JSON has the strings themselves.
+ * Threads:  one.
+ * Source:   proto/text/printable.h.
+ */
+#ifndef TOOL_SHOWN_H
+#define TOOL_SHOWN_H
+
+#include <argp.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Each of these lives until seven more have been made, and is cut after 4095 bytes. What
+ * could control a terminal is written as \xNN. */
+const char *tool_shown(const char *text);
+/* The same of a field of at most `bytes` bytes, which a NUL may end earlier. */
+const char *tool_shown_field(const char *text, size_t bytes);
+/* The same, cut to so many columns of a table; then a + says so. */
+const char *tool_shown_cut(const char *text, uint32_t columns);
+/* The same, filled with blanks to that many columns, too. */
+const char *tool_shown_column(const char *text, uint32_t columns);
+
+/* End the program with what is wrong with an option or argument, in the same way. */
+void tool_misused(const struct argp_state *state, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+#endif

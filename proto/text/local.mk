@@ -1,0 +1,8 @@
+# proto/text/local.mk - text for people, as daemon and programs write it.
+
+noinst_LTLIBRARIES += libtext.la
+libtext_la_SOURCES = \
+    proto/text/plural.h \
+    proto/text/printable.c proto/text/printable.h
+text_cppflags = -iquote $(top_srcdir)/proto/text
+libtext_la_CPPFLAGS = $(AM_CPPFLAGS) $(text_cppflags) -iquote $(top_srcdir)/proto

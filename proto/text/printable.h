@@ -1,0 +1,20 @@
+/* printable.h - text that was not written by us, before a person reads it on a terminal.
+ *
+ * Room:     proto/text. May include: the C library.
+ * Does:     write bytes that could control a terminal as \xNN: control characters of
+ *           seven and eight bits, and whatever is not UTF-8.
+ * Does not: change anything else; a backslash stays one, so that doing it twice is the
+ *           same as once.
+ * Threads:  [any].
+ */
+#ifndef PROTO_PRINTABLE_H
+#define PROTO_PRINTABLE_H
+
+#include <stddef.h>
+
+/* "a\033[2J" becomes "a\x1b[2J". At most room - 1 bytes and a NUL are written to `to`,
+ * never a part of an \xNN or of a character. Returns how many bytes all of it takes
+ * without the NUL, as snprintf does. `bytes` may include NULs: they become \x00. */
+size_t proto_printable(const char *text, size_t bytes, char *to, size_t room);
+
+#endif
