@@ -42,7 +42,7 @@ void fuzz_reader(const uint8_t *data, size_t bytes)
     bool is_obj = fuzz_take_u8(&input) % 2 == 1;
     fuzz_scarcity_pause();
     struct ctl_file file = {is_obj ? "fuzz.obj" : "fuzz.ply", malloc(input.left + 1),
-                            input.left};
+                            input.left, 0};
     FUZZ_CHECK(file.data != NULL);
     memcpy(file.data, input.at, input.left);
     file.data[input.left] = '\0';

@@ -26,11 +26,29 @@ static bool has_ply_magic(const struct ctl_file *file)
            (file->data[3] == '\n' || file->data[3] == '\r');
 }
 
+static int unknown(const char *path, struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_FORMAT,
+                         "%s: neither PLY (first line \"ply\") nor a name ending in .ply "
+                         "or .obj",
+                         path);
+}
+
+/* Of a large file: whether it can be what its first bytes say. */
+static int judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
+{
+    if (has_ply_magic(begin) || has_ending(begin->path, ".ply")) {
+        return ctl_ply_judge(begin, is_text, error);
+    }
+    *is_text = has_ending(begin->path, ".obj");
+    return *is_text ? PCCD_OK : unknown(begin->path, error);
+}
+
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     struct ctl_file file = {.path = path, .data = NULL, .bytes = 0};
     struct ctl_mesh read = {0};
-    int status = ctl_file_read(path, &file, error);
+    int status = ctl_file_read(path, judge, &file, error);
     if (status != PCCD_OK) {
         return status;
     }
@@ -41,10 +59,7 @@ int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *err
     } else if (has_ending(path, ".obj")) {
         status = ctl_obj_parse(&file, &read, error);
     } else {
-        status = ctl_error_set(error, PCCD_E_FORMAT,
-                               "%s: neither PLY (first line \"ply\") nor a name ending "
-                               "in .ply or .obj",
-                               path);
+        status = unknown(path, error);
     }
     if (status == PCCD_OK && read.vertex_count == 0) {
         status = ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path);

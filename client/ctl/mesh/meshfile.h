@@ -59,6 +59,8 @@ int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
  * error. */
 int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
                   struct ctl_error *error);
+/* Of the beginning of a file: whether its header can be true; and whether it is ascii. */
+int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
 int ctl_obj_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
                   struct ctl_error *error);
 

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "meshfile.h"
+#include "plural.h"
 #include "ply_header.h"
 
 struct body_reader {
@@ -284,11 +285,11 @@ static int check_end(struct body_reader *reader)
         if (reader->text.at == reader->text.end) {
             return PCCD_OK;
         }
-        return ctl_error_set(reader->error, PCCD_E_FORMAT,
-                             "%s: byte %zu: %zu bytes after the last element",
-                             reader->file->path,
-                             (size_t)(reader->text.at - reader->file->data),
-                             (size_t)(reader->text.end - reader->text.at));
+        size_t left = (size_t)(reader->text.end - reader->text.at);
+        return ctl_error_set(
+            reader->error, PCCD_E_FORMAT, "%s: byte %zu: %zu %s after the last element",
+            reader->file->path, (size_t)(reader->text.at - reader->file->data), left,
+            proto_plural(left, "byte", "bytes"));
     }
     while (ctl_text_line(&reader->text, &line)) {
         if (ctl_word_next(&line, &word)) {
@@ -332,6 +333,21 @@ int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
     if (status == PCCD_OK) {
         status = check_end(&reader);
     }
+    free(header);
+    return status;
+}
+
+int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
+{
+    struct ctl_text text = {
+        .at = begin->data, .end = begin->data + begin->bytes, .line = 0};
+    struct ply_header *header = malloc(sizeof(*header));
+    if (header == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the header",
+                             begin->path);
+    }
+    int status = ctl_ply_header(begin, &text, header, error);
+    *is_text = status == PCCD_OK && header->encoding == PLY_ASCII;
     free(header);
     return status;
 }

@@ -242,49 +242,90 @@ static int find_indices(struct header_reader *reader, const struct ply_element *
                 "element \"face\" has no list \"vertex_indices\" or \"vertex_index\"");
 }
 
-/* Fewest bytes that one row of the element can take. */
-static uint64_t row_bytes_min(const struct ply_header *header,
-                              const struct ply_element *element)
+/* Fewest and most bytes that one row of the element can take. */
+struct row_bytes {
+    uint64_t least, most;
+};
+
+static uint64_t sum(uint64_t a, uint64_t b)
 {
-    uint64_t bytes = 0;
+    uint64_t both;
+    return __builtin_add_overflow(a, b, &both) ? UINT64_MAX : both;
+}
+
+static uint64_t product(uint64_t a, uint64_t b)
+{
+    uint64_t both;
+    return __builtin_mul_overflow(a, b, &both) ? UINT64_MAX : both;
+}
+
+/* Items of the longest list; what is no whole number is as large as can be. */
+static uint64_t list_length_max(enum ply_type count)
+{
+    bool has_sign = count == PLY_INT8 || count == PLY_INT16 || count == PLY_INT32;
+    return types[count].is_whole
+               ? ((uint64_t)1 << (8 * types[count].bytes - has_sign)) - 1
+               : UINT64_MAX;
+}
+
+static struct row_bytes row_bytes_of(const struct ply_header *header,
+                                     const struct ply_element *element)
+{
+    struct row_bytes row = {0, 0};
     for (uint32_t i = 0; i < element->property_count; i++) {
         const struct ply_property *property =
             &header->properties[element->property_first + i];
         if (header->encoding == PLY_ASCII) {
-            bytes += 2; /* a digit and what parts it from the next */
+            row.least += 2; /* a digit and what parts it from the next */
+            row.most = UINT64_MAX;
+        } else if (property->is_list) {
+            uint64_t items = product(list_length_max(property->count_type),
+                                     types[property->type].bytes);
+            row.least += types[property->count_type].bytes;
+            row.most = sum(row.most, sum(types[property->count_type].bytes, items));
         } else {
-            bytes +=
-                types[property->is_list ? property->count_type : property->type].bytes;
+            row.least += types[property->type].bytes;
+            row.most = sum(row.most, types[property->type].bytes);
         }
     }
-    return bytes;
+    return row;
 }
 
-/* Refuse counts that the bytes after the header cannot hold, before anything is allocated
- * by them. */
+/* Refuse counts that do not go with the bytes after the header, before these are read and
+ * before anything is allocated by them. */
 static int check_counts(struct header_reader *reader)
 {
     const struct ply_header *header = reader->header;
-    /* One more for the last row of an ascii file, which may lack its line end. */
-    uint64_t left = (uint64_t)(reader->text->end - reader->text->at) + 1;
+    uint64_t there =
+        (uint64_t)(reader->text->end - reader->text->at) + reader->file->rest_bytes;
+    uint64_t most = 0, left = there;
     for (uint32_t i = 0; i < header->element_count; i++) {
         const struct ply_element *element = &header->elements[i];
-        uint64_t row_bytes = row_bytes_min(header, element);
+        struct row_bytes row = row_bytes_of(header, element);
+        uint64_t needed = product(element->count, row.least);
         if (element->count == 0) {
             continue;
         }
-        if (row_bytes == 0) {
+        if (row.least == 0) {
             return FAIL(reader, PCCD_E_FORMAT, "element \"%.*s\" has no properties",
                         ctl_word_length(&element->name), element->name.at);
         }
-        if (element->count > left / row_bytes) {
+        /* The last row of an ascii file may lack its line end. */
+        if (needed > left + (header->encoding == PLY_ASCII)) {
             return FAIL(reader, PCCD_E_FORMAT,
-                        "%llu rows of element \"%.*s\" are announced, but the file ends "
-                        "before",
+                        "%llu rows of element \"%.*s\" take %llu bytes or more, and "
+                        "%llu of the file are left",
                         (unsigned long long)element->count,
-                        ctl_word_length(&element->name), element->name.at);
+                        ctl_word_length(&element->name), element->name.at,
+                        (unsigned long long)needed, (unsigned long long)left);
         }
-        left -= element->count * row_bytes;
+        left -= needed < left ? needed : left;
+        most = sum(most, product(element->count, row.most));
+    }
+    if (header->encoding != PLY_ASCII && there > most) {
+        return FAIL(reader, PCCD_E_FORMAT,
+                    "the elements take at most %llu bytes, and the file has %llu more",
+                    (unsigned long long)most, (unsigned long long)(there - most));
     }
     return PCCD_OK;
 }
@@ -330,7 +371,9 @@ int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
     }
     while (!is_end) {
         if (!ctl_text_line(text, &line)) {
-            return FAIL(&reader, PCCD_E_FORMAT, "%s", "the file ends inside the header");
+            return FAIL(&reader, PCCD_E_FORMAT, "%s",
+                        file->rest_bytes > 0 ? "the header does not end in the first MiB"
+                                             : "the file ends inside the header");
         }
         int status = read_line(&reader, &line, &is_end);
         if (status != PCCD_OK) {

@@ -1,7 +1,8 @@
 /* client/ctl/mesh/text.c - lines and words of a file that lies in memory.
  *
  * Room:     client/ctl.
- * Does:     reads a whole file, splits it into lines and words, turns words into numbers.
+ * Does:     reads a whole file if its beginning is that of one, splits it into lines and
+ *           words, turns words into numbers.
  * Does not: know any file format.
  * Threads:  [any]; nothing is shared.
  * Source:   text.h. The program never calls setlocale, so numbers are read as in the C
@@ -20,26 +21,64 @@
 
 /* First allocation for something whose size is not known, such as a pipe. */
 #define READ_BYTES_MIN ((size_t)1 << 16)
+/* Of a larger file so much is judged before the rest is read. */
+#define HEAD_BYTES ((size_t)1 << 20)
+/* Read at a time, so that a hole in a text is found soon. */
+#define READ_BYTES_MAX ((size_t)1 << 22)
 /* Longest piece of a word that a message quotes. */
 #define QUOTE_CHARS_MAX 40
 
-/* Read fd to its end into file->data, which has `capacity` bytes and grows by doubling.
- */
-static int read_all(int fd, size_t capacity, struct ctl_file *file,
-                    struct ctl_error *error)
+/* A file that is being read. */
+struct loading {
+    int fd;
+    size_t capacity; /* of file.data */
+    bool is_text;
+    struct ctl_file file;
+};
+
+static int no_memory(const struct loading *loading, size_t bytes, struct ctl_error *error)
 {
-    for (;;) {
-        if (file->bytes + 1 >= capacity) {
-            size_t wanted = capacity * 2;
-            char *grown = wanted > capacity ? realloc(file->data, wanted) : NULL;
-            if (grown == NULL) {
-                return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes",
-                                     file->path, wanted);
-            }
-            file->data = grown;
-            capacity = wanted;
+    return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes",
+                         loading->file.path, bytes);
+}
+
+static int grow(struct loading *loading, size_t capacity, struct ctl_error *error)
+{
+    char *grown =
+        capacity > loading->capacity ? realloc(loading->file.data, capacity) : NULL;
+    if (grown == NULL) {
+        return no_memory(loading, capacity, error);
+    }
+    loading->file.data = grown;
+    loading->capacity = capacity;
+    return PCCD_OK;
+}
+
+/* Whether a text has a byte 0 from `first` on, as a sparse file has. */
+static int look_for_hole(const struct ctl_file *file, size_t first,
+                         struct ctl_error *error)
+{
+    const char *hole = memchr(file->data + first, 0, file->bytes - first);
+    return hole == NULL ? PCCD_OK
+                        : ctl_error_set(error, PCCD_E_FORMAT,
+                                        "%s: byte %zu is zero, which no text has",
+                                        file->path, (size_t)(hole - file->data));
+}
+
+/* Read on until `bytes` are there, or all. */
+static int read_up_to(struct loading *loading, size_t bytes, struct ctl_error *error)
+{
+    struct ctl_file *file = &loading->file;
+    while (file->bytes < bytes) {
+        if (file->bytes + 1 >= loading->capacity &&
+            grow(loading, loading->capacity * 2, error) != PCCD_OK) {
+            return PCCD_E_NOMEM;
         }
-        ssize_t got = read(fd, file->data + file->bytes, capacity - file->bytes - 1);
+        size_t room = loading->capacity - file->bytes - 1;
+        size_t wanted = bytes - file->bytes < room ? bytes - file->bytes : room;
+        char *to = file->data + file->bytes;
+        ssize_t got =
+            read(loading->fd, to, wanted < READ_BYTES_MAX ? wanted : READ_BYTES_MAX);
         if (got < 0 && errno == EINTR) {
             continue;
         }
@@ -51,44 +90,66 @@ static int read_all(int fd, size_t capacity, struct ctl_file *file,
             break;
         }
         file->bytes += (size_t)got;
+        if (loading->is_text && look_for_hole(file, file->bytes - (size_t)got, error)) {
+            return PCCD_E_FORMAT;
+        }
     }
     file->data[file->bytes] = '\0';
     return PCCD_OK;
 }
 
-int ctl_file_read(const char *path, struct ctl_file *file, struct ctl_error *error)
+/* The first bytes of a large file, then, if they may be the beginning of one, all. */
+static int read_all(struct loading *loading, uint64_t size, ctl_file_judge judge,
+                    struct ctl_error *error)
 {
-    struct ctl_file loaded = {.path = path, .data = NULL, .bytes = 0};
+    struct ctl_file *file = &loading->file;
+    int status = PCCD_OK;
+    if (size > HEAD_BYTES) {
+        status = read_up_to(loading, HEAD_BYTES, error);
+        file->rest_bytes = size > file->bytes ? size - file->bytes : 0;
+        if (status == PCCD_OK) {
+            status = judge(file, &loading->is_text, error);
+        }
+        if (status == PCCD_OK && loading->is_text) {
+            status = look_for_hole(file, 0, error);
+        }
+        file->rest_bytes = 0;
+    }
+    /* Two more bytes: one for the NUL, one so that the end is seen without growing. */
+    if (status == PCCD_OK && size >= SIZE_MAX - 2) {
+        status = no_memory(loading, SIZE_MAX, error);
+    } else if (status == PCCD_OK && size + 2 > loading->capacity) {
+        status = grow(loading, (size_t)size + 2, error);
+    }
+    return status == PCCD_OK ? read_up_to(loading, SIZE_MAX, error) : status;
+}
+
+int ctl_file_read(const char *path, ctl_file_judge judge, struct ctl_file *file,
+                  struct ctl_error *error)
+{
+    struct loading loading = {.fd = open(path, O_RDONLY | O_CLOEXEC), .file.path = path};
     struct stat info;
     int status;
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) {
+    if (loading.fd < 0) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot open: %s", path,
                              strerror(errno));
     }
-    if (fstat(fd, &info) != 0) {
+    if (fstat(loading.fd, &info) != 0) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot stat: %s", path,
                                strerror(errno));
         goto done;
     }
-    /* Two more bytes: one for the NUL, one so that the end is seen without growing. */
-    size_t capacity = S_ISREG(info.st_mode) ? (size_t)info.st_size + 2 : 0;
-    if (capacity < READ_BYTES_MIN) {
-        capacity = READ_BYTES_MIN;
+    uint64_t size = S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0;
+    status = grow(&loading, size > HEAD_BYTES ? HEAD_BYTES + 2 : READ_BYTES_MIN, error);
+    if (status == PCCD_OK) {
+        status = read_all(&loading, size, judge, error);
     }
-    loaded.data = malloc(capacity);
-    if (loaded.data == NULL) {
-        status = ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes", path,
-                               capacity);
-        goto done;
-    }
-    status = read_all(fd, capacity, &loaded, error);
 done:
-    close(fd);
+    close(loading.fd);
     if (status != PCCD_OK) {
-        free(loaded.data);
+        free(loading.file.data);
     } else {
-        *file = loaded;
+        *file = loading.file;
     }
     return status;
 }

@@ -15,12 +15,20 @@
 
 #include "error.h"
 
-/* A file in memory. data[bytes] is a NUL, so that the C number parsers stop there. */
+/* A file in memory, or the beginning of one. data[bytes] is a NUL, so that the C number
+ * parsers stop there. */
 struct ctl_file {
     const char *path; /* the caller's; for messages */
     char *data;
     size_t bytes;
+    uint64_t rest_bytes; /* of the file, after these; 0 for all of it */
 };
+
+/* What is thought of a file's first bytes, before the others are read, which may take
+ * minutes; `is_text`: there is no byte 0 in what is to come. Called for large files
+ * only. */
+typedef int (*ctl_file_judge)(const struct ctl_file *begin, bool *is_text,
+                              struct ctl_error *error);
 
 /* A place in the file, at the start of a line. */
 struct ctl_text {
@@ -35,8 +43,10 @@ struct ctl_word {
     const char *end;
 };
 
-/* Read `path` (a file, or a pipe to its end). Errors: E_SYSTEM, E_NOMEM. */
-int ctl_file_read(const char *path, struct ctl_file *file, struct ctl_error *error);
+/* Read `path` (a file, or a pipe to its end). Errors: E_SYSTEM, E_NOMEM, E_FORMAT for
+ * a text with a byte 0, and those of `judge`. */
+int ctl_file_read(const char *path, ctl_file_judge judge, struct ctl_file *file,
+                  struct ctl_error *error);
 void ctl_file_deinit(struct ctl_file *file);
 
 /* The next line without its line end (LF or CR LF); false at the end of the file. */
