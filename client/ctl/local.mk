@@ -53,6 +53,7 @@ libctl_la_SOURCES = \
     client/ctl/mesh/ply.c \
     client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \
+    client/ctl/observe/columns.c client/ctl/observe/columns.h \
     client/ctl/observe/counters.c client/ctl/observe/counters.h \
     client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c client/ctl/observe/doctor.h \
     client/ctl/observe/format.c client/ctl/observe/format.h \

@@ -15,17 +15,20 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "columns.h"
 #include "counters.h"
 #include "ctl.h"
 #include "format.h"
 #include "link.h"
+#include "plural.h"
 #include "sessions.h"
+#include "shown.h"
 #include "terminal.h"
 
 #define COUNT_MAX        1000000000u
 #define INTERVAL_DEFAULT 1.0
 #define ROWS_MAX         10000
-#define LINE_MAX_CHARS   300u
+#define NAME_COLUMNS     16u
 
 enum { OPTION_ONCE = 256 + 64, OPTION_COUNT, OPTION_INTERVAL, OPTION_SORT, OPTION_JSON };
 
@@ -85,10 +88,12 @@ static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10},
 const struct argp ctl_argp_top = {
     .options = option_list,
     .parser = parse,
-    .doc = "Tell again and again what the clients of a daemon do: those of this user, or "
-           "all of them for the daemon's own user and root.\v"
-           "A step's milliseconds are those of the compute thread. An interrupt (Ctrl-C) "
-           "ends it.",
+    .doc =
+        "Tell again and again what the clients of a daemon do: those of this user, or "
+        "all of them for the daemon's own user and root.\v"
+        "A step's milliseconds are those of the compute thread. A terminal that is too "
+        "narrow for all columns shows the most important ones. An interrupt (Ctrl-C) "
+        "ends it.",
     .children = children};
 
 /* ---- what is told ------------------------------------------------------------------ */
@@ -168,8 +173,7 @@ static int compare(const void *a, const void *b, void *context)
 
 /* ---- output ------------------------------------------------------------------------ */
 
-/* What the table may take: all it needs, or on a screen that is drawn anew what that
- * has. */
+/* What the table may take: all it needs, or what a terminal has. */
 struct room {
     uint32_t columns; /* of a line */
     uint32_t sessions;
@@ -177,61 +181,125 @@ struct room {
 
 static struct room find_room(bool is_redrawn)
 {
-    struct room room = {LINE_MAX_CHARS, ROWS_MAX};
+    struct room room = {UINT32_MAX, ROWS_MAX};
     uint32_t rows;
-    if (is_redrawn) {
+    if (terminal_is_live()) {
         terminal_size(STDOUT_FILENO, &room.columns, &rows);
-        room.sessions = rows < 6 ? ROWS_MAX : rows - 4u;
+        room.sessions = !is_redrawn || rows < 6 ? ROWS_MAX : rows - 4u;
     }
     return room;
 }
 
-/* A line, or what of it fits. */
-static void print_line(const struct room *room, const char *begin, const char *end,
-                       const char *format, ...) __attribute__((format(printf, 4, 5)));
-static void print_line(const struct room *room, const char *begin, const char *end,
-                       const char *format, ...)
+/* X(name, head, rank, is on the left): narrow terminals show those of the first ranks. */
+#define TABLE(X)                                                                         \
+    X(SESSION, "SESSION", 1, false)                                                      \
+    X(PID, "PID", 7, false)                                                              \
+    X(USER, "USER", 9, true)                                                             \
+    X(CLIENT, "CLIENT", 2, true)                                                         \
+    X(SCENES, "SCENES", 12, false)                                                       \
+    X(TRIANGLES, "TRIANG", 5, false)                                                     \
+    X(STEPS, "STEPS/S", 4, false)                                                        \
+    X(MS, "MS/STEP", 3, false)                                                           \
+    X(MS_INGEST, "INGEST", 16, false)                                                    \
+    X(MS_REFIT, "REFIT", 15, false)                                                      \
+    X(MS_TRAVERSAL, "TRAVERS", 14, false)                                                \
+    X(MS_TESTS, "TESTS", 13, false)                                                      \
+    X(MS_MERGE, "MERGE", 17, false)                                                      \
+    X(QUEUE, "QUEUE", 8, false)                                                          \
+    X(IN, "IN/S", 10, false)                                                             \
+    X(OUT, "OUT/S", 11, false)                                                           \
+    X(STATE, "", 6, true)
+
+#define CELL_OF(name, head, rank, is_left) CELL_##name,
+enum cell { TABLE(CELL_OF) CELL_COUNT };
+#undef CELL_OF
+
+static void fill(char *cell, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void fill(char *cell, const char *format, ...)
 {
-    char line[LINE_MAX_CHARS + 1];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
+    vsnprintf(cell, COLUMNS_CELL_BYTES, format, arguments);
     va_end(arguments);
-    printf("%s%.*s%s\n", begin, (int)room->columns, line, end);
 }
 
-static void print_table(const struct rate *rates, uint32_t count,
+static void fill_row(const struct rate *rate, char (*cells)[COLUMNS_CELL_BYTES])
+{
+    const struct pccd_session_info *info = &rate->row->info;
+    fill(cells[CELL_SESSION], "%" PRIu64, info->session);
+    fill(cells[CELL_PID], "%" PRIu32, info->pid);
+    fill(cells[CELL_USER], "%s", tool_shown(format_user(info->uid)));
+    fill(cells[CELL_CLIENT], "%s", tool_shown_cut(rate->row->name, NAME_COLUMNS));
+    fill(cells[CELL_SCENES], "%" PRIu32, info->scenes);
+    fill(cells[CELL_TRIANGLES], "%s", format_count((double)info->triangles));
+    fill(cells[CELL_STEPS], "%.1f", rate->steps_per_s);
+    fill(cells[CELL_MS], "%.3f", rate->ms_step);
+    fill(cells[CELL_MS_INGEST], "%.3f", rate->ms_phase[INGEST]);
+    fill(cells[CELL_MS_REFIT], "%.3f", rate->ms_phase[REFIT]);
+    fill(cells[CELL_MS_TRAVERSAL], "%.3f", rate->ms_phase[TRAVERSAL]);
+    fill(cells[CELL_MS_TESTS], "%.3f", rate->ms_phase[TESTS]);
+    fill(cells[CELL_MS_MERGE], "%.3f", rate->ms_phase[MERGE]);
+    fill(cells[CELL_QUEUE], "%" PRIu32, info->requests);
+    fill(cells[CELL_IN], "%s", format_bytes(rate->in_per_s));
+    fill(cells[CELL_OUT], "%s", format_bytes(rate->out_per_s));
+    fill(cells[CELL_STATE], "%s", info->waiting ? "waits" : "");
+}
+
+/* What the daemon has in all: as many of the figures as fit. */
+static void print_sums(uint32_t sessions, const struct counters *counters,
+                       const struct room *room)
+{
+    uint64_t queued = counters_get(counters, "jobs_queued_now");
+    char parts[4][64];
+    size_t used = 0;
+    snprintf(parts[0], sizeof parts[0], "%" PRIu32 " %s", sessions,
+             proto_plural(sessions, "session", "sessions"));
+    snprintf(parts[1], sizeof parts[1], "%s %s", format_count((double)queued),
+             proto_plural(queued, "request waits", "requests wait"));
+    snprintf(parts[2], sizeof parts[2], "engine %s",
+             format_bytes((double)counters_get(counters, "engine_bytes_now")));
+    snprintf(parts[3], sizeof parts[3], "shared %s",
+             format_bytes((double)counters_get(counters, "shm_bytes_now")));
+    for (uint32_t i = 0; i < 4; i++) {
+        const char *between = i == 0 ? "" : i == 3 ? ", " : "; ";
+        used += strlen(between) + strlen(parts[i]);
+        if (i > 0 && used > room->columns) {
+            break;
+        }
+        printf("%s%s", between, parts[i]);
+    }
+    putchar('\n');
+}
+
+static bool print_table(const struct rate *rates, uint32_t count,
                         const struct counters *counters, const struct room *room)
 {
+#define COLUMN_OF(name, head, rank, is_left) {head, rank, is_left, 0, false},
+    struct column columns[CELL_COUNT] = {TABLE(COLUMN_OF)};
+#undef COLUMN_OF
     uint32_t shown = count < room->sessions ? count : room->sessions;
-    print_line(room, "", "",
-               "%" PRIu32 " sessions; %s requests wait; engine %s, shared %s", count,
-               format_count((double)counters_get(counters, "jobs_queued_now")),
-               format_bytes((double)counters_get(counters, "engine_bytes_now")),
-               format_bytes((double)counters_get(counters, "shm_bytes_now")));
-    print_line(room, terminal_begin(TERMINAL_BOLD), terminal_end(),
-               "%7s %7s %-8s %-16s %6s %7s %8s %8s %7s %7s %7s %7s %7s %5s %9s %9s",
-               "SESSION", "PID", "USER", "CLIENT", "SCENES", "TRIANG", "STEPS/S",
-               "MS/STEP", "INGEST", "REFIT", "TRAVERS", "TESTS", "MERGE", "QUEUE", "IN/S",
-               "OUT/S");
+    char(*cells)[COLUMNS_CELL_BYTES] =
+        calloc(((size_t)shown + 1) * CELL_COUNT, sizeof *cells);
+    if (cells == NULL) {
+        return false;
+    }
     for (uint32_t i = 0; i < shown; i++) {
-        const struct rate *rate = &rates[i];
-        const struct pccd_session_info *info = &rate->row->info;
-        print_line(room, "", "",
-                   "%7" PRIu64 " %7" PRIu32 " %-8.8s %-16.16s %6" PRIu32
-                   " %7s %8.1f %8.3f %7.3f %7.3f %7.3f %7.3f %7.3f %5" PRIu32
-                   " %9s %9s%s",
-                   info->session, info->pid, format_user(info->uid),
-                   format_name(rate->row->name), info->scenes,
-                   format_count((double)info->triangles), rate->steps_per_s,
-                   rate->ms_step, rate->ms_phase[INGEST], rate->ms_phase[REFIT],
-                   rate->ms_phase[TRAVERSAL], rate->ms_phase[TESTS],
-                   rate->ms_phase[MERGE], info->requests, format_bytes(rate->in_per_s),
-                   format_bytes(rate->out_per_s), info->waiting ? " waits" : "");
+        fill_row(&rates[i], cells + (size_t)i * CELL_COUNT);
+    }
+    const char(*filled)[COLUMNS_CELL_BYTES] = (const char(*)[COLUMNS_CELL_BYTES])cells;
+    columns_fit(columns, CELL_COUNT, filled, shown, room->columns);
+    print_sums(count, counters, room);
+    columns_print(columns, CELL_COUNT, NULL, terminal_begin(TERMINAL_BOLD),
+                  terminal_end());
+    for (uint32_t i = 0; i < shown; i++) {
+        columns_print(columns, CELL_COUNT, filled + (size_t)i * CELL_COUNT, "", "");
     }
     if (shown < count) {
-        print_line(room, "", "", "and %" PRIu32 " more", count - shown);
+        printf("and %" PRIu32 " more\n", count - shown);
     }
+    free(cells);
+    return true;
 }
 
 static json_t *session_json(const struct rate *rate)
@@ -264,7 +332,7 @@ static void print_json(const struct rate *rates, uint32_t count,
         (json_int_t)counters_get(counters, "jobs_queued_now"), "engine_bytes",
         (json_int_t)counters_get(counters, "engine_bytes_now"), "shm_bytes",
         (json_int_t)counters_get(counters, "shm_bytes_now"), "sessions", sessions);
-    json_dumpf(object, stdout, JSON_COMPACT);
+    json_dumpf(object, stdout, JSON_COMPACT | JSON_ENSURE_ASCII);
     putchar('\n');
     json_decref(object);
 }
@@ -275,6 +343,7 @@ static bool print(const struct sessions *now, const struct sessions *then, doubl
                   const struct counters *counters, const struct top_options *options)
 {
     enum sort sort = options->sort;
+    bool has_memory = true;
     struct rate *rates = calloc(now->count + 1u, sizeof *rates);
     if (rates == NULL) {
         return false;
@@ -292,11 +361,11 @@ static bool print(const struct sessions *now, const struct sessions *then, doubl
         if (is_redrawn) {
             terminal_redraw();
         }
-        print_table(rates, now->count, counters, &room);
+        has_memory = print_table(rates, now->count, counters, &room);
     }
     fflush(stdout);
     free(rates);
-    return ferror(stdout) == 0;
+    return has_memory && ferror(stdout) == 0;
 }
 
 static int run(struct pccd_client *client, const struct top_options *options)
