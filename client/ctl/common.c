@@ -14,16 +14,19 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "shown.h"
 #include "terminal.h"
+
+#define MESSAGE_BYTES 4096u /* of one message; more is cut */
 
 int ctl_complain(const char *format, ...)
 {
+    char text[MESSAGE_BYTES];
     va_list arguments;
     va_start(arguments, format);
-    fputs("pccdctl: ", stderr);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    fprintf(stderr, "pccdctl: %s\n", tool_shown(text));
     return CTL_FAILED;
 }
 
@@ -36,9 +39,9 @@ uint64_t ctl_option_count(const struct argp_state *state, const char *name,
     unsigned long long value = strtoull(text, &stop, 10);
     if (text[0] < '0' || text[0] > '9' || *stop != '\0' || errno != 0 || value < low ||
         value > high) {
-        argp_error(state,
-                   "--%s: \"%s\" is not a whole number from %" PRIu64 " to %" PRIu64,
-                   name, text, low, high);
+        tool_misused(state,
+                     "--%s: \"%s\" is not a whole number from %" PRIu64 " to %" PRIu64,
+                     name, text, low, high);
     }
     return value;
 }
@@ -49,8 +52,8 @@ double ctl_option_real(const struct argp_state *state, const char *name, const c
     char *stop;
     double value = strtod(text, &stop);
     if (stop == text || *stop != '\0' || !(value >= low && value <= high)) {
-        argp_error(state, "--%s: \"%s\" is not a number from %g to %g", name, text, low,
-                   high);
+        tool_misused(state, "--%s: \"%s\" is not a number from %g to %g", name, text, low,
+                     high);
     }
     return value;
 }
@@ -77,7 +80,7 @@ int ctl_option_name(const struct argp_state *state, const char *name, const char
     char list[256] = "";
     int found = find_name(text, names, count, list, sizeof list);
     if (found < 0) {
-        argp_error(state, "--%s: \"%s\" is none of %s", name, text, list);
+        tool_misused(state, "--%s: \"%s\" is none of %s", name, text, list);
     }
     return found;
 }
@@ -88,7 +91,7 @@ int ctl_argument_name(const struct argp_state *state, const char *text,
     char list[256] = "";
     int found = find_name(text, names, count, list, sizeof list);
     if (found < 0) {
-        argp_error(state, "\"%s\" is none of %s", text, list);
+        tool_misused(state, "\"%s\" is none of %s", text, list);
     }
     return found;
 }
@@ -101,8 +104,8 @@ uint32_t ctl_option_handle(const struct argp_state *state, const char *name,
     unsigned long long value = strtoull(text, &stop, 0);
     if (text[0] < '0' || text[0] > '9' || *stop != '\0' || errno != 0 || value == 0 ||
         value > UINT32_MAX) {
-        argp_error(state, "--%s: \"%s\" is no handle; pccdctl list shows them", name,
-                   text);
+        tool_misused(state, "--%s: \"%s\" is no handle; pccdctl list shows them", name,
+                     text);
     }
     return (uint32_t)value;
 }

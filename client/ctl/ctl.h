@@ -53,7 +53,8 @@ enum ctl_exit {
 CTL_COMMANDS(CTL_PROTOTYPE)
 #undef CTL_PROTOTYPE
 
-/* One line on stderr, after "pccdctl: ". Returns CTL_FAILED. */
+/* One line on stderr, after "pccdctl: ". What could control a terminal, as a name may, is
+ * written as \xNN. Returns CTL_FAILED. */
 int ctl_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* An option's number; ends the program with a usage message when it is none or out of

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "shown.h"
 
 enum {
     OPTION_URL = 256,
@@ -68,12 +69,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (link->is_private && link->url != NULL) {
-            argp_error(state, "--private excludes --url and --socket");
+            tool_misused(state, "--private excludes --url and --socket");
         }
         if (link->url != NULL && strcmp(link->url, "direct:") != 0 &&
             (strncmp(link->url, "unix:", 5) != 0 || link->url[5] == '\0')) {
-            argp_error(state,
-                       "--url: \"%s\" is neither unix:PATH nor direct:", link->url);
+            tool_misused(state,
+                         "--url: \"%s\" is neither unix:PATH nor direct:", link->url);
         }
         return 0;
     default:

@@ -9,7 +9,9 @@ libctl_la_SOURCES = \
     client/ctl/common.c client/ctl/ctl.h \
     client/ctl/completion.c client/ctl/completion.h \
     client/ctl/error.c client/ctl/error.h \
+    client/ctl/json_text.h \
     client/ctl/link.c client/ctl/link.h \
+    client/ctl/output.c client/ctl/output.h \
     client/ctl/progress.c client/ctl/progress.h \
     client/ctl/statistics.c client/ctl/statistics.h \
     client/ctl/terminal.c client/ctl/terminal.h \

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "load.h"
+#include "shown.h"
 
 /* What one process may say: after that it only counts. */
 #define LINES_MAX 20u
@@ -37,5 +38,6 @@ void load_say(const char *format, ...)
     va_start(arguments, format);
     vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "pccd-load: %s%s\n", line, said == LINES_MAX ? " (and so on)" : "");
+    fprintf(stderr, "pccd-load: %s%s\n", tool_shown(line),
+            said == LINES_MAX ? " (and so on)" : "");
 }

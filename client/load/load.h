@@ -15,6 +15,7 @@
 #include "shape.h"
 #include "size.h"
 #include "tally.h"
+#include "whole_file.h"
 
 #define LOAD_DEPTH_MAX   8u
 #define LOAD_PROCESS_MAX 1024u
@@ -86,6 +87,7 @@ struct load {
     struct load_settings settings;
     char url[128]; /* of the daemon */
     struct load_shared *shared;
+    struct whole_file csv, plot; /* of settings.csv and settings.plot */
 };
 
 static inline uint64_t load_truth_count(const struct load_settings *settings)

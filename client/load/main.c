@@ -151,7 +151,17 @@ static void prepare(struct load *load, struct load_outcome *outcome)
     outcome->idle_before_kib = load_is_direct(load) ? -1 : idle_memory(load);
 }
 
-static enum load_exit report(const struct load *load, const struct load_outcome *outcome,
+/* Let a file that was asked for appear. */
+static bool finish(struct whole_file *file, const char *path)
+{
+    int cause = path ? whole_file_finish(file) : 0;
+    if (cause != 0) {
+        load_say("%s: %s", path, strerror(cause));
+    }
+    return cause == 0;
+}
+
+static enum load_exit report(struct load *load, const struct load_outcome *outcome,
                              struct overseer *overseer)
 {
     struct load_findings *findings = malloc(sizeof *findings);
@@ -163,7 +173,9 @@ static enum load_exit report(const struct load *load, const struct load_outcome 
     bool is_good = findings->is_good;
     bool is_written = !load->settings.plot ||
                       load_plot(load, &overseer->series, &findings->crowd.latency);
-    is_written = load_series_end(&overseer->series) && is_written;
+    load_series_end(&overseer->series);
+    is_written = finish(&load->csv, load->settings.csv) && is_written;
+    is_written = is_written && finish(&load->plot, load->settings.plot);
     if (load->settings.json) {
         load_report_json(findings);
     } else {
@@ -204,13 +216,23 @@ static enum load_exit run(struct load *load, struct load_target *target)
 }
 
 /* Before the load, not after it. */
-static bool can_write(const char *path)
+static bool open_file(struct whole_file *file, const char *path)
 {
-    FILE *file = path ? fopen(path, "ab") : NULL;
-    if (path && !file) {
-        load_say("%s: %s", path, strerror(errno));
+    int cause = path ? whole_file_open(file, path) : 0;
+    if (cause != 0) {
+        load_say("%s: %s", path, strerror(cause));
     }
-    return !file ? !path : fclose(file) == 0;
+    return cause == 0;
+}
+
+/* The daemon that was named, or one of our own. False: it has been told why not. */
+static bool find_target(struct load *load, struct load_target *target)
+{
+    if (!load->settings.url) {
+        return load_target_start(target, load);
+    }
+    snprintf(load->url, sizeof load->url, "%s", load->settings.url);
+    return load_is_direct(load) ? has_direct(load) : load_target_pid(load) != 0;
 }
 
 int main(int argc, char **argv)
@@ -218,17 +240,13 @@ int main(int argc, char **argv)
     struct load load = {0};
     struct load_target target = {0};
     load_options_parse(argc, argv, &load.settings);
-    if ((load.settings.plot && !load_plot_can()) || !can_write(load.settings.plot) ||
-        !can_write(load.settings.csv) || !share_memory(&load)) {
-        return LOAD_FAILED;
+    enum load_exit result = LOAD_FAILED;
+    if ((!load.settings.plot || load_plot_can()) &&
+        open_file(&load.plot, load.settings.plot) &&
+        open_file(&load.csv, load.settings.csv) && share_memory(&load)) {
+        result = find_target(&load, &target) ? run(&load, &target) : LOAD_NO_DAEMON;
     }
-    if (load.settings.url) {
-        snprintf(load.url, sizeof load.url, "%s", load.settings.url);
-        if (load_is_direct(&load) ? !has_direct(&load) : load_target_pid(&load) == 0) {
-            return LOAD_NO_DAEMON; /* it has been told */
-        }
-    } else if (!load_target_start(&target, &load)) {
-        return LOAD_NO_DAEMON;
-    }
-    return (int)run(&load, &target);
+    whole_file_discard(&load.plot);
+    whole_file_discard(&load.csv);
+    return (int)result;
 }

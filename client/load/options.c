@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "actor.h"
+#include "shown.h"
 
 /* What depends on more than one option. */
 struct input {
@@ -61,8 +62,8 @@ static uint64_t number(const struct argp_state *state, const struct row *row,
     unsigned long long value = strtoull(text, &end, 10);
     if (text[0] < '0' || text[0] > '9' || *end || errno || (double)value < low ||
         (double)value > high) {
-        argp_error(state, "--%s: \"%s\" is not a whole number from %.0f to %.0f",
-                   row->name, text, low, high);
+        tool_misused(state, "--%s: \"%s\" is not a whole number from %.0f to %.0f",
+                     row->name, text, low, high);
     }
     return value;
 }
@@ -73,8 +74,8 @@ static double real(const struct argp_state *state, const struct row *row,
     char *end;
     double value = strtod(text, &end);
     if (end == text || *end || !(value >= low && value <= high)) {
-        argp_error(state, "--%s: \"%s\" is not a number from %g to %g", row->name, text,
-                   low, high);
+        tool_misused(state, "--%s: \"%s\" is not a number from %g to %g", row->name, text,
+                     low, high);
     }
     return value;
 }
@@ -93,7 +94,8 @@ static uint32_t choice(const struct argp_state *state, const struct row *row,
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%s",
                                  i > 0 ? ", " : "", row->names[i]);
     }
-    argp_error(state, "--%s: \"%.*s\" is none of %s", row->name, (int)length, text, list);
+    tool_misused(state, "--%s: \"%.*s\" is none of %s", row->name, (int)length, text,
+                 list);
     return 0;
 }
 
@@ -171,9 +173,9 @@ static void take_sizes(const struct argp_state *state, const struct row *row,
                        const char *text, void *to)
 {
     if (!load_sizes_parse(to, text)) {
-        argp_error(state,
-                   "--%s: \"%s\" is no list of sizes, such as 200..5k or 1k:3,20k:1",
-                   row->name, text);
+        tool_misused(state,
+                     "--%s: \"%s\" is no list of sizes, such as 200..5k or 1k:3,20k:1",
+                     row->name, text);
     }
 }
 
@@ -184,9 +186,9 @@ static void take_stall(const struct argp_state *state, const struct row *row,
     char share[32] = "";
     size_t length = strcspn(text, ",");
     if (text[length] != ',' || length >= sizeof share) {
-        argp_error(state,
-                   "--%s: \"%s\" is not a share and milliseconds, such as 0.01,200",
-                   row->name, text);
+        tool_misused(state,
+                     "--%s: \"%s\" is not a share and milliseconds, such as 0.01,200",
+                     row->name, text);
         return;
     }
     memcpy(share, text, length);
@@ -293,13 +295,13 @@ static void refuse_contradictions(const struct argp_state *state,
     const char *url = settings->url != NULL ? settings->url : "unix:";
     bool is_direct = strncmp(url, "direct:", 7) == 0;
     if (!is_direct && strncmp(url, "unix:", 5) != 0) {
-        argp_error(state, "--url: \"%s\" is neither unix:PATH nor direct:", url);
+        tool_misused(state, "--url: \"%s\" is neither unix:PATH nor direct:", url);
     }
     if (is_direct && settings->crashes > 0) {
-        argp_error(state, "--kill-worker: with direct: there is no daemon to kill");
+        tool_misused(state, "--kill-worker: with direct: there is no daemon to kill");
     }
     if (settings->hz > 0 && input->rate > 0) {
-        argp_error(state, "--hz is of each client, --rate of all: one of the two");
+        tool_misused(state, "--hz is of each client, --rate of all: one of the two");
     }
 }
 

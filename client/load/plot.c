@@ -6,6 +6,7 @@
  */
 #include "plot.h"
 
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -21,19 +22,6 @@ bool load_plot_can(void)
         load_say("--plot needs gnuplot (Debian: apt install gnuplot-nox)");
     }
     return can;
-}
-
-/* A gnuplot string. */
-static void print_text(FILE *pipe, const char *text)
-{
-    fputc('"', pipe);
-    for (; *text; text++) {
-        if (*text == '"' || *text == '\\') {
-            fputc('\\', pipe);
-        }
-        fputc(*text, pipe);
-    }
-    fputc('"', pipe);
 }
 
 /* As far as so many latencies tell. */
@@ -70,10 +58,9 @@ static void send_commands(FILE *pipe, const struct load *load,
                           const struct load_hist *latency)
 {
     const struct load_settings *settings = &load->settings;
-    fprintf(pipe, "set terminal pngcairo size 1000,800\nset output ");
-    print_text(pipe, settings->plot);
+    fprintf(pipe, "set terminal pngcairo size 1000,800\n");
     fprintf(pipe,
-            "\nset multiplot layout 2,1 title \"%u clients, %u to %u triangles, %s\"\n"
+            "set multiplot layout 2,1 title \"%u clients, %u to %u triangles, %s\"\n"
             "set grid\nset ylabel \"ms\"\nset key left top\nset logscale y\n"
             "set xlabel \"percentile\"\n"
             "set xtics (\"0\" 0, \"90\" 1, \"99\" 2, \"99.9\" 3, \"99.99\" 4, "
@@ -97,8 +84,12 @@ static void send_commands(FILE *pipe, const struct load *load,
 bool load_plot(const struct load *load, const struct load_series *series,
                const struct load_hist *latency)
 {
+    char command[64];
+    int fd = load->plot.fd;
     signal(SIGPIPE, SIG_IGN); /* gnuplot may end at the first line */
-    FILE *pipe = popen("gnuplot", "w");
+    /* gnuplot inherits the file, which has no name yet. */
+    snprintf(command, sizeof command, "exec gnuplot >/dev/fd/%d", fd);
+    FILE *pipe = fcntl(fd, F_SETFD, 0) == 0 ? popen(command, "w") : NULL;
     if (!pipe) {
         load_say("gnuplot cannot be started");
         return false;

@@ -6,7 +6,6 @@
  */
 #include "series.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -14,7 +13,6 @@
 
 bool load_series_begin(struct load_series *series, const struct load *load)
 {
-    const char *path = load->settings.csv;
     *series = (struct load_series){.begin_ns = load_now_ns(),
                                    .sum = calloc(1, sizeof *series->sum),
                                    .last = calloc(1, sizeof *series->last),
@@ -25,12 +23,8 @@ bool load_series_begin(struct load_series *series, const struct load *load)
         load_say("no memory");
         return false;
     }
-    if (path) {
-        series->csv = fopen(path, "w");
-        if (!series->csv) {
-            load_say("%s: %s", path, strerror(errno));
-            return false;
-        }
+    series->csv = load->csv.to;
+    if (series->csv) {
         fprintf(series->csv, "second,answers_per_s,missed,p50_ms,p90_ms,p99_ms,p99.9_ms,"
                              "longest_ms\n");
     }
@@ -133,15 +127,8 @@ void load_series_turn(struct load_series *series, const struct load *load, bool 
     keep(series, &second);
 }
 
-bool load_series_end(struct load_series *series)
+void load_series_end(struct load_series *series)
 {
-    bool good = !series->csv || !ferror(series->csv);
-    if (series->csv && fclose(series->csv) != 0) {
-        good = false;
-    }
-    if (!good) {
-        load_say("the CSV file could not be written: %s", strerror(errno));
-    }
     if (series->is_live) {
         fputs("\r\033[K", stderr);
     }
@@ -150,5 +137,4 @@ bool load_series_end(struct load_series *series)
     free(series->since);
     free(series->seconds);
     *series = (struct load_series){0};
-    return good;
 }

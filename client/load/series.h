@@ -28,7 +28,7 @@ struct load_series {
     struct load_hist *sum, *last, *since;
     struct load_second *seconds;
     size_t count, capacity;
-    FILE *csv;
+    FILE *csv; /* of struct load; NULL: none */
     bool is_live;
 };
 
@@ -36,8 +36,7 @@ struct load_series {
 bool load_series_begin(struct load_series *series, const struct load *load);
 /* A second if it is over, or, at the end, what is left of it. */
 void load_series_turn(struct load_series *series, const struct load *load, bool at_end);
-/* False: the file could not be written. */
-bool load_series_end(struct load_series *series);
+void load_series_end(struct load_series *series);
 
 /* The latencies of all clients but victims, added to *sum. */
 void load_series_sum(const struct load *load, struct load_hist *sum);

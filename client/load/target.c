@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "pccd.h"
+#include "shown.h"
 
 #define OPTIONS_MAX 64
 #define STOP_MS     20000u
@@ -60,7 +61,7 @@ static void show_log(const struct load_target *target)
     char line[512];
     FILE *log = fopen(target->log, "r");
     for (int i = 0; log && i < 40 && fgets(line, sizeof line, log); i++) {
-        fprintf(stderr, "daemon: %s", line);
+        fprintf(stderr, "daemon: %s\n", tool_shown_field(line, strcspn(line, "\n")));
     }
     if (log) {
         fclose(log);

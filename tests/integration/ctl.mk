@@ -11,5 +11,9 @@ dist_check_SCRIPTS += tests/integration/ctl_observe.sh
 TESTS += tests/integration/load_check.sh
 dist_check_SCRIPTS += tests/integration/load_check.sh
 
+# Files with odd names, on a disk that is full, and larger than what is in them.
+TESTS += tests/integration/ctl_files.sh
+dist_check_SCRIPTS += tests/integration/ctl_files.sh
+
 TESTS += tests/integration/ctl_record.sh
 dist_check_SCRIPTS += tests/integration/ctl_record.sh

@@ -129,7 +129,7 @@ for _ in 1 2 3 4 5 6 7 8 9 10; do
     sleep 0.2
 done
 ctl load --scene "$both" --hold --times 3 --json a.obj b.obj && json 'j["steps"] == 3' &&
-    ctl list scenes && says ' "bo\?\[2Jth" of .* rw-------, 1 take part, 0 held$' &&
+    ctl list scenes && says ' "bo\\x1b\[2Jth" of .* rw-------, 1 take part, 0 held$' &&
     ctl list scenes --json &&
     json '[(s["seats"], s["rights"], s["writable"]) for s in j if s["name"] == "bo\u001b[2Jth"] == [(1, 384, True)]' &&
     ctl load --scene alone --hold --seconds 0.3 a.obj && says '^steps +0 in 0' &&
@@ -167,9 +167,21 @@ fits() { # COLUMNS
     ! grep -E "^.{$(($1 + 1))}" out
 }
 if command -v script >/dev/null; then
-    on_terminal 40 "$PCCDCTL" top --count 3 --interval 0.05 && says '^SESSION' "^ *[0-9]+ +$player " &&
-        fits 40 >"$log" && on_terminal 200 "$PCCDCTL" top --count 2 --interval 0.05 && says 'OUT/S$'
-    # If it failed, each drawing would leave rows behind on a terminal that is not wide.
+    # Rows and heads have as many words as columns, so no number is cut in two or left out.
+    for columns in 20 40 60 80 120 160; do
+        on_terminal $columns "$PCCDCTL" top --count 3 --interval 0.05
+        says '^SESSION .*CLIENT' &&
+            says '^ +[0-9]+ [0-9 a-z]*pccdctl( |$)' && fits "$columns" >>"$log" &&
+            awk '/^SESSION/ { words = NF } /pccdctl/ {
+                    gsub(/ (KiB|MiB|GiB|B|k|M)( |$)/, "_ ") ; if (NF != words) exit 1 }' out || break
+        [ "$columns" != 60 ] || says ' CLIENT +TRIANG STEPS/S MS/STEP' || break
+        [ "$columns" != 80 ] || says ' PID .* MS/STEP .*QUEUE' || break
+        [ "$columns" != 120 ] || says 'OUT/S$' || break
+        [ "$columns" != 160 ] || says ' INGEST .* MERGE .* OUT/S$' || break
+    done
+    [ "$columns" = 160 ] && [ ! -s "$log" ]
+    # If it failed, a number would be cut, or each drawing would leave rows behind on a terminal
+    # that is not wide.
     tap_result $? top__fits_the_terminal "$log"
     on_terminal 40 "$PCCDCTL" load --seconds 0.3 a.obj b.obj &&
         says '^playing \(ms\) \[#*\.*\] [0-9]+/300$' && grep '^playing' out >bars &&

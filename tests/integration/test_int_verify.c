@@ -82,7 +82,8 @@ enum forgery {
     FORGE_MOTION, /* positions under which the answers are wrong */
     FORGE_MASK,   /* the object was to meet nothing */
     FORGE_PAIR,   /* and not the floor */
-    FORGE_COUNT
+    FORGE_COUNT,
+    FORGE_NAMES = FORGE_COUNT /* of library and processor, which a terminal would obey */
 };
 
 /* The answer is written after its records have been forged, so it waits here. */
@@ -281,8 +282,18 @@ static void forge(enum forgery forgery)
             forge_filter(&forger, &view);
             forge_frame(&forger, &view);
         } else {
+            struct record_begin begin;
+
             note_object(&forger, &view);
             put_answer(&forger);
+            if (view.kind == RECORD_BEGIN && forgery == FORGE_NAMES) {
+                assert_int_equal(view.bytes, sizeof(begin));
+                memcpy(&begin, view.payload, sizeof(begin));
+                memcpy(begin.library, "\033[2J\233\a", 7);
+                memset(begin.cpu, '\033', sizeof(begin.cpu)); /* and no NUL */
+                view.payload = &begin;
+                forger.is_done = true;
+            }
             put(&forger, view.kind, view.time_ns, view.payload, view.bytes, NULL, 0);
         }
     }
@@ -380,6 +391,20 @@ static void replay__shows_the_first_difference(void **state)
     assert_int_equal(run_ctl("replay", "", honest, said), 0);
 }
 
+/* If this failed, a recording could clear the screen of who replays it, or worse. */
+static void replay__shows_what_a_recording_says_as_text(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    forge(FORGE_NAMES);
+    assert_int_equal(run_ctl("replay", "", forged, said), 0);
+    assert_non_null(strstr(said, "libpccd \\x1b[2J\\x9b\\x07"));
+    assert_non_null(strstr(said, ", \\x1b\\x1b"));
+    assert_null(strchr(said, '\033'));
+    assert_null(strchr(said, '\233'));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -387,6 +412,7 @@ int main(void)
         cmocka_unit_test(verify__shows_what_is_wrong),
         cmocka_unit_test(verify__names_the_features_and_where_they_are),
         cmocka_unit_test(replay__shows_the_first_difference),
+        cmocka_unit_test(replay__shows_what_a_recording_says_as_text),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -21,6 +21,7 @@
 #include <png.h>
 
 #include "contacts_csv.h"
+#include "output.h"
 #include "picture.h"
 #include "report.h"
 #include "statistics.h"
@@ -80,8 +81,7 @@ static void csv__names_vertices_in_file_order(void **state)
     read_back(csv.file, text, sizeof(text));
     assert_string_equal(text, "vf,3,0,2,1,0.10000000000000001,0.25,1\n"
                               "ee,0,2,5,6,0,1,0\n");
-    struct ctl_error error;
-    assert_int_equal(contacts_csv_close(&csv, &error), PCCD_OK);
+    fclose(csv.file);
 }
 
 /* If it failed: pairs would come with times nobody computed, or steps run together. */
@@ -90,7 +90,6 @@ static void csv__leaves_times_of_pairs_empty_and_numbers_steps(void **state)
     const struct pccd_pair pairs[1] = {{.kind = PCCD_EE, .feature_a = 0, .feature_b = 2}};
     const struct pccd_answer page = {.pairs = pairs, .count = 1};
     struct contacts_csv csv = {.triangles = triangles, .edges = edges, .has_step = true};
-    struct ctl_error error;
     char text[512];
     (void)state;
     csv.file = tmpfile();
@@ -98,7 +97,7 @@ static void csv__leaves_times_of_pairs_empty_and_numbers_steps(void **state)
     contacts_csv_page(&csv, 12, &page);
     read_back(csv.file, text, sizeof(text));
     assert_string_equal(text, "12,ee,0,1,5,6,,,0\n");
-    assert_int_equal(contacts_csv_close(&csv, &error), PCCD_OK);
+    fclose(csv.file);
 }
 
 /* If it failed: a full disk would look like a complete file. */
@@ -109,7 +108,7 @@ static void csv__tells_when_the_disk_is_full(void **state)
     struct ctl_error error = {.text = ""};
     (void)state;
     assert_int_equal(contacts_csv_open(&csv, &error), PCCD_OK);
-    assert_int_equal(contacts_csv_close(&csv, &error), PCCD_E_SYSTEM);
+    assert_int_equal(contacts_csv_close(&csv, true, &error), PCCD_E_SYSTEM);
     assert_non_null(strstr(error.text, "/dev/full: cannot write"));
 }
 
@@ -224,9 +223,10 @@ static uint8_t *drawn_square(float from_z, const char *path)
                               .title = "square"};
     struct ctl_error error = {.text = ""};
     png_image image = {.version = PNG_IMAGE_VERSION};
-    FILE *file = NULL;
-    assert_int_equal(picture_open(path, &file, &error), PCCD_OK);
-    assert_int_equal(picture_write(&picture, file, path, &error), PCCD_OK);
+    struct whole_file file;
+    assert_int_equal(output_open(&file, path, false, &error), PCCD_OK);
+    assert_int_equal(picture_write(&picture, file.to, path, &error), PCCD_OK);
+    assert_int_equal(output_finish(&file, path, &error), PCCD_OK);
     assert_int_not_equal(png_image_begin_read_from_file(&image, path), 0);
     assert_int_equal(image.width, PICTURE_WIDTH);
     assert_int_equal(image.height, PICTURE_HEIGHT);
@@ -275,12 +275,13 @@ static void picture__shows_sides_and_marks_where_they_are(void **state)
 static void picture__tells_at_once_that_a_path_is_no_good(void **state)
 {
     struct ctl_error error = {.text = ""};
-    FILE *file = NULL;
+    struct whole_file file;
     (void)state;
-    assert_int_equal(picture_open("/nowhere/at/all.png", &file, &error), PCCD_E_SYSTEM);
+    assert_int_equal(output_open(&file, "/nowhere/at/all.png", false, &error),
+                     PCCD_E_SYSTEM);
     assert_string_equal(error.text,
                         "/nowhere/at/all.png: cannot write: No such file or directory");
-    assert_null(file);
+    assert_null(file.to);
 }
 
 int main(void)

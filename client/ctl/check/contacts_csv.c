@@ -8,16 +8,16 @@
  */
 #include "contacts_csv.h"
 
-#include <errno.h>
 #include <inttypes.h>
-#include <string.h>
+
+#include "output.h"
 
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
 {
-    csv->file = strcmp(csv->path, "-") == 0 ? stdout : fopen(csv->path, "we");
-    if (csv->file == NULL) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", csv->path,
-                             strerror(errno));
+    int status = output_open(&csv->whole, csv->path, true, error);
+    csv->file = csv->whole.to;
+    if (status != PCCD_OK) {
+        return status;
     }
     fprintf(csv->file, "%skind,i0,i1,i2,i3,toi,toi_hi,proved\n",
             csv->has_step ? "step," : "");
@@ -58,20 +58,13 @@ void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
     }
 }
 
-int contacts_csv_close(struct contacts_csv *csv, struct ctl_error *error)
+int contacts_csv_close(struct contacts_csv *csv, bool is_whole, struct ctl_error *error)
 {
-    FILE *file = csv->file;
-    if (file == NULL) {
-        return PCCD_OK;
+    int status = PCCD_OK;
+    if (csv->file != NULL && is_whole) {
+        status = output_finish(&csv->whole, csv->path, error);
     }
+    whole_file_discard(&csv->whole);
     csv->file = NULL;
-    bool is_bad = fflush(file) != 0 || ferror(file) != 0;
-    if (file != stdout) {
-        is_bad |= fclose(file) != 0;
-    }
-    if (is_bad) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", csv->path,
-                             strerror(errno));
-    }
-    return PCCD_OK;
+    return status;
 }

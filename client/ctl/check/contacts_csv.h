@@ -16,11 +16,13 @@
 
 #include "error.h"
 #include "pccd.h"
+#include "whole_file.h"
 
 /* The arrays are the caller's and stay as they are until close. */
 struct contacts_csv {
     const char *path; /* "-": the standard output */
     FILE *file;       /* NULL: nothing is to be written */
+    struct whole_file whole; /* what it goes to */
     const uint32_t (*triangles)[3];
     const struct pccd_edge *edges;
     bool has_step; /* a first column "step" */
@@ -33,7 +35,8 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error);
  * of mode pairs have empty times and proved = 0. */
 void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
                        const struct pccd_answer *page);
-/* Errors: E_SYSTEM, also when an earlier line could not be written. */
-int contacts_csv_close(struct contacts_csv *csv, struct ctl_error *error);
+/* The file appears only now, and only if it `is_whole`. Errors: E_SYSTEM, also when an
+ * earlier line could not be written. */
+int contacts_csv_close(struct contacts_csv *csv, bool is_whole, struct ctl_error *error);
 
 #endif

@@ -10,6 +10,8 @@
 
 #include <inttypes.h>
 
+#include "shown.h"
+
 #define NO_TOI 1.5 /* above any time; the daemon says 2 when there is no record */
 
 const char *const report_phase_names[REPORT_PHASE_COUNT] = {
@@ -214,8 +216,8 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
 {
     const struct pccd_answer *answer = &step->answer;
     const struct pccd_step_counters *counters = &answer->counters;
-    fprintf(to, "step       %s -> %s, mode %s\n", step->from, step->to,
-            or_unknown(report_mode_name(answer->mode)));
+    fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
+            tool_shown(step->to), or_unknown(report_mode_name(answer->mode)));
     print_records(to, answer);
     if (step->is_complete) {
         fputs("answer     complete\n", to);
@@ -246,7 +248,8 @@ void report_print_line(FILE *to, uint32_t number, const struct report_step *step
     fprintf(to,
             "%4" PRIu32 "  %s: %" PRIu64 " (%" PRIu64 " vf, %" PRIu64 " ee, %" PRIu64
             " possible)",
-            number, step->to, answer->total, answer->vf, answer->ee, answer->possible);
+            number, tool_shown(step->to), answer->total, answer->vf, answer->ee,
+            answer->possible);
     if (answer->toi_first < NO_TOI) {
         fprintf(to, ", first at %.9g", answer->toi_first);
     }

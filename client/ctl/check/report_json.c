@@ -9,6 +9,7 @@
 #include <inttypes.h>
 #include <jansson.h>
 
+#include "json_text.h"
 #include "report.h"
 
 /* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a
@@ -93,8 +94,8 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     char hash[33];
     snprintf(hash, sizeof(hash), "%016" PRIx64 "%016" PRIx64, answer->hash[0],
              answer->hash[1]);
-    set(object, "from", json_string(step->from), ok);
-    set(object, "to", json_string(step->to), ok);
+    set(object, "from", json_text(step->from), ok);
+    set(object, "to", json_text(step->to), ok);
     set(object, "mode", mode_text(report_mode_name(answer->mode)), ok);
     set(object, "method", mode_text(report_method_name(answer->method)), ok);
     set_count(object, "threads", answer->threads, ok);
@@ -157,7 +158,7 @@ bool report_json(FILE *to, const struct report_mesh *mesh,
     } else {
         add_steps(object, mesh, steps, step_count, &ok);
     }
-    ok = ok && json_dumpf(object, to, JSON_INDENT(2)) == 0;
+    ok = ok && json_dumpf(object, to, JSON_TEXT_FLAGS) == 0;
     ok = ok && fputc('\n', to) != EOF;
     json_decref(object);
     return ok;

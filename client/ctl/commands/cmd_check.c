@@ -16,6 +16,7 @@
 #include "ctl.h"
 #include "link.h"
 #include "progress.h"
+#include "shown.h"
 #include "trace_file.h"
 
 #define REPEATS_MAX     1000000u
@@ -150,18 +151,18 @@ static void check_usage(const struct argp_state *state,
                         const struct check_options *options)
 {
     if (options->path_count < 2) {
-        argp_error(state, "two files at least: the mesh before and after the step");
+        tool_misused(state, "two files at least: the mesh before and after the step");
     }
     if (options->contacts != NULL && options->settings.mode == PCCD_MODE_ANY) {
-        argp_error(state, "--contacts: mode any gives no contacts");
+        tool_misused(state, "--contacts: mode any gives no contacts");
     }
     if (options->trace.path != NULL && strcmp(options->trace.path, "-") == 0) {
-        argp_error(state, "--trace: the standard output is the report's");
+        tool_misused(state, "--trace: the standard output is the report's");
     }
     if (options->trace.path == NULL &&
         (options->trace.min_us > 0 || options->trace.events > 0)) {
-        argp_error(state, "--min-us and --events are of the recording, which --trace "
-                          "asks for");
+        tool_misused(state, "--min-us and --events are of the recording, which --trace "
+                            "asks for");
     }
 }
 
@@ -453,7 +454,7 @@ static int run_check(const struct check_options *options)
     if (status == PCCD_OK) {
         status = report_all(&check, &error);
     }
-    closed = contacts_csv_close(&check.csv, &close_error);
+    closed = contacts_csv_close(&check.csv, status == PCCD_OK, &close_error);
     /* An empty text: the fault was told where it was found. */
     if (status != PCCD_OK && error.text[0] != '\0') {
         ctl_complain("%s", error.text);

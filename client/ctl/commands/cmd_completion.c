@@ -12,6 +12,7 @@
 #include "completion.h"
 #include "ctl.h"
 #include "link.h"
+#include "shown.h"
 
 static const char *const shell_names[] = {"bash", "zsh", "fish"};
 
@@ -21,12 +22,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
     switch (key) {
     case ARGP_KEY_ARG:
         if (state->arg_num > 0) {
-            argp_error(state, "one shell at a time");
+            tool_misused(state, "one shell at a time");
         }
         *shell = ctl_argument_name(state, text, shell_names, 3);
         return 0;
     case ARGP_KEY_NO_ARGS:
-        argp_error(state, "for which shell: bash, zsh or fish?");
+        tool_misused(state, "for which shell: bash, zsh or fish?");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;

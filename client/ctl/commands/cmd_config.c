@@ -12,7 +12,9 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "json_text.h"
 #include "link.h"
+#include "shown.h"
 #include "terminal.h"
 
 enum { OPTION_JSON = 256 + 64 };
@@ -55,7 +57,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (state->arg_num > 0 && state->arg_num != argument_counts[options->what]) {
-            argp_error(state, "it is: list, get NAME, or set NAME VALUE");
+            tool_misused(state, "it is: list, get NAME, or set NAME VALUE");
         }
         return 0;
     default:
@@ -87,9 +89,9 @@ static void add_setting(void *context, const struct pccd_setting *setting)
 static void print_setting(void *context, const struct pccd_setting *setting)
 {
     (void)context;
-    printf("%s%-16s %-12s%s %s\n", setting->changed ? terminal_begin(TERMINAL_BOLD) : "",
-           setting->name, setting->value, setting->changed ? terminal_end() : "",
-           setting->text);
+    printf("%s%s %s%s %s\n", setting->changed ? terminal_begin(TERMINAL_BOLD) : "",
+           tool_shown_column(setting->name, 16), tool_shown_column(setting->value, 12),
+           setting->changed ? terminal_end() : "", tool_shown(setting->text));
 }
 
 static void print_value(void *context, const struct pccd_setting *setting)
@@ -97,11 +99,11 @@ static void print_value(void *context, const struct pccd_setting *setting)
     const struct config_options *options = context;
     if (options->is_json) {
         json_t *object = setting_json(setting);
-        json_dumpf(object, stdout, JSON_INDENT(2));
+        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
         json_decref(object);
         putchar('\n');
     } else {
-        puts(setting->value);
+        puts(tool_shown(setting->value));
     }
 }
 
@@ -119,7 +121,7 @@ static int run(struct pccd_client *client, struct config_options *options)
         json_t *array = json_array();
         status = pccd_config_get(client, NULL, add_setting, array);
         if (status == PCCD_OK) {
-            json_dumpf(array, stdout, JSON_INDENT(2));
+            json_dumpf(array, stdout, JSON_TEXT_FLAGS);
             putchar('\n');
         }
         json_decref(array);

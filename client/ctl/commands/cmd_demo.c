@@ -17,10 +17,13 @@
 #include "cloth_scene.h"
 #include "ctl.h"
 #include "demo_picture.h"
+#include "json_text.h"
 #include "link.h"
+#include "output.h"
 #include "picture.h"
 #include "progress.h"
 #include "report.h"
+#include "shown.h"
 #include "statistics.h"
 
 #define STEPS_DEFAULT 300u
@@ -303,7 +306,7 @@ static void print_json(const struct demo *demo)
                             json_real(demo->phase_ms[phase] / steps));
     }
     json_t *object = json_pack(
-        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:I, s:o, s:s, s:s}", "steps",
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:I, s:o, s:s, s:o}", "steps",
         (json_int_t)steps, "triangles",
         (json_int_t)(CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES), "contacts",
         (json_int_t)demo->contacts, "vf", (json_int_t)demo->vf, "ee",
@@ -311,8 +314,8 @@ static void print_json(const struct demo *demo)
         (json_int_t)demo->incomplete, "p50_ms", statistics_median(demo->step_ms, steps),
         "p99_ms", statistics_quantile(demo->step_ms, steps, 0.99), "max_ms",
         demo->step_ms[steps - 1], "threads", (json_int_t)demo->last.threads, "mean_ms",
-        phases, "hash", hash, "picture", demo->options->output);
-    json_dumpf(object, stdout, JSON_INDENT(2));
+        phases, "hash", hash, "picture", json_text(demo->options->output));
+    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
     json_decref(object);
 }
@@ -330,13 +333,13 @@ static void tear_down(struct demo *demo)
 static int run_demo(const struct demo_options *options)
 {
     struct ctl_error error = {.text = ""};
-    FILE *file = NULL;
+    struct whole_file file = {.to = NULL};
     struct demo *demo = calloc(1, sizeof(*demo));
     if (demo == NULL) {
         return ctl_complain("out of memory");
     }
     demo->options = options;
-    int status = picture_open(options->output, &file, &error);
+    int status = output_open(&file, options->output, false, &error);
     if (status == PCCD_OK &&
         ctl_link_open(&options->query.link, &demo->client) != CTL_DONE) {
         status = PCCD_E_NODAEMON; /* and has been told */
@@ -353,19 +356,19 @@ static int run_demo(const struct demo_options *options)
         if (!options->query.is_json) {
             print_table(demo);
         }
-        status =
-            demo_picture_write(demo->objects, &demo->last, file, options->output, &error);
-        file = NULL;
+        status = demo_picture_write(demo->objects, &demo->last, file.to, options->output,
+                                    &error);
         pccd_answer_release(demo->client, &demo->last);
+    }
+    if (status == PCCD_OK) {
+        status = output_finish(&file, options->output, &error);
     }
     if (status == PCCD_OK && options->query.is_json) {
         print_json(demo);
     } else if (status == PCCD_OK) {
-        printf("picture     %s\n", options->output);
+        printf("picture     %s\n", tool_shown(options->output));
     }
-    if (file != NULL) {
-        picture_discard(file, options->output);
-    }
+    whole_file_discard(&file);
     if (status != PCCD_OK && error.text[0] != '\0') {
         ctl_complain("%s", error.text);
     }

@@ -12,7 +12,9 @@
 
 #include "ctl.h"
 #include "doctor.h"
+#include "json_text.h"
 #include "link.h"
+#include "shown.h"
 #include "terminal.h"
 
 static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
@@ -36,9 +38,9 @@ static void print(const struct doctor *doctor)
         const struct doctor_finding *finding = &doctor->findings[i];
         printf("%s%-4s%s  %-10s %s\n", terminal_begin(colours[finding->verdict]),
                verdict_names[finding->verdict], terminal_end(), finding->what,
-               finding->text);
+               tool_shown(finding->text));
         if (finding->advice[0] != '\0') {
-            printf("                 -> %s\n", finding->advice);
+            printf("                 -> %s\n", tool_shown(finding->advice));
         }
     }
 }
@@ -53,7 +55,7 @@ static void print_json(const struct doctor *doctor)
                                                finding->what, "text", finding->text,
                                                "advice", finding->advice));
     }
-    json_dumpf(array, stdout, JSON_INDENT(2));
+    json_dumpf(array, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
     json_decref(array);
 }

@@ -6,15 +6,15 @@
  * Threads:  one.
  * Source:   gltf.h, vtp.h.
  */
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "ctl.h"
 #include "gltf.h"
-#include "picture.h"
+#include "output.h"
 #include "play_options.h"
+#include "shown.h"
 #include "still.h"
 #include "vtp.h"
 
@@ -50,7 +50,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_OUTPUT:
         if (!ends_with(text, ".glb") && !ends_with(text, ".vtp")) {
-            argp_error(state, "-o: \"%s\" ends with neither .glb nor .vtp", text);
+            tool_misused(state, "-o: \"%s\" ends with neither .glb nor .vtp", text);
         }
         export->path = text;
         return 0;
@@ -59,7 +59,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (export->path == NULL) {
-            argp_error(state, "-o FILE.glb or -o FILE.vtp says what to write");
+            tool_misused(state, "-o FILE.glb or -o FILE.vtp says what to write");
         }
         return 0;
     default:
@@ -80,25 +80,21 @@ const struct argp ctl_argp_export = {
 static int write_still(const struct export *export, const struct still *still,
                        struct ctl_error *error)
 {
-    FILE *to;
+    struct whole_file file = {.to = NULL};
     int status = still->object_count > 0
-                     ? picture_open(export->path, &to, error)
+                     ? output_open(&file, export->path, false, error)
                      : ctl_error_set(error, PCCD_E_INVAL,
                                      "step %" PRIu64 " is of a scene without objects",
                                      still->step);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    status = picture_empty(to, export->path, error);
     if (status == PCCD_OK) {
         status = ends_with(export->path, ".glb")
-                     ? gltf_write(still, to, export->path, error)
-                     : vtp_write(still, to, export->path, error);
+                     ? gltf_write(still, file.to, export->path, error)
+                     : vtp_write(still, file.to, export->path, error);
     }
-    if (fclose(to) != 0 && status == PCCD_OK) {
-        status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", export->path,
-                               strerror(errno));
+    if (status == PCCD_OK) {
+        status = output_finish(&file, export->path, error);
     }
+    whole_file_discard(&file);
     return status;
 }
 

@@ -7,18 +7,18 @@
  * Threads:  one.
  * Source:   inspect.h, page_template.h.
  */
-#include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "ctl.h"
 #include "inspect.h"
+#include "json_text.h"
+#include "output.h"
 #include "page_template.h"
-#include "picture.h"
 #include "play_options.h"
+#include "shown.h"
 
 #define MIB              (1u << 20)
 #define SIZE_DEFAULT_MIB 64u
@@ -77,7 +77,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_OUTPUT:
         if (!ends_with(text, ".html")) {
-            argp_error(state, "-o: \"%s\" does not end with .html", text);
+            tool_misused(state, "-o: \"%s\" does not end with .html", text);
         }
         command->path = text;
         return 0;
@@ -100,7 +100,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (command->path == NULL) {
-            argp_error(state, "-o FILE.html says where the page goes");
+            tool_misused(state, "-o FILE.html says where the page goes");
         }
         return 0;
     default:
@@ -134,16 +134,16 @@ static void print_done(const struct command *command, const struct inspect *insp
 {
     if (command->options.is_json) {
         json_t *object = json_pack(
-            "{s:s, s:I, s:I, s:I, s:I, s:I, s:b}", "file", command->path, "steps",
-            (json_int_t)inspect->kept, "first", (json_int_t)inspect->first, "last",
-            (json_int_t)inspect->last, "bytes", (json_int_t)bytes, "differ",
+            "{s:o, s:I, s:I, s:I, s:I, s:I, s:b}", "file", json_text(command->path),
+            "steps", (json_int_t)inspect->kept, "first", (json_int_t)inspect->first,
+            "last", (json_int_t)inspect->last, "bytes", (json_int_t)bytes, "differ",
             (json_int_t)inspect->differ, "full", inspect->is_full);
-        json_dumpf(object, stdout, JSON_INDENT(2));
+        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
         putchar('\n');
         json_decref(object);
     } else {
         printf("%s: %" PRIu64 " steps, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n",
-               command->path, inspect->kept, inspect->first, inspect->last,
+               tool_shown(command->path), inspect->kept, inspect->first, inspect->last,
                (double)bytes / MIB);
     }
     if (inspect->differ > 0) {
@@ -169,37 +169,31 @@ static void print_done(const struct command *command, const struct inspect *insp
     }
 }
 
-static int write_page(struct command *command, FILE *to, struct ctl_error *error)
+static int write_page(struct command *command, struct whole_file *file,
+                      struct inspect *inspect, struct play_summary *summary,
+                      struct ctl_error *error)
 {
     struct play_settings *play_settings = &command->options.play;
-    struct play_summary summary;
     struct page_file page;
-    struct inspect inspect;
     size_t template_bytes = 0;
     const char *template = page_template(&template_bytes);
-    int status = inspect_init(&inspect, &command->settings, &page, error);
+    int status = inspect_init(inspect, &command->settings, &page, error);
     if (status == PCCD_OK) {
-        status =
-            page_file_begin(&page, to, command->path, template, template_bytes, error);
+        status = page_file_begin(&page, file->to, command->path, template, template_bytes,
+                                 error);
     }
     if (status == PCCD_OK) {
-        status = play(play_settings, inspect_step, &inspect, &summary, error);
+        status = play(play_settings, inspect_step, inspect, summary, error);
     }
-    if (status == PCCD_OK && inspect.kept == 0) {
+    if (status == PCCD_OK && inspect->kept == 0) {
         status = ctl_error_set(error, PCCD_E_INVAL,
                                "%s holds no such step; it has %" PRIu64 ", the last "
                                "%" PRIu64,
-                               play_settings->path, summary.frames, summary.last_step);
+                               play_settings->path, summary->frames, summary->last_step);
     }
     if (status == PCCD_OK) {
-        status =
-            inspect_finish(&inspect, base_name(play_settings->path), &summary, error);
+        status = inspect_finish(inspect, base_name(play_settings->path), summary, error);
     }
-    if (status == PCCD_OK) {
-        play_options_warn(play_settings, &summary);
-        print_done(command, &inspect, &summary, (uint64_t)ftell(to));
-    }
-    inspect_deinit(&inspect);
     return status;
 }
 
@@ -210,7 +204,9 @@ int ctl_cmd_inspect(int argc, char **argv)
                      .boxes_max = BOXES_DEFAULT,
                      .bytes_max = (uint64_t)SIZE_DEFAULT_MIB * MIB}};
     struct ctl_error error = {.text = ""};
-    FILE *to = NULL;
+    struct whole_file file = {.to = NULL};
+    struct inspect inspect = {.kept = 0};
+    struct play_summary summary;
     size_t bytes;
     play_options_init(&command.options, "steps");
     command.options.play.source = PLAY_DAEMON;
@@ -228,21 +224,21 @@ int ctl_cmd_inspect(int argc, char **argv)
             "--with-inspect=yes; \"pccdctl render\" and \"export\" need neither");
     }
     if (status == PCCD_OK) {
-        status = picture_open(command.path, &to, &error);
+        status = output_open(&file, command.path, false, &error);
     }
     if (status == PCCD_OK) {
-        status = picture_empty(to, command.path, &error);
+        status = write_page(&command, &file, &inspect, &summary, &error);
+    }
+    uint64_t page_bytes = file.bytes;
+    if (status == PCCD_OK) {
+        status = output_finish(&file, command.path, &error);
     }
     if (status == PCCD_OK) {
-        status = write_page(&command, to, &error);
+        play_options_warn(&command.options.play, &summary);
+        print_done(&command, &inspect, &summary, page_bytes);
     }
-    if (to != NULL && status != PCCD_OK) {
-        picture_empty(to, command.path, &(struct ctl_error){.text = ""});
-        picture_discard(to, command.path); /* half a page shows nothing */
-    } else if (to != NULL && fclose(to) != 0) {
-        status = ctl_error_set(&error, PCCD_E_SYSTEM, "%s: cannot write: %s",
-                               command.path, strerror(errno));
-    }
+    whole_file_discard(&file);
+    inspect_deinit(&inspect);
     if (status != PCCD_OK) {
         play_complain(&error);
     }

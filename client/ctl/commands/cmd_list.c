@@ -14,8 +14,10 @@
 
 #include "ctl.h"
 #include "format.h"
+#include "json_text.h"
 #include "link.h"
 #include "sessions.h"
+#include "shown.h"
 #include "terminal.h"
 
 enum { OPTION_SESSION = 256 + 64, OPTION_JSON };
@@ -52,7 +54,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num > 0) {
-            argp_error(state, "one thing is listed at a time");
+            tool_misused(state, "one thing is listed at a time");
         }
         options->what = (enum what)ctl_argument_name(state, text, what_names, WHAT_COUNT);
         return 0;
@@ -83,11 +85,11 @@ static void print_session(struct printer *printer, const struct session_row *row
 {
     const struct pccd_session_info *info = &row->info;
     if (!printer->is_json) {
-        printf("%7" PRIu64 " %7" PRIu32 " %-10.10s %-20.20s %6" PRIu32 " %7" PRIu32
-               " %6" PRIu32 " %9s %9s %10" PRIu64 " %10s%s\n",
-               info->session, info->pid, format_user(info->uid), format_name(row->name),
-               info->scenes, info->objects, info->meshes,
-               format_count((double)info->triangles),
+        printf("%7" PRIu64 " %7" PRIu32 " %s %s %6" PRIu32 " %7" PRIu32 " %6" PRIu32
+               " %9s %9s %10" PRIu64 " %10s%s\n",
+               info->session, info->pid, tool_shown_column(format_user(info->uid), 10),
+               tool_shown_column(row->name, 20), info->scenes, info->objects,
+               info->meshes, format_count((double)info->triangles),
                format_bytes((double)info->shm_bytes), info->steps,
                format_span(info->ns_open), info->waiting ? " waits" : "");
         return;
@@ -123,8 +125,8 @@ static const char *sharing(const struct scene_row *row)
     }
     snprintf(text, sizeof text,
              " \"%s\" of %s %s, %" PRIu32 " take part, %" PRIu32 " held%s",
-             format_name(row->name), format_user(info->uid), rights, info->seats,
-             info->held, info->writable ? "" : ", reads");
+             tool_shown(row->name), tool_shown(format_user(info->uid)), rights,
+             info->seats, info->held, info->writable ? "" : ", reads");
     return text;
 }
 
@@ -287,7 +289,7 @@ static int list(struct pccd_client *client, const struct list_options *options)
         }
     }
     if (status == PCCD_OK && options->is_json) {
-        json_dumpf(printer.array, stdout, JSON_INDENT(2));
+        json_dumpf(printer.array, stdout, JSON_TEXT_FLAGS);
         putchar('\n');
     }
     sessions_deinit(&sessions);

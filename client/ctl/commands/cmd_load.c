@@ -13,9 +13,11 @@
 #include <stdlib.h>
 
 #include "ctl.h"
+#include "json_text.h"
 #include "link.h"
 #include "player.h"
 #include "progress.h"
+#include "shown.h"
 #include "statistics.h"
 #include "terminal.h"
 
@@ -75,7 +77,7 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
         options->player.frame_count = (uint32_t)(state->argc - state->next);
         return 0;
     case ARGP_KEY_NO_ARGS:
-        argp_error(state, "a file at least: PLY or OBJ");
+        tool_misused(state, "a file at least: PLY or OBJ");
         return 0;
     case OPTION_SCENE:
         options->player.scene = text;
@@ -85,10 +87,10 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (options->player.holds && options->player.scene == NULL) {
-            argp_error(state, "--hold: only in a shared scene, which --scene names");
+            tool_misused(state, "--hold: only in a shared scene, which --scene names");
         }
         if (options->player.frame_count > FRAMES_MAX) {
-            argp_error(state, "at most %u frames", FRAMES_MAX);
+            tool_misused(state, "at most %u frames", FRAMES_MAX);
         }
         return 0;
     default:
@@ -115,7 +117,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_WITH:
         if (player->still_count == STILL_MAX) {
-            argp_error(state, "--with: at most %u meshes", STILL_MAX);
+            tool_misused(state, "--with: at most %u meshes", STILL_MAX);
         }
         options->still[player->still_count++] = text;
         return 0;
@@ -156,7 +158,7 @@ static void print(const struct player *player, bool is_json)
             "incomplete", (json_int_t)player->incomplete, "late",
             (json_int_t)player->late, "seconds", player->seconds, "p50_ms", p50, "p99_ms",
             p99, "max_ms", most);
-        json_dumpf(object, stdout, JSON_INDENT(2));
+        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
         putchar('\n');
         json_decref(object);
         return;

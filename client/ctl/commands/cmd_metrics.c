@@ -15,6 +15,7 @@
 #include "counters.h"
 #include "ctl.h"
 #include "link.h"
+#include "shown.h"
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -139,9 +140,9 @@ static int print_all(struct pccd_client *client)
     }
     print_head("pccd_daemon", "info", NULL, "what runs");
     printf("pccd_daemon_info{name=\"");
-    print_escaped(daemon.name);
+    print_escaped(tool_shown(daemon.name));
     printf("\",cpu=\"");
-    print_escaped(daemon.cpu);
+    print_escaped(tool_shown(daemon.cpu));
     printf("\"} 1\n");
     print_counters(&counters);
     print_histogram("pccd_step_duration_seconds", "of steps, as computed", &steps);

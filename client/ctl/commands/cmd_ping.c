@@ -14,6 +14,7 @@
 #include <time.h>
 
 #include "ctl.h"
+#include "json_text.h"
 #include "link.h"
 #include "progress.h"
 #include "statistics.h"
@@ -116,7 +117,7 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
             statistics_median(times_us, options->count), "p99_us",
             statistics_quantile(times_us, options->count, 0.99), "max_us",
             times_us[options->count - 1]);
-        json_dumpf(object, stdout, JSON_INDENT(2));
+        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
         putchar('\n');
         json_decref(object);
         return CTL_DONE;

@@ -23,6 +23,7 @@
 #include "answers.h"
 #include "ctl.h"
 #include "reader.h"
+#include "shown.h"
 
 #define SEGMENTS_MAX  64u
 #define LEVEL_MAX     19u
@@ -94,13 +95,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (command->path == NULL) {
-            argp_error(state, "-o FILE says where the recording goes");
+            tool_misused(state, "-o FILE says where the recording goes");
         }
         if (command->command == NULL) {
-            argp_error(state, "which program? pccdctl record -o FILE -- PROGRAM ...");
+            tool_misused(state, "which program? pccdctl record -o FILE -- PROGRAM ...");
         }
         if (command->segments > 0 && command->max_bytes == 0) {
-            argp_error(state, "--segments wants --max-bytes");
+            tool_misused(state, "--segments wants --max-bytes");
         }
         return 0;
     default:
@@ -290,9 +291,10 @@ static void report(const char *path, const struct record_command *command)
         status = answers_read(&answers, &reader, &error);
     }
     fprintf(stderr,
-            "pccdctl: %s: %" PRIu64 " bytes, %" PRIu64 " steps, %zu answers%s%s\n", path,
-            reader.bytes, answers.frames, answers.count,
-            status != PCCD_OK ? "; damaged " : "", status != PCCD_OK ? reader.text : "");
+            "pccdctl: %s: %" PRIu64 " bytes, %" PRIu64 " steps, %zu answers%s%s\n",
+            tool_shown(path), reader.bytes, answers.frames, answers.count,
+            status != PCCD_OK ? "; damaged " : "",
+            status != PCCD_OK ? tool_shown(reader.text) : "");
     if (reader.end_reason == RECORD_FULL) {
         tell_full(path, command);
     }

@@ -14,8 +14,10 @@
 
 #include "colour.h"
 #include "ctl.h"
+#include "output.h"
 #include "picture.h"
 #include "play_options.h"
+#include "shown.h"
 #include "still.h"
 
 #define GROUPS   64u /* colours of times */
@@ -79,8 +81,8 @@ static void parse_two(const struct argp_state *state, const char *name, const ch
     }
     if (!is_ok || stop == rest || *stop != '\0' || !isfinite(two[0]) ||
         !isfinite(two[1])) {
-        argp_error(state, "--%s: \"%s\" is not two numbers with a %c between them", name,
-                   text, between);
+        tool_misused(state, "--%s: \"%s\" is not two numbers with a %c between them",
+                     name, text, between);
     }
 }
 
@@ -91,8 +93,8 @@ static void parse_size(const struct argp_state *state, const char *text,
     parse_two(state, "size", text, 'x', two);
     for (int i = 0; i < 2; i++) {
         if (!(two[i] >= SIDE_MIN && two[i] <= PICTURE_SIDE_MAX)) {
-            argp_error(state, "--size: from %ux%u to %ux%u", SIDE_MIN, SIDE_MIN,
-                       PICTURE_SIDE_MAX, PICTURE_SIDE_MAX);
+            tool_misused(state, "--size: from %ux%u to %ux%u", SIDE_MIN, SIDE_MIN,
+                         PICTURE_SIDE_MAX, PICTURE_SIDE_MAX);
         }
     }
     render->width = (uint32_t)two[0];
@@ -105,7 +107,7 @@ static void parse_view(const struct argp_state *state, const char *text,
     double two[2] = {0, 0};
     parse_two(state, "view", text, ',', two);
     if (fabs(two[1]) > 90) {
-        argp_error(state, "--view: the elevation is from -90 to 90");
+        tool_misused(state, "--view: the elevation is from -90 to 90");
     }
     render->azimuth = two[0];
     render->elevation = two[1];
@@ -117,7 +119,7 @@ static void parse_up(const struct argp_state *state, const char *text,
     const char *const axes = "yzx";
     const char *at = text[0] != '\0' && text[1] == '\0' ? strchr(axes, text[0]) : NULL;
     if (at == NULL) {
-        argp_error(state, "--up: \"%s\" is not x, y or z", text);
+        tool_misused(state, "--up: \"%s\" is not x, y or z", text);
         return;
     }
     render->up = (enum picture_up)(at - axes);
@@ -132,7 +134,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_OUTPUT:
         if (!ends_with(text, ".png") && !ends_with(text, ".svg")) {
-            argp_error(state, "-o: \"%s\" ends with neither .png nor .svg", text);
+            tool_misused(state, "-o: \"%s\" ends with neither .png nor .svg", text);
         }
         render->path = text;
         return 0;
@@ -147,7 +149,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_AT:
         if (strcmp(text, "all") != 0 && strcmp(text, "contacts") != 0) {
-            argp_error(state, "--at: \"%s\" is not all or contacts", text);
+            tool_misused(state, "--at: \"%s\" is not all or contacts", text);
         }
         render->is_at_contacts = strcmp(text, "contacts") == 0;
         return 0;
@@ -159,7 +161,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (render->path == NULL) {
-            argp_error(state, "-o FILE.png or -o FILE.svg says what to draw");
+            tool_misused(state, "-o FILE.png or -o FILE.svg says what to draw");
         }
         return 0;
     default:
@@ -201,7 +203,6 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
     if (meshes == NULL || marks == NULL) {
         free(meshes);
         free(marks);
-        fclose(file);
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render->path);
     }
     for (uint32_t i = 0; i < still->object_count; i++) {
@@ -249,7 +250,7 @@ int ctl_cmd_render(int argc, char **argv)
     struct still still = {.object_count = 0};
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
-    FILE *file = NULL;
+    struct whole_file file = {.to = NULL};
     play_options_init(&render.options, "steps");
     render.options.play.source = PLAY_RECORDS;
     render.options.play.needs_records = true;
@@ -264,11 +265,15 @@ int ctl_cmd_render(int argc, char **argv)
                           "step %" PRIu64 " is of a scene without objects", still.step);
     }
     if (status == PCCD_OK) {
-        status = picture_open(render.path, &file, &error);
+        status = output_open(&file, render.path, false, &error);
     }
     if (status == PCCD_OK) {
-        status = draw(&render, &still, file, &error);
+        status = draw(&render, &still, file.to, &error);
     }
+    if (status == PCCD_OK) {
+        status = output_finish(&file, render.path, &error);
+    }
+    whole_file_discard(&file);
     if (status == PCCD_OK) {
         play_options_warn(&render.options.play, &summary);
         still_report(&still, render.path, render.options.is_json);

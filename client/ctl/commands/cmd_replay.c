@@ -12,8 +12,10 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "json_text.h"
 #include "play_options.h"
 #include "report.h"
+#include "shown.h"
 
 enum { OPTION_PACE = 256 + 64, OPTION_KEEP_GOING };
 
@@ -44,7 +46,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_PACE:
         if (strcmp(text, "fast") != 0 && strcmp(text, "recorded") != 0) {
-            argp_error(state, "--pace: \"%s\" is not fast or recorded", text);
+            tool_misused(state, "--pace: \"%s\" is not fast or recorded", text);
         }
         replay->options.play.at_recorded_pace = strcmp(text, "recorded") == 0;
         return 0;
@@ -145,8 +147,10 @@ static void print_side(const char *side, int status, uint64_t total,
 static void print_text(const struct replay *replay, const struct play_summary *summary)
 {
     const struct record_begin *begin = &summary->begin;
-    printf("recording   %" PRIu64 " steps by process %" PRIu32 ", libpccd %.16s, %.16s\n",
-           summary->frames, begin->pid, begin->library, begin->cpu);
+    printf("recording   %" PRIu64 " steps by process %" PRIu32 ", libpccd %s, %s\n",
+           summary->frames, begin->pid,
+           tool_shown_field(begin->library, sizeof begin->library),
+           tool_shown_field(begin->cpu, sizeof begin->cpu));
     printf("compared    %" PRIu64 " answers in %.2f s: %" PRIu64 " the same, %" PRIu64
            " not\n",
            replay->compared, summary->seconds, replay->same, replay->differ);
@@ -191,7 +195,7 @@ static bool print_json(const struct replay *replay, const struct play_summary *s
             "got", side_json(replay->got.status, replay->got.total, replay->got.hash));
         ok = json_object_set_new(all, "first_difference", first) == 0;
     }
-    ok = ok && json_dumpf(all, stdout, JSON_INDENT(2)) == 0 && putchar('\n') == '\n';
+    ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';
     json_decref(all);
     return ok;
 }

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "json_text.h"
 #include "link.h"
 #include "stats_threads.h"
 
@@ -134,7 +135,7 @@ static int print_json(struct pccd_client *client)
         json_object_set_new(members.object, "exact_share",
                             json_real(share(&members.shares)));
         json_object_set_new(members.object, "cpu", json_string(pccd_daemon_cpu(client)));
-        json_dumpf(members.object, stdout, JSON_INDENT(2));
+        json_dumpf(members.object, stdout, JSON_TEXT_FLAGS);
         putchar('\n');
     }
     json_decref(members.object);
@@ -156,7 +157,8 @@ static int print_list(struct pccd_client *client)
         snprintf(number, sizeof number, "%.4g", share(&listing.shares));
         printf("%-*s  %*s  %s\n", widths->name, "exact_share", widths->value, number,
                share_text);
-        printf("%-*s  %*s  %s\n", widths->name, "cpu", widths->value, cpu, cpu_text);
+        printf("%-*s  %*s  %s\n", widths->name, "cpu", widths->value, tool_shown(cpu),
+               cpu_text);
     }
     return status;
 }

@@ -17,7 +17,9 @@
 #include "ctl.h"
 #include "format.h"
 #include "health.h"
+#include "json_text.h"
 #include "link.h"
+#include "shown.h"
 #include "terminal.h"
 
 static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
@@ -123,7 +125,8 @@ static void print_health(const struct health *health)
     }
     for (uint32_t i = 0; i < health->count; i++) {
         printf("%s %s%s%s\n", i == 0 ? "health    " : "          ",
-               terminal_begin(TERMINAL_YELLOW), health->text[i], terminal_end());
+               terminal_begin(TERMINAL_YELLOW), tool_shown(health->text[i]),
+               terminal_end());
     }
 }
 
@@ -132,9 +135,9 @@ static void print(const struct status *status)
     const struct counters *c = &status->counters;
 #define COUNT(name) format_count((double)counters_get(c, name))
     printf("daemon     %s, process %" PRIu32 ", protocol %" PRIu32 ", %s\n",
-           status->daemon.name, status->daemon.pid, status->daemon.version,
-           status->daemon.cpu);
-    printf("socket     %s\n", status->url);
+           tool_shown(status->daemon.name), status->daemon.pid, status->daemon.version,
+           tool_shown(status->daemon.cpu));
+    printf("socket     %s\n", tool_shown(status->url));
     printf("up for     %s\n", format_span(counters_get(c, "uptime_ns")));
     printf("sessions   %s open (%s wait for their clients), %s since the start; %s "
            "refused, %s dropped\n",
@@ -200,7 +203,7 @@ static void print_json(const struct status *status)
         status->health.count == 0);
     json_t *warnings = json_array();
     for (uint32_t i = 0; i < status->health.count; i++) {
-        json_array_append_new(warnings, json_string(status->health.text[i]));
+        json_array_append_new(warnings, json_text(status->health.text[i]));
     }
     json_object_set_new(object, "warnings", warnings);
     json_object_set_new(object, "counters", all_of(&status->counters));
@@ -210,7 +213,7 @@ static void print_json(const struct status *status)
         json_object_set_new(object, "steps", quantiles(&status->steps));
         json_object_set_new(object, "requests", quantiles(&status->requests));
     }
-    json_dumpf(object, stdout, JSON_INDENT(2));
+    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
     json_decref(object);
 }

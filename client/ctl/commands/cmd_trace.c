@@ -14,6 +14,7 @@
 #include "ctl.h"
 #include "link.h"
 #include "progress.h"
+#include "shown.h"
 #include "trace_file.h"
 
 #define SECONDS_MAX     86400.0
@@ -77,10 +78,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (command->trace.path == NULL) {
-            argp_error(state, "-o FILE says where the recording goes");
+            tool_misused(state, "-o FILE says where the recording goes");
         }
         if (command->seconds > 0 && command->steps > 0) {
-            argp_error(state, "--seconds and --steps exclude each other");
+            tool_misused(state, "--seconds and --steps exclude each other");
         }
         return 0;
     default:

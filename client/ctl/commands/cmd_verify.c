@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "json_text.h"
 #include "play_options.h"
 #include "verify.h"
 
@@ -176,7 +177,7 @@ static bool print_json(const struct verification *verification)
         ok = json_object_set_new(all, "witness", witness_json(&verification->witness)) ==
              0;
     }
-    ok = ok && json_dumpf(all, stdout, JSON_INDENT(2)) == 0 && putchar('\n') == '\n';
+    ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';
     json_decref(all);
     return ok;
 }

@@ -11,6 +11,7 @@
 #include <stdio.h>
 
 #include "ctl.h"
+#include "json_text.h"
 #include "link.h"
 
 static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
@@ -25,7 +26,7 @@ static void print(struct pccd_client *client)
     printf("library  libpccd %s\n", pccd_version());
     if (client != NULL) {
         printf("daemon   answers, process %u, %s\n", pccd_daemon_pid(client),
-               pccd_daemon_cpu(client));
+               tool_shown(pccd_daemon_cpu(client)));
     } else {
         printf("daemon   does not answer\n");
     }
@@ -42,7 +43,7 @@ static void print_json(struct pccd_client *client)
                                       (json_int_t)daemon.pid, "cpu", daemon.cpu,
                                       "protocol", (json_int_t)daemon.version));
     }
-    json_dumpf(object, stdout, JSON_INDENT(2));
+    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
     json_decref(object);
 }

@@ -13,6 +13,7 @@
 
 #include "ctl.h"
 #include "link.h"
+#include "shown.h"
 #include "terminal.h"
 
 #define COUNT_MAX 1000000000000u
@@ -70,7 +71,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (options->scene != 0 && options->session == 0) {
-            argp_error(state, "--scene needs --session: handles are a session's own");
+            tool_misused(state, "--scene needs --session: handles are a session's own");
         }
         return 0;
     default:

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "inspect_pack.h"
+#include "json_text.h"
 #include "report.h"
 
 #define FORMAT 1 /* of the data; data.js is in the same file, and asks nevertheless */
@@ -246,7 +247,7 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
 
 /* ---- the end ----------------------------------------------------------------------- */
 
-/* Bytes as text that JSON can hold: what is not UTF-8 becomes "?", what is too long is
+/* Bytes as text that JSON can hold: see json_text; what is too long is
  * cut. */
 static json_t *text_of(const char *bytes, size_t count)
 {
@@ -257,11 +258,7 @@ static json_t *text_of(const char *bytes, size_t count)
         used++;
     }
     text[used] = '\0';
-    json_t *value = json_string(text);
-    for (size_t i = 0; value == NULL && i < used; i++) {
-        text[i] = (text[i] & 0x80) != 0 || text[i] < ' ' ? '?' : text[i];
-    }
-    return value != NULL ? value : json_string(text);
+    return json_text(text);
 }
 
 static json_t *recording_of(const char *name, const struct play_summary *summary,

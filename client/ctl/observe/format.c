@@ -71,22 +71,6 @@ const char *format_ms(double milliseconds)
     return text;
 }
 
-const char *format_name(const char *name)
-{
-    static char text[256];
-    snprintf(text, sizeof text, "%s", name);
-    for (size_t i = 0; text[i] != '\0'; i++) {
-        unsigned char byte = (unsigned char)text[i];
-        unsigned char next = (unsigned char)text[i + 1];
-        if (byte < ' ' || byte == 0x7f) {
-            text[i] = '?';
-        } else if (byte == 0xc2 && next >= 0x80 && next < 0xa0) { /* of eight bits */
-            text[i] = text[i + 1] = '?';
-        }
-    }
-    return text;
-}
-
 const char *format_user(uint32_t uid)
 {
     char *text = place();

@@ -1,4 +1,4 @@
-/* client/ctl/observe/format.h - numbers and names as people read them.
+/* client/ctl/observe/format.h - numbers as people read them.
  *
  * Room:     client/ctl. May include: the C library.
  * Does:     short texts of counts, bytes and times, in one of a few static places.
@@ -19,8 +19,5 @@ const char *format_span(uint64_t nanoseconds);
 const char *format_ms(double milliseconds);
 /* The name of a user, or the number. */
 const char *format_user(uint32_t uid);
-/* A name that a client has chosen, of at most 255 bytes, without what would control a
- * terminal. Lives until the next one. */
-const char *format_name(const char *name);
 
 #endif

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "json_text.h"
 #include "report.h"
 
 #define COUNTERS_MAX 64u
@@ -220,7 +221,7 @@ static int print_json(FILE *to, const struct table *table)
         json_array_append_new(array, element);
     }
     bool ok = json_object_set_new(object, "thread_records", array) == 0 &&
-              json_dumpf(object, to, JSON_INDENT(2)) == 0 && fputc('\n', to) != EOF;
+              json_dumpf(object, to, JSON_TEXT_FLAGS) == 0 && fputc('\n', to) != EOF;
     json_decref(object);
     return ok ? PCCD_OK : PCCD_E_NOMEM;
 }

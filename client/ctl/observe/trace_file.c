@@ -8,12 +8,14 @@
  */
 #include "trace_file.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+#include "json_text.h"
+#include "output.h"
 
 #define LOOP_TID   1u
 #define TEAM_TID   2u         /* of the team's first thread */
@@ -226,16 +228,16 @@ int trace_file_begin(struct trace_file *trace, const struct trace_options *optio
 {
     struct timespec now;
     *trace = (struct trace_file){.path = options->path};
-    trace->file = strcmp(options->path, "-") == 0 ? stdout : fopen(options->path, "we");
-    if (trace->file == NULL) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", options->path,
-                             strerror(errno));
+    int status = output_open(&trace->whole, options->path, true, error);
+    if (status != PCCD_OK) {
+        return status;
     }
+    trace->file = trace->whole.to;
     trace->pid = pccd_daemon_pid(client);
     clock_gettime(CLOCK_MONOTONIC, &now);
     trace->origin_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
     fputs("{\"displayTimeUnit\":\"ms\",\n\"traceEvents\":[\n", trace->file);
-    int status = pccd_trace_start(client, options->events, options->min_us * 1000, NULL);
+    status = pccd_trace_start(client, options->events, options->min_us * 1000, NULL);
     return status == PCCD_OK ? PCCD_OK : fail(client, status, error);
 }
 
@@ -253,21 +255,17 @@ int trace_file_end(struct trace_file *trace, struct pccd_client *client,
     if (trace->is_short) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the clients' requests");
     }
-    errno = 0;
-    if (fflush(trace->file) != 0 || ferror(trace->file) != 0) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", trace->path,
-                             strerror(errno));
-    }
-    return PCCD_OK;
+    trace->file = NULL;
+    return output_finish(&trace->whole, trace->path, error);
 }
 
 void trace_file_report(const struct trace_file *trace, FILE *to, bool is_json)
 {
     if (is_json) {
-        json_t *object = json_pack("{s:s, s:I, s:I}", "file", trace->path, "events",
-                                   (json_int_t)trace->info.events, "lost",
+        json_t *object = json_pack("{s:o, s:I, s:I}", "file", json_text(trace->path),
+                                   "events", (json_int_t)trace->info.events, "lost",
                                    (json_int_t)trace->info.lost);
-        json_dumpf(object, to, JSON_INDENT(2));
+        json_dumpf(object, to, JSON_TEXT_FLAGS);
         fputc('\n', to);
         json_decref(object);
         return;
@@ -283,9 +281,10 @@ void trace_file_report(const struct trace_file *trace, FILE *to, bool is_json)
 
 void trace_file_deinit(struct trace_file *trace)
 {
-    if (trace->file != NULL && trace->file != stdout) {
+    if (trace->file != NULL && trace->file != trace->whole.to) {
         fclose(trace->file);
     }
+    whole_file_discard(&trace->whole);
     free(trace->requests);
     trace->file = NULL;
     trace->requests = NULL;

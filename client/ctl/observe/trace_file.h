@@ -1,6 +1,6 @@
 /* client/ctl/observe/trace_file.h - a recording as a file that Perfetto and Chrome open.
  *
- * Room:     client/ctl. May include: error.h, pccd.h.
+ * Room:     client/ctl. May include: error.h, pccd.h, whole_file.h.
  * Does:     one track for each thread of the daemon's team and one for its loop; for each
  *           client a group with as many tracks as it had requests at a time.
  * Does not: keep more than the clients' requests: the rest is written as it comes.
@@ -16,6 +16,7 @@
 
 #include "error.h"
 #include "pccd.h"
+#include "whole_file.h"
 
 #define TRACE_EVENTS_MAX (1u << 20)
 #define TRACE_MIN_US_MAX 1000000u
@@ -30,6 +31,7 @@ struct trace_options {
 struct trace_file {
     const char *path;
     FILE *file;
+    struct whole_file whole; /* what `file` goes to; tests give another */
     uint64_t origin_ns; /* of the file's times, CLOCK_MONOTONIC */
     uint32_t pid;       /* of the daemon */
     uint64_t count;     /* entries written */

@@ -77,7 +77,6 @@ int demo_picture_write(const struct demo_object objects[2],
     struct picture_mark *marks = malloc(((size_t)answer->count + 1) * sizeof(*marks));
     uint32_t mark_count = 0;
     if (marks == NULL) {
-        fclose(file);
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
     }
     for (uint64_t i = 0; i < answer->count; i++) {

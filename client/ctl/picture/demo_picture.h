@@ -25,8 +25,8 @@ struct demo_object {
     const struct pccd_edge *edges;
 };
 
-/* Cloth first, then ball. Writes to `file`, which is closed in every case; `path` is for
- * messages. Errors: E_NOMEM, E_SYSTEM. */
+/* Cloth first, then ball. Writes to `file`, whose name is `path`. Errors: E_NOMEM,
+ * E_SYSTEM. */
 int demo_picture_write(const struct demo_object objects[2],
                        const struct pccd_answer *answer, FILE *file, const char *path,
                        struct ctl_error *error);

@@ -60,16 +60,8 @@ struct picture {
     const struct picture_scale *scale; /* NULL: none */
 };
 
-/* Open for writing without emptying it, so that a fault is seen before the work is done.
- * Errors: E_SYSTEM. */
-int picture_open(const char *path, FILE **file, struct ctl_error *error);
-/* Close a file that will not be written; what picture_open made anew goes again. */
-void picture_discard(FILE *file, const char *path);
-/* An older and longer file must not show behind a new one. Errors: E_SYSTEM. */
-int picture_empty(FILE *file, const char *path, struct ctl_error *error);
-/* Render to `file`, whose name `path` is for messages, and close it, also on failure: a
- * PNG, or, where `path` ends with .svg, that with marks and legend as shapes and text.
- * Errors: E_SYSTEM, E_NOMEM. */
+/* Render to `file`, whose name is `path`: a PNG, or, where `path` ends with .svg, that
+ * with marks and legend as shapes and text. Errors: E_SYSTEM, E_NOMEM. */
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error);
 

@@ -15,6 +15,7 @@
 
 #include "ctl.h"
 #include "report.h"
+#include "shown.h"
 
 #define STEP_MAX    (1ull << 62)
 #define THREADS_MAX 1024u
@@ -52,7 +53,7 @@ static void parse_steps(const struct argp_state *state, const char *text,
         is_ok = false;
     }
     if (!is_ok || play->first == 0 || play->first > STEP_MAX || play->last > STEP_MAX) {
-        argp_error(state, "--steps: \"%s\" is not A..B with 1 <= A <= B", text);
+        tool_misused(state, "--steps: \"%s\" is not A..B with 1 <= A <= B", text);
     }
 }
 
@@ -73,7 +74,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
                 return 0;
             }
         }
-        argp_error(state, "--method: \"%s\" is not paper or wide", text);
+        tool_misused(state, "--method: \"%s\" is not paper or wide", text);
         return EINVAL;
     case OPTION_THREADS:
         options->play.threads =
@@ -84,13 +85,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_ARG:
         if (options->play.path != NULL) {
-            argp_error(state, "one recording at a time");
+            tool_misused(state, "one recording at a time");
         }
         options->play.path = text;
         return 0;
     case ARGP_KEY_END:
         if (options->play.path == NULL) {
-            argp_error(state, "which recording? pccdctl record makes one");
+            tool_misused(state, "which recording? pccdctl record makes one");
         }
         return 0;
     default:

@@ -16,6 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "json_text.h"
+#include "shown.h"
+
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
 
 struct taking {
@@ -203,14 +206,15 @@ void still_report(const struct still *still, const char *path, bool is_json)
     if (!is_json) {
         printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " objects, %" PRIu64
                " contacts\n",
-               path, still->step, still->t, still->object_count, still->contact_count);
+               tool_shown(path), still->step, still->t, still->object_count,
+               still->contact_count);
         return;
     }
-    json_t *object = json_pack("{s:s, s:I, s:f, s:I, s:I}", "file", path, "step",
-                               (json_int_t)still->step, "t", still->t, "objects",
+    json_t *object = json_pack("{s:o, s:I, s:f, s:I, s:I}", "file", json_text(path),
+                               "step", (json_int_t)still->step, "t", still->t, "objects",
                                (json_int_t)still->object_count, "contacts",
                                (json_int_t)still->contact_count);
-    json_dumpf(object, stdout, JSON_INDENT(2));
+    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
     json_decref(object);
 }

@@ -1,0 +1,39 @@
+/* client/ctl/output.c - the files that commands write.
+ *
+ * Room:     client/ctl.
+ * Does:     says which file it was, and why.
+ * Threads:  one.
+ * Source:   output.h.
+ */
+#include "output.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include "pccd_types.h"
+
+static int fail(const char *path, int cause, struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
+                         strerror(cause));
+}
+
+int output_open(struct whole_file *file, const char *path, bool takes_stdout,
+                struct ctl_error *error)
+{
+    bool is_stdout = takes_stdout && strcmp(path, "-") == 0;
+    int cause = whole_file_open(file, is_stdout ? "/dev/stdout" : path);
+    return cause == 0 ? PCCD_OK : fail(path, cause, error);
+}
+
+int output_finish(struct whole_file *file, const char *path, struct ctl_error *error)
+{
+    int cause = whole_file_finish(file);
+    return cause == 0 ? PCCD_OK : fail(path, cause, error);
+}
+
+int output_failed(const struct whole_file *file, const char *path,
+                  struct ctl_error *error)
+{
+    return fail(path, file->error != 0 ? file->error : EIO, error);
+}

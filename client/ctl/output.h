@@ -1,0 +1,25 @@
+/* client/ctl/output.h - the files that commands write.
+ *
+ * Room:     client/ctl. May include: error.h, whole_file.h.
+ * Does:     open and finish a file that appears whole or not at all, with a sentence for
+ *           the user where that fails.
+ * Does not: know what is in it.
+ * Threads:  one.
+ */
+#ifndef CTL_OUTPUT_H
+#define CTL_OUTPUT_H
+
+#include "error.h"
+#include "whole_file.h"
+
+/* Before the work, so that a name which cannot be written is told at once. `path` may be
+ * "-", the standard output, where `takes_stdout`. Errors: E_SYSTEM. */
+int output_open(struct whole_file *file, const char *path, bool takes_stdout,
+                struct ctl_error *error);
+/* Give it its name; after an error there is none. Errors: E_SYSTEM. */
+int output_finish(struct whole_file *file, const char *path, struct ctl_error *error);
+/* What a write that failed says. */
+int output_failed(const struct whole_file *file, const char *path,
+                  struct ctl_error *error);
+
+#endif

@@ -1,0 +1,153 @@
+#!/bin/bash
+# tests/integration/ctl_files.sh - files that pccdctl and pccd-load read and write (TAP).
+#
+# Room:     tests/integration.
+# Does:     gives them names that would control a terminal, a disk that is full, and files that
+#           are large and empty.
+# Does not: look into the files; ctl_record does.
+# Source:   client/man/pccdctl.1.scd, FILES.
+
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DAEMON:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-files-XXXXXX") || exit 99
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 99
+log=$work/log
+load=$top_builddir/pccd-load
+unset PCCD_URL PCCD_RECORD PCCD_RECORD_OPTIONS
+
+frame() { # HEIGHT
+    printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" "0.75 0.25 $((3 + $1))" \
+        "0.25 0.75 $((3 + $1))"
+    printf 'f 1 2 3\nf 4 5 6\n'
+}
+frame 1 >a.obj
+frame -1 >b.obj
+timeout 60 "$PCCDCTL" record -o some.rec --contacts -- \
+    "$PCCDCTL" load --private --times 3 a.obj b.obj >"$log" 2>&1 || exit 99
+has_page=yes
+timeout 60 "$PCCDCTL" inspect -o page.html some.rec 2>&1 | grep -q 'built without' && has_page=
+
+# If it failed, the name of a file could clear the screen of who works with it, or answer a
+# question for them. A name that is not UTF-8 would make JSON that is none.
+evil=$'\e[2J\x9b\xff'
+shown='\x1b[2J\x9b\xff'
+cp some.rec "$evil.rec"
+cp a.obj "$evil.obj"
+: >"$log"
+harmless() { # STATUS COMMAND...
+    local status=$1
+    shift
+    timeout 60 "$@" >out 2>err
+    [ $? -eq "$status" ] && cat out err | grep -qF "$shown" && ! cat out err | grep -q "$(printf '[\033\233]')" ||
+        { echo "not so: $*"; cat -v out err; } >>"$log"
+}
+harmless 4 "$PCCDCTL" replay "no$evil"
+harmless 4 "$PCCDCTL" check "no$evil" a.obj
+harmless 4 "$PCCDCTL" check "$evil.rec" a.obj
+harmless 0 "$PCCDCTL" check "$evil.obj" b.obj
+harmless 0 "$PCCDCTL" render --size 64x64 -o "$evil.png" "$evil.rec"
+harmless 0 "$PCCDCTL" export -o "$evil.glb" "$evil.rec"
+harmless 4 "$PCCDCTL" replay --steps 99 "$evil.rec"
+harmless 4 "$PCCDCTL" render -o "/nowhere/$evil.png" some.rec
+harmless 2 "$PCCDCTL" render -o "$evil.jpg" some.rec
+harmless 2 "$PCCDCTL" list "$evil"
+harmless 2 "$PCCDCTL" "$evil"
+harmless 3 "$PCCDCTL" ping --socket "$work/$evil"
+harmless 4 "$PCCDCTL" record -o "$evil.rec" -- true
+[ -z "$has_page" ] || harmless 0 "$PCCDCTL" inspect -o "$evil.html" some.rec
+harmless 4 "$load" --csv "/nowhere/$evil" --clients 1
+harmless 2 "$load" --clients "$evil"
+if command -v python3 >/dev/null; then
+    for command in "render --size 64x64 -o x$evil.png" "export -o x$evil.glb"; do
+        # shellcheck disable=SC2086 # words
+        timeout 60 "$PCCDCTL" $command --json some.rec >out 2>err &&
+            python3 -c 'import json; assert json.load(open("out"))["file"].startswith("x\\x1b")' ||
+            cat -v out err >>"$log"
+    done
+fi
+[ ! -s "$log" ]
+tap_result $? names__cannot_control_a_terminal "$log"
+
+# On a disk that holds 16 KiB: nothing is left of a file that does not fit, what was there before
+# stays, and the program says why. Run as root of a mount namespace of our own.
+cat >full.sh <<'EOF'
+mount -t tmpfs -o size=16k none full || exit 77
+attempt() { # FILE COMMAND...
+    file=$1
+    shift
+    for old in '' good; do
+        [ -z "$old" ] || printf good >"full/$file"
+        timeout 60 "$@" >out 2>err
+        status=$?
+        [ $status -eq 4 ] && grep -q 'No space left on device' err &&
+            [ "$(cat full/* 2>/dev/null)" = "$old" ] ||
+            { echo "$*: $status"; cat err; ls -l full; }
+        rm -f full/*
+    done
+}
+attempt a.png "$PCCDCTL" render -o full/a.png some.rec
+attempt a.svg "$PCCDCTL" render -o full/a.svg some.rec
+attempt a.glb "$PCCDCTL" export -o full/a.glb large.rec
+attempt a.vtp "$PCCDCTL" export -o full/a.vtp large.rec
+attempt a.png "$PCCDCTL" demo --steps 1 -o full/a.png
+[ -z "$has_page" ] || attempt a.html "$PCCDCTL" inspect -o full/a.html some.rec
+attempt a.csv "$PCCDCTL" check --contacts full/a.csv large0.obj large1.obj
+attempt a.json "$PCCDCTL" check --repeat 50 --trace full/a.json large0.obj large1.obj
+EOF
+# 2000 strips that meet a floor of one triangle each.
+for height in 1 -1; do
+    seq 2000 | awk -v h="$height" '{ x = 3 * $1
+        print "v", x, 0, 0; print "v", x + 1, 0, 0; print "v", x, 1, 0
+        print "v", x + .25, .25, h; print "v", x + .75, .25, 3 + h; print "v", x + .25, .75, 3 + h
+        f = f "f " 6 * $1 - 5 " " 6 * $1 - 4 " " 6 * $1 - 3 "\nf " 6 * $1 - 2 " " 6 * $1 - 1 " " 6 * $1 "\n" }
+        END { printf "%s", f }' >"large$((height < 0)).obj"
+done
+timeout 60 "$PCCDCTL" record -o large.rec --contacts -- \
+    "$PCCDCTL" load --private --times 1 large0.obj large1.obj >"$log" 2>&1
+mkdir full
+export PCCDCTL has_page
+if unshare --mount true 2>/dev/null; then
+    as_root=''
+else
+    as_root=--map-root-user
+fi
+# shellcheck disable=SC2086 # nothing or a word
+timeout 300 unshare $as_root --mount bash full.sh >"$log" 2>&1
+status=$?
+if grep -q '^mount: \|^unshare: ' "$log" || [ $status -eq 77 ]; then
+    tap_skip files__appear_whole_or_not_at_all "no disk can be mounted here"
+else
+    [ $status -eq 0 ] && [ ! -s "$log" ]
+    # If it failed, half a picture would be taken for one, or a good file be lost.
+    tap_result $? files__appear_whole_or_not_at_all "$log"
+fi
+
+# If it failed, somebody would wait for minutes, and for all of the memory, to be told what the
+# first lines of a file show.
+: >"$log"
+printf 'ply\nformat binary_little_endian 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n' >large.ply
+printf 'v 0 0 0\n' >holes.obj
+cp some.rec holes.rec
+head -c 100 some.rec >short.rec
+for file in large.ply holes.obj holes.rec short.rec; do
+    truncate -s 8G $file || { tap_skip files__are_judged_by_their_beginning "no sparse files"; tap_end; exit; }
+done
+too_large() { # STATUS TEXT COMMAND...
+    local status=$1 text=$2
+    shift 2
+    timeout 10 "$@" >out 2>err
+    [ $? -eq "$status" ] && grep -q "$text" err || { echo "not so: $*"; cat out err; } >>"$log"
+}
+too_large 4 'rows of element "vertex" take 12000000000 bytes or more, and 85899344[0-9]* of the file are left' \
+    "$PCCDCTL" check large.ply large.ply
+too_large 4 'holes.obj: byte 8 is zero' "$PCCDCTL" load holes.obj
+too_large 0 'holes.rec is cut off after byte' "$PCCDCTL" replay holes.rec
+too_large 4 'none of 0 steps\|damaged\|at byte' "$PCCDCTL" verify short.rec
+[ ! -s "$log" ]
+tap_result $? files__are_judged_by_their_beginning "$log"
+
+tap_end
