@@ -8,6 +8,7 @@ integration_names = \
     tests/integration/test_int_brief \
     tests/integration/test_int_choice \
     tests/integration/test_int_contract \
+    tests/integration/test_int_cut \
     tests/integration/test_int_deadline \
     tests/integration/test_int_death \
     tests/integration/test_int_direct \
@@ -78,6 +79,10 @@ tests_integration_test_int_choice_LDADD = $(integration_libs)
 tests_integration_test_int_contract_SOURCES = tests/integration/test_int_contract.c
 tests_integration_test_int_contract_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_contract_LDADD = $(integration_libs)
+
+tests_integration_test_int_cut_SOURCES = tests/integration/test_int_cut.c
+tests_integration_test_int_cut_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_cut_LDADD = $(integration_libs)
 
 tests_integration_test_int_deadline_SOURCES = tests/integration/test_int_deadline.c
 tests_integration_test_int_deadline_CPPFLAGS = $(integration_cppflags)
