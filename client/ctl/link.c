@@ -122,6 +122,9 @@ void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked)
     asked->timeout_ms = link->timeout_ms;
     asked->result_bytes = link->result_bytes;
     asked->no_autostart = link->policy == CTL_LINK_EXISTING;
+    if (link->is_private) {
+        unsetenv("PCCD_URL"); /* or the library would take its direct: for private */
+    }
     asked->private_daemon =
         link->is_private ||
         (link->url == NULL &&

@@ -7,6 +7,7 @@
  *           and which vertices pass the floor in a frame is known, so each is checked.
  * Threads:  one.
  */
+#define _POSIX_C_SOURCE 200809L /* for the clock's types, which -std=c11 hides */
 #include <math.h>
 #include <poll.h>
 #include <sys/timerfd.h>

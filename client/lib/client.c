@@ -214,7 +214,8 @@ static int choose_way(struct pccd_client *client, const struct pccd_options *opt
             return cli_fail(client, PCCD_E_NOMEM, "no memory for a name");
         }
     }
-    if (options->private_daemon) {
+    bool is_direct = url != NULL && strcmp(url, CLI_DIRECT_URL) == 0;
+    if (options->private_daemon && !is_direct) {
         link->way = CLI_WAY_PRIVATE;
         return 0;
     }
@@ -222,7 +223,7 @@ static int choose_way(struct pccd_client *client, const struct pccd_options *opt
         link->way = CLI_WAY_USER;
         return 0;
     }
-    if (strcmp(url, CLI_DIRECT_URL) == 0) {
+    if (is_direct) { /* of the process alone, as a private daemon is */
         link->way = CLI_WAY_DIRECT;
         link->patience_ns = 0; /* it is never lost */
         return 0;

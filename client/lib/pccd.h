@@ -74,13 +74,13 @@ struct pccd_options {
     size_t struct_bytes;   /* sizeof(struct pccd_options); 0 reads as that */
     const char *url;       /* "unix:PATH", or "direct:" for no daemon at all (see below);
                               NULL: $PCCD_URL, else the user's own socket */
-    const char *daemon;    /* program to start when nobody listens on the user's own
-                              socket; NULL: $PCCD_DAEMON, else pccdd beside the
-                              running program, installed, or in $PATH */
+    const char *daemon;    /* program to start for the user; NULL: $PCCD_DAEMON, else
+                              pccdd beside the running program, installed, or in $PATH */
     const char *name;      /* of this client, for the daemon's log; NULL: the program's */
     int timeout_ms;        /* of every call that waits, 1 .. 3600000; 0 = 30000 */
     bool no_autostart;     /* never start a daemon */
-    bool private_daemon;   /* start one of our own on a socket of our own, gone with us */
+    bool private_daemon;   /* start one of our own on a socket of our own, gone with us;
+                              $PCCD_URL counts only if it is direct:, which is private */
     uint32_t slot_count;   /* of the upload ring, 1 .. 16; 0 = 4 */
     uint64_t slot_bytes;   /* payload of one slot; 0 = grown to what is needed */
     uint64_t result_bytes; /* result region; 0 = 64 MiB */

@@ -52,6 +52,12 @@ start && timeout 60 "$PCCDCTL" record -o session.rec --contacts -- \
 [ $? -eq 7 ] && [ -s session.rec ] && [ ! -e other.rec ]
 report record__keeps_what_a_program_asks_and_its_exit_status
 
+# If it failed, a script would take a session that was never recorded for one that was.
+timeout 60 "$PCCDCTL" record -o other.rec -- true >"$log" 2>&1
+[ $? -eq 4 ] && grep -q 'nothing was recorded: the program has not connected' "$log" &&
+    [ ! -e other.rec ]
+report record__fails_when_nothing_was_recorded
+
 # If it failed, a ring of files would be larger than was asked for by what is registered, or
 # nobody would know which bound has ended it.
 {

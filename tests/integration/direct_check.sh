@@ -67,4 +67,13 @@ PCCD_DIRECT=/nonexistent timeout 60 "$PCCDCTL" ping --url=direct: >"$work/out" 2
 [ $? -ne 0 ] && [ ! -s "$work/out" ] && grep -q 'PCCD_DIRECT=/nonexistent' "$work/log"
 tap_result $? direct__missing_library_is_said_by_pccdctl "$work/log"
 
+# If this failed, --private would not start a daemon although the command line asks for one.
+is_direct() { # OPTION...: whether the process that asks is the one that answers
+    PCCD_URL=direct: timeout 60 bash -c 'echo $$ && exec "$0" ping -c 1 --json "$@"' "$PCCDCTL" \
+        "$@" >"$work/out" 2>"$work/log" || return 2
+    grep -q "\"pid\": $(head -n 1 "$work/out")," "$work/out"
+}
+is_direct && { is_direct --private; [ $? -eq 1 ]; }
+tap_result $? direct__gives_way_to_an_option "$work/log"
+
 tap_end

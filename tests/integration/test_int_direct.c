@@ -483,12 +483,36 @@ static void direct__missing_library_is_said(void **state)
     pccd_close(client);
 }
 
+/* If it failed, PCCD_URL=direct: would start a daemon for a program that wants one of its
+ * own, and nobody would hear of it; or another daemon would pass for its own. */
+static void direct__serves_who_asks_for_a_private_daemon(void **state)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    (void)state;
+    pccd_options_init(&options);
+    options.private_daemon = true;
+    (void)setenv("PCCD_URL", "direct:", 1);
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_string_equal(pccd_url(client), "direct:");
+    assert_int_equal(pccd_daemon_pid(client), getpid());
+    pccd_close(client);
+    (void)setenv("PCCD_URL", "unix:/nonexistent/pccd.sock", 1);
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(strncmp(pccd_url(client), "unix:", 5), 0);
+    assert_int_not_equal(pccd_daemon_pid(client), getpid());
+    pccd_close(client);
+    (void)unsetenv("PCCD_URL");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         /* Before any other has made a team: OpenMP's does not survive a fork. */
         cmocka_unit_test(direct__starts_no_thread_for_a_step_of_one),
         cmocka_unit_test(direct__missing_library_is_said),
+        cmocka_unit_test(direct__serves_who_asks_for_a_private_daemon),
         cmocka_unit_test(direct__copy_of_the_process_is_refused),
         cmocka_unit_test(direct__heeds_omp_num_threads),
         cmocka_unit_test(direct__answers_as_a_daemon_does),

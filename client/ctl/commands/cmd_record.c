@@ -117,7 +117,8 @@ const struct argp ctl_argp_record = {
     .doc = "Run a program that uses libpccd, and record everything that it asks and is "
            "answered.\vThe program needs no change: libpccd looks for $PCCD_RECORD. What "
            "is in the file survives the end of the program and of the daemon, however "
-           "they end. Exit status: that of the program, 128 + N when signal N ended it.",
+           "they end. Exit status: that of the program, 128 + N when signal N ended it; "
+           "4 when it ended with 0 and nothing was recorded.",
     .children = children};
 
 static int set_environment(const struct record_command *command)
@@ -302,8 +303,9 @@ static void report(const char *path, const struct record_command *command)
     record_reader_deinit(&reader);
 }
 
-static void report_all(const struct record_command *command,
-                       const bool was_there[FILES_MAX + 1])
+/* Returns an exit status: whether anything was recorded. */
+static int report_all(const struct record_command *command,
+                      const bool was_there[FILES_MAX + 1])
 {
     bool is_there[FILES_MAX + 1];
     uint32_t count = 0;
@@ -316,10 +318,9 @@ static void report_all(const struct record_command *command,
         }
         free(name);
     }
-    if (count == 0) {
-        ctl_complain("nothing was recorded: the program has not connected to a daemon "
-                     "through libpccd");
-    }
+    return count > 0 ? CTL_DONE
+                     : ctl_complain("nothing was recorded: the program has not connected "
+                                    "to a daemon through libpccd");
 }
 
 int ctl_cmd_record(int argc, char **argv)
@@ -339,7 +340,8 @@ int ctl_cmd_record(int argc, char **argv)
         status = run(command.command, &has_run);
     }
     if (has_run) {
-        report_all(&command, was_there);
+        int recorded = report_all(&command, was_there);
+        status = status != 0 ? status : recorded; /* the program's error comes first */
     }
     return status;
 }

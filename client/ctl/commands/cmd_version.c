@@ -3,7 +3,7 @@
  * Room:     client/ctl.
  * Does:     tells the versions of this tool and of the library, the daemon's process and
  *           its instruction set.
- * Does not: start a daemon, or fail when none runs.
+ * Does not: start a daemon, unless told to; fail when none answers that nobody named.
  * Threads:  one.
  * Source:   pccd.h.
  */
@@ -17,7 +17,8 @@
 static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_version = {
     .doc = "Tell the versions of this tool and of the library, and whether a daemon "
-           "answers.",
+           "answers.\vThe exit status is 0 without a daemon, too, unless an option asks "
+           "for one: --private, --url or --socket. Then it is 3.",
     .children = children};
 
 static void print(struct pccd_client *client)
@@ -55,7 +56,8 @@ int ctl_cmd_version(int argc, char **argv)
     if (argp_parse(&ctl_argp_version, argc, argv, 0, NULL, &query) != 0) {
         return CTL_USAGE;
     }
-    (void)ctl_link_open(&query.link, &client); /* says itself why there is none */
+    bool is_wanted = query.link.is_private || query.link.url != NULL;
+    int status = ctl_link_open(&query.link, &client); /* says itself why there is none */
     if (query.is_json) {
         print_json(client);
     } else {
@@ -63,5 +65,5 @@ int ctl_cmd_version(int argc, char **argv)
     }
     pccd_close(client);
     ctl_link_deinit(&query.link);
-    return CTL_DONE;
+    return is_wanted ? status : CTL_DONE;
 }
