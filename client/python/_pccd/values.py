@@ -94,7 +94,7 @@ class StepSettings:
     scheduler: int = Scheduler.DEFAULT
     high_level: int = HighLevel.DEFAULT
     refit: int = Refit.DEFAULT
-    tolerance: float = 0.0  # of toi_hi - toi, 1e-12 .. 1; 0 = 1e-6
+    tolerance: float = 0.0  # bounds toi_hi - toi from above, 1e-12 .. 1; 0 = 1e-6
     deadline_ns: int = 0  # after it the answer is incomplete; 0 = none
     hold: bool = False  # in a shared scene: move with the next step of another client,
     # which it is answered with, without records (scene_read has them); or at its
