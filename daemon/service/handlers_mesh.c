@@ -55,15 +55,11 @@ int srv_on_MESH_CREATE(struct srv_call *call)
         srv_resource_drop(&shape->resource); /* refunds it */
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a mesh");
     }
-    status = srv_session_handle(session, &session->meshes, mesh, request->want,
-                                &call->result.MESH_CREATE.mesh);
+    status = srv_session_handle(session, &session->meshes, "mesh", mesh, request->want,
+                                &call->result.MESH_CREATE.mesh, &call->error);
     if (status != 0) {
         srv_mesh_free(mesh);
-        if (request->want != 0) {
-            return proto_error_set(&call->error, status, "mesh 0x%x cannot be had",
-                                   request->want);
-        }
-        return proto_error_set(&call->error, status, "no handle for a mesh");
+        return status;
     }
     mesh->handle = call->result.MESH_CREATE.mesh;
     return 0;

@@ -81,16 +81,11 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
     }
     uint32_t want = call->params.SCENE_CREATE.want;
-    status = srv_session_handle(session, &session->scenes, scene, want,
-                                &call->result.SCENE_CREATE.scene);
+    status = srv_session_handle(session, &session->scenes, "scene", scene, want,
+                                &call->result.SCENE_CREATE.scene, &call->error);
     if (status != 0) {
         srv_resource_drop(&scene->resource);
-        if (want != 0) {
-            return proto_error_set(&call->error, status, "scene 0x%x cannot be had",
-                                   want);
-        }
-        return proto_error_set(&call->error, status, "a session has at most %u scenes",
-                               PROTO_SCENES_PER_CLIENT);
+        return status;
     }
     srv_scene_name(scene, call->result.SCENE_CREATE.scene);
     return 0;

@@ -326,18 +326,13 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
     struct srv_object *item = calloc(1, sizeof *item);
     uint32_t want = *object;
     status = item == NULL
-                 ? PCCD_E_NOMEM
-                 : srv_session_handle(session, &scene->objects, item, want, object);
+                 ? proto_error_set(error, PCCD_E_NOMEM, "no memory for an object")
+                 : srv_session_handle(session, &scene->objects, "object", item, want,
+                                      object, error);
     if (status != 0) {
         free(item);
         srv_quota_refund(&loop->quota, session->user, SRV_QUOTA_TRIANGLES, charge);
-        if (want != 0) {
-            return proto_error_set(error, status, "object 0x%x cannot be had", want);
-        }
-        return status == PCCD_E_LIMIT
-                   ? proto_error_set(error, status, "a scene has at most %u objects",
-                                     PROTO_OBJECTS_PER_SCENE)
-                   : proto_error_set(error, status, "no memory for an object");
+        return status;
     }
     item->handle = *object;
     item->charge = charge;

@@ -207,20 +207,37 @@ void srv_session_unlist(struct srv_session *session, struct srv_request *request
     session->loop->request_count--;
 }
 
-int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
-                       void *item, uint32_t want, uint32_t *handle)
+static int refuse_handle(const struct srv_handles *handles, const char *what,
+                         uint32_t want, int status, struct proto_error *error)
 {
+    if (status == PCCD_E_NOMEM) {
+        return proto_error_set(error, status, "no memory for another %s", what);
+    }
     if (want == 0) {
-        return srv_handles_add(handles, item, handle);
+        return proto_error_set(error, status, "no room for another %s: there are %u",
+                               what, handles->count);
     }
+    return proto_error_set(error, status, "%s 0x%x cannot be had: %s", what, want,
+                           status == PCCD_E_LIMIT
+                               ? "it would leave too many places empty before it"
+                               : "its place is taken, or there is no such handle");
+}
+
+int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
+                       const char *what, void *item, uint32_t want, uint32_t *handle,
+                       struct proto_error *error)
+{
     uint32_t skipped = 0;
-    int status = srv_handles_add_at(handles, item, want,
-                                    SRV_SKIPPED_MAX - session->skip_count, &skipped);
-    if (status == 0) {
-        session->skip_count += skipped;
-        *handle = want;
+    int status =
+        want == 0 ? srv_handles_add(handles, item, handle)
+                  : srv_handles_add_at(handles, item, want,
+                                       SRV_SKIPPED_MAX - session->skip_count, &skipped);
+    if (status != 0) {
+        return refuse_handle(handles, what, want, status, error);
     }
-    return status;
+    session->skip_count += skipped;
+    *handle = want == 0 ? *handle : want;
+    return 0;
 }
 
 void srv_session_hold(struct srv_session *session)

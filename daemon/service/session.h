@@ -106,10 +106,12 @@ void srv_session_open(struct srv_session *session, uint32_t version);
 
 void srv_session_enlist(struct srv_session *session, struct srv_request *request);
 void srv_session_unlist(struct srv_session *session, struct srv_request *request);
-/* A handle for `item` in a table of the session: `want`, or any when that is 0. Returns
- * 0, PCCD_E_HANDLE (`want` is in use, or none of ours), PCCD_E_LIMIT or PCCD_E_NOMEM. */
+/* A handle for `item`, a `what` ("scene"), in a table of the session: `want`, or any when
+ * that is 0. Returns 0, or with *error set PCCD_E_HANDLE (its place is taken, or it is
+ * none of ours), PCCD_E_LIMIT or PCCD_E_NOMEM. */
 int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
-                       void *item, uint32_t want, uint32_t *handle);
+                       const char *what, void *item, uint32_t want, uint32_t *handle,
+                       struct proto_error *error);
 
 /* The connection is lost: what is in flight is not answered over the next one unless it
  * comes again, so that answers keep the order of the requests. */

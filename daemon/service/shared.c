@@ -296,15 +296,11 @@ static int take_seat(struct srv_call *call, struct srv_shared *shared, uint32_t 
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory to take part");
     }
     uint32_t want = call->params.SCENE_CREATE.want;
-    int status =
-        srv_session_handle(session, &session->scenes, shared->scene, want, &seat->handle);
+    int status = srv_session_handle(session, &session->scenes, "scene", shared->scene,
+                                    want, &seat->handle, &call->error);
     if (status != 0) {
         free(seat);
-        return want != 0 ? proto_error_set(&call->error, status,
-                                           "scene 0x%x cannot be had", want)
-                         : proto_error_set(&call->error, status,
-                                           "a session has at most %u scenes",
-                                           PROTO_SCENES_PER_CLIENT);
+        return status;
     }
     srv_resource_acquire(&shared->scene->resource);
     seat->shared = shared;

@@ -155,6 +155,30 @@ static void status__what_needs_the_ring_is_refused_before_it(void **state)
     refuse(PROTO_METHOD_TRACE_DUMP, &dump, PCCD_E_STATE, "");
 }
 
+/* If it failed, who brings handles back to another daemon would not learn why one cannot
+ * be had, or what a scene may have would be said to be something else. */
+static void status__a_handle_that_cannot_be_had_says_why(void **state)
+{
+    struct proto_SCENE_CREATE_request create = {.share = 0};
+    struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
+    struct proto_MESH_CREATE_result announced;
+    (void)state;
+    assert_int_equal(test_raw_hello(&raw), 0);
+    call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
+    announce.want = announced.mesh;
+    refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_HANDLE, "place is taken");
+    announce.want = announced.mesh + 3000;
+    refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_LIMIT, "places empty");
+    announce.want = announced.mesh + 7;
+    call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
+    assert_int_equal(announced.mesh, announce.want);
+    for (uint32_t i = 0; i < PROTO_SCENES_PER_CLIENT; i++) {
+        call(PROTO_METHOD_SCENE_CREATE, &create, NULL);
+    }
+    refuse(PROTO_METHOD_SCENE_CREATE, &create, PCCD_E_LIMIT,
+           "another scene: there are 64");
+}
+
 /* ---- fields that are not needed ---------------------------------------------------- */
 
 /* If it failed, a client would take a counter that is left out for one that the daemon
@@ -505,6 +529,7 @@ int main(void)
         TEST(hello__upside_down_or_twice_is_refused_and_nothing_is_lost),
         TEST(status__a_shared_scene_that_is_not_there_is_again),
         TEST(status__what_needs_the_ring_is_refused_before_it),
+        TEST(status__a_handle_that_cannot_be_had_says_why),
         TEST(stats__leave_out_what_is_zero_and_not_needed),
         TEST(done_seq__counts_lists_of_pairs_and_no_other_lists),
         TEST(answer__fields_outside_their_mode_are_as_said),
