@@ -34,7 +34,10 @@ _Static_assert(sizeof(struct header) <= HEADER_BYTES, "it stands before the bloc
 static atomic_uint_fast64_t alloc_count;
 static atomic_uint_fast64_t alloc_bytes;
 static atomic_uint_fast64_t byte_limit = UINT64_MAX;
+static atomic_uint_fast64_t byte_ceiling = UINT64_MAX;
 static atomic_uint_fast64_t refused_count;
+static atomic_uint_fast64_t ceiling_hits;
+static atomic_uint_fast64_t ceiling_asked; /* by the last of these */
 
 /* The first aligned place of a block of malloc. */
 static unsigned char *align(void *origin)
@@ -49,8 +52,15 @@ static bool charge(size_t total)
     /* Relaxed: the counters order nothing. */
     uint64_t before =
         atomic_fetch_add_explicit(&alloc_bytes, total, memory_order_relaxed);
-    if (before + total <= atomic_load_explicit(&byte_limit, memory_order_relaxed)) {
+    bool is_too_high =
+        before + total > atomic_load_explicit(&byte_ceiling, memory_order_relaxed);
+    if (!is_too_high &&
+        before + total <= atomic_load_explicit(&byte_limit, memory_order_relaxed)) {
         return true;
+    }
+    if (is_too_high) {
+        atomic_store_explicit(&ceiling_asked, total, memory_order_relaxed);
+        atomic_fetch_add_explicit(&ceiling_hits, 1, memory_order_relaxed);
     }
     atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
     atomic_fetch_add_explicit(&refused_count, 1, memory_order_relaxed);
@@ -124,4 +134,15 @@ uint64_t eng_alloc_limit(uint64_t bytes)
 {
     atomic_store_explicit(&byte_limit, bytes, memory_order_relaxed);
     return atomic_load_explicit(&refused_count, memory_order_relaxed);
+}
+
+void eng_alloc_ceiling(uint64_t bytes)
+{
+    atomic_store_explicit(&byte_ceiling, bytes, memory_order_relaxed);
+}
+
+uint64_t eng_alloc_ceiling_hits(uint64_t *asked)
+{
+    *asked = atomic_load_explicit(&ceiling_asked, memory_order_relaxed);
+    return atomic_load_explicit(&ceiling_hits, memory_order_relaxed);
 }

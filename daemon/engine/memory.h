@@ -28,4 +28,11 @@ uint64_t eng_alloc_bytes(void);
  * UINT64_MAX: none. Returns how many have failed for that since the start. */
 uint64_t eng_alloc_limit(uint64_t bytes);
 
+/* A second bound of the same bytes, besides that limit, which another thread may lower
+ * and raise at any time. */
+void eng_alloc_ceiling(uint64_t bytes);
+/* How many have failed for that since the start, which count as failed for the limit, and
+ * the bytes that the last of them asked for. */
+uint64_t eng_alloc_ceiling_hits(uint64_t *asked);
+
 #endif

@@ -37,6 +37,7 @@ enum {
     OPT_MESHES,
     OPT_TRIANGLES,
     OPT_MEMORY,
+    OPT_MEMORY_TOTAL,
     OPT_ALLOW_UID,
     OPT_ALLOW_GID,
     OPT_CONTACTS,
@@ -102,8 +103,13 @@ static const struct argp_option option_table[] = {
      "triangles of meshes and objects (default 64000000)", 3},
     {"memory-max-mib", OPT_MEMORY, "MIB", 0,
      "memory of meshes, hierarchies and answers (default: half of the machine's)", 3},
+    {NULL, 0, NULL, 0, "Bounds of all users together:", 4},
+    {"memory-total-mib", OPT_MEMORY_TOTAL, "MIB", 0,
+     "shared memory, and memory of meshes, hierarchies and answers (default: three "
+     "quarters of the machine's)",
+     4},
     {"connections-max", OPT_CONNECTIONS, "N", 0,
-     "connections of all users; more wait to be accepted (default 1024)", 3},
+     "connections; more wait to be accepted (default 1024)", 4},
     {NULL, 0, NULL, 0, NULL, 0},
 };
 
@@ -156,6 +162,10 @@ static error_t parse_limit(int key, const char *text, const struct argp_state *s
         return 0;
     case OPT_MEMORY:
         options->engine_bytes_max = number(state, "memory-max-mib", text, 1, 1u << 24)
+                                    << 20;
+        return 0;
+    case OPT_MEMORY_TOTAL:
+        options->memory_total_max = number(state, "memory-total-mib", text, 1, 1u << 24)
                                     << 20;
         return 0;
     case OPT_CONTACTS:
@@ -294,6 +304,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
                   [SRV_QUOTA_MESHES] = PROTO_MESHES_PER_UID,
                   [SRV_QUOTA_TRIANGLES] = PROTO_TRIANGLES_PER_UID},
         .engine_bytes_max = half_of_memory(),
+        .memory_total_max = half_of_memory() / 2 * 3,
         .grace_s = 10,
         .crashes_max = SRV_CRASHES_MAX,
         .linger_s = PROTO_LINGER_S,

@@ -42,6 +42,9 @@
       "triangles of meshes and objects of "                                              \
       "one user")                                                                        \
     X(MEMORY, "memory-max-mib", 1, 1u << 24, "MiB that the engine holds for one user")   \
+    X(MEMORY_TOTAL, "memory-total-mib", 1, 1u << 24,                                     \
+      "MiB of memory of all users, "                                                     \
+      "shared and the engine's")                                                         \
     X(CONNECTIONS, "connections-max", 1, 0,                                              \
       "connections of all users, up to those at "                                        \
       "the start")
@@ -112,6 +115,8 @@ static uint64_t read_value(const struct srv_options *options, enum setting setti
         return quota[SRV_QUOTA_TRIANGLES];
     case SETTING_MEMORY:
         return options->engine_bytes_max >> MIB_SHIFT;
+    case SETTING_MEMORY_TOTAL:
+        return options->memory_total_max >> MIB_SHIFT;
     case SETTING_CONNECTIONS:
         return options->connections_max;
     case SETTING_COUNT:
@@ -172,6 +177,10 @@ static void write_value(struct srv_loop *loop, enum setting setting, uint64_t va
         break;
     case SETTING_MEMORY:
         live->engine_bytes_max = value << MIB_SHIFT;
+        break;
+    case SETTING_MEMORY_TOTAL:
+        live->memory_total_max = value << MIB_SHIFT;
+        srv_quota_bound_memory(&loop->quota, live->memory_total_max);
         break;
     case SETTING_CONNECTIONS:
         live->connections_max = (uint32_t)value;

@@ -16,6 +16,8 @@ void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *us
     uint64_t used = atomic_load_explicit(&user->engine_bytes, memory_order_relaxed);
     *memory =
         (struct srv_enginemem){.user = user, .limit = limit, .before = eng_alloc_bytes()};
+    uint64_t asked;
+    memory->ceiling_hits = eng_alloc_ceiling_hits(&asked);
     memory->refused = eng_alloc_limit(memory->before + (used < limit ? limit - used : 0));
 }
 
@@ -36,6 +38,10 @@ int srv_enginemem_explain(struct srv_enginemem *memory, int status,
     bool refused = srv_enginemem_end(memory);
     if (status != PCCD_E_NOMEM || !refused) {
         return status;
+    }
+    uint64_t asked;
+    if (eng_alloc_ceiling_hits(&asked) != memory->ceiling_hits) {
+        return srv_quota_refuse_memory(memory->user->quota, error, asked);
     }
     return proto_error_set(
         error, PCCD_E_QUOTA,

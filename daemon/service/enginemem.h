@@ -20,6 +20,7 @@ struct srv_enginemem {
     uint64_t limit; /* bytes of one user */
     uint64_t before;
     uint64_t refused;
+    uint64_t ceiling_hits;
 };
 
 void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *user,
@@ -28,8 +29,8 @@ void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *us
 /* Returns whether the quota has refused memory since. */
 bool srv_enginemem_end(struct srv_enginemem *memory);
 
-/* The status of a work that ended with `status`: a lack of memory that was the quota's is
- * PCCD_E_QUOTA, with *error naming user, amount and limit. */
+/* The status of a work that ended with `status`: a lack of memory that was the quota's,
+ * or the bound's of all users, is PCCD_E_QUOTA, with *error naming amount and limit. */
 int srv_enginemem_explain(struct srv_enginemem *memory, int status,
                           struct proto_error *error);
 

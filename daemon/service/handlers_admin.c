@@ -39,6 +39,8 @@ int srv_on_STATS(struct srv_call *call)
         srv_compute_queued(&loop->compute) + srv_compute_queued(&loop->pages);
     result->allocs = eng_alloc_count();
     result->engine_bytes_now = eng_alloc_bytes();
+    result->memory_bytes_max = loop->options->memory_total_max;
+    result->memory_refusals = loop->quota.refusals;
     strcpy(result->cpu, eng_kernels()->name);
     return 0;
 }

@@ -32,6 +32,7 @@ int srv_loop_init(struct srv_loop *loop, const struct srv_options *options)
     loop->epoch = make_epoch();
     eng_places_init(&loop->places);
     srv_quota_init(&loop->quota, options->quota);
+    srv_quota_bound_memory(&loop->quota, options->memory_total_max);
     loop->decoder = proto_decoder_new();
     loop->encoder = malloc(sizeof *loop->encoder);
     loop->reply_encoder = malloc(sizeof *loop->reply_encoder);

@@ -52,6 +52,7 @@ struct srv_options {
     uint32_t queue_max;       /* requests that wait for the compute thread */
     _Atomic uint64_t contacts_max; /* records kept for one answer */
     uint64_t quota[SRV_QUOTA_COUNT];
+    uint64_t memory_total_max; /* of all users, shared and the engine's; 0: no bound */
     struct srv_allow allow;
     _Atomic uint64_t engine_bytes_max; /* that the engine holds for one user
                                           (enginemem.h) */

@@ -1,7 +1,9 @@
-/* quota.c - what one user may take.
+/* quota.c - what one user may take, and all of them together.
  *
  * Room:     service. See quota.h.
- * Does:     a short list of users, searched once per connection.
+ * Does:     a short list of users, searched once per connection. What is left of the
+ *           memory of all users beside what is shared is the engine's ceiling: of two
+ *           that ask at once, on two threads, no more than there is gets any.
  * Does not: forgive: a refund of more than was charged is our bug.
  * Threads:  [loop].
  */
@@ -11,6 +13,7 @@
 #include <string.h>
 
 #include "invariant.h"
+#include "memory.h"
 
 static const char *const kind_names[SRV_QUOTA_COUNT] = {
     "clients", "bytes of shared memory", "meshes", "triangles"};
@@ -21,9 +24,62 @@ void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUN
     memcpy(quota->limit, limit, sizeof quota->limit);
 }
 
+/* What the engine may have. */
+static uint64_t memory_left(const struct srv_quota *quota)
+{
+    uint64_t shared = quota->total[SRV_QUOTA_SHM_BYTES];
+    return quota->memory_max == 0       ? UINT64_MAX
+           : quota->memory_max > shared ? quota->memory_max - shared
+                                        : 0;
+}
+
+void srv_quota_bound_memory(struct srv_quota *quota, uint64_t bytes)
+{
+    quota->memory_max = bytes;
+    eng_alloc_ceiling(memory_left(quota));
+}
+
+/* Add to, or take from, the memory that is shared. */
+static void share(struct srv_quota *quota, uint64_t more, uint64_t less)
+{
+    quota->total[SRV_QUOTA_SHM_BYTES] += more - less;
+    atomic_store_explicit(&quota->shared, quota->total[SRV_QUOTA_SHM_BYTES],
+                          memory_order_relaxed);
+    eng_alloc_ceiling(memory_left(quota));
+}
+
+int srv_quota_refuse_memory(struct srv_quota *quota, struct proto_error *error,
+                            uint64_t amount)
+{
+    uint64_t shared = atomic_load_explicit(&quota->shared, memory_order_relaxed);
+    uint64_t max = atomic_load_explicit(&quota->memory_max, memory_order_relaxed);
+    atomic_fetch_add_explicit(&quota->refusals, 1, memory_order_relaxed);
+    return proto_error_set(error, PCCD_E_QUOTA,
+                           "all users have %llu MiB of memory, %llu KiB more exceed the "
+                           "bound of %llu MiB (pccdd --memory-total-mib)",
+                           (unsigned long long)((shared + eng_alloc_bytes()) >> 20),
+                           (unsigned long long)((amount + 1023) >> 10),
+                           (unsigned long long)(max >> 20));
+}
+
+static int share_more(struct srv_quota *quota, uint64_t amount, struct proto_error *error)
+{
+    uint64_t shared = quota->total[SRV_QUOTA_SHM_BYTES];
+    share(quota, amount, 0);
+    uint64_t held = eng_alloc_bytes();
+    if (quota->memory_max == 0 ||
+        (shared + amount <= quota->memory_max && held <= memory_left(quota))) {
+        return 0;
+    }
+    share(quota, 0, amount);
+    quota->is_beyond = amount > quota->memory_max;
+    return srv_quota_refuse_memory(quota, error, amount);
+}
+
 void srv_quota_deinit(struct srv_quota *quota)
 {
     PCCD_ASSERT(quota->users == NULL);
+    eng_alloc_ceiling(UINT64_MAX);
 }
 
 struct srv_quota_user *srv_quota_acquire(struct srv_quota *quota, uid_t uid)
@@ -38,6 +94,7 @@ struct srv_quota_user *srv_quota_acquire(struct srv_quota *quota, uid_t uid)
             return NULL;
         }
         user->uid = uid;
+        user->quota = quota;
         user->next = quota->users;
         quota->users = user;
     }
@@ -77,8 +134,15 @@ int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
                                kind_names[kind], (unsigned long long)amount,
                                (unsigned long long)limit);
     }
+    if (kind == SRV_QUOTA_SHM_BYTES && amount > 0) {
+        int status = share_more(quota, amount, error);
+        if (status != 0) {
+            return status;
+        }
+    } else {
+        quota->total[kind] += amount;
+    }
     user->used[kind] += amount;
-    quota->total[kind] += amount;
     return 0;
 }
 
@@ -87,7 +151,11 @@ void srv_quota_refund(struct srv_quota *quota, struct srv_quota_user *user,
 {
     PCCD_ASSERT(user->used[kind] >= amount && quota->total[kind] >= amount);
     user->used[kind] -= amount;
-    quota->total[kind] -= amount;
+    if (kind == SRV_QUOTA_SHM_BYTES) {
+        share(quota, 0, amount);
+    } else {
+        quota->total[kind] -= amount;
+    }
 }
 
 uint64_t srv_triangle_charge(uint32_t vertex_count, uint32_t triangle_count)

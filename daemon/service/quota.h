@@ -1,11 +1,12 @@
-/* quota.h - what one user may take.
+/* quota.h - what one user may take, and all of them together.
  *
- * Room:     service. May include: compute.h, the protocol's headers.
+ * Room:     service. May include: compute.h, the protocol's and the engine's headers.
  * Does:     count clients, shared memory, meshes and triangles per user id; every amount
  *           is charged before what it stands for is allocated, and released after it is
- *           freed.
+ *           freed. Bound the memory of all users: what is shared and what the engine
+ *           holds.
  * Does not: allocate anything itself but its own entries, one per user with a charge;
- *           bound the engine's memory (enginemem.h).
+ *           bound the engine's memory of one user (enginemem.h).
  * Threads:  [loop].
  */
 #ifndef SRV_QUOTA_H
@@ -27,8 +28,11 @@ enum srv_quota_kind {
     SRV_QUOTA_COUNT = 4
 };
 
+struct srv_quota;
+
 struct srv_quota_user {
     struct srv_quota_user *next;
+    struct srv_quota *quota;
     uid_t uid;
     uint32_t refs;          /* sessions */
     uint32_t leaving;       /* of these, over, and not freed yet */
@@ -45,24 +49,37 @@ struct srv_quota {
     uint64_t limit[SRV_QUOTA_COUNT]; /* per user */
     uint64_t total[SRV_QUOTA_COUNT]; /* over all users */
     struct srv_quota_user *users;    /* at most one per open session */
+    /* Of all users, relaxed, for [compute] only says them: */
+    _Atomic uint64_t memory_max; /* shared and the engine's; 0: no bound */
+    _Atomic uint64_t shared;     /* as total[SRV_QUOTA_SHM_BYTES] */
+    _Atomic uint64_t refusals;   /* for memory_max */
     bool is_beyond; /* what was refused last is more than any user may have */
 };
 
 void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUNT]);
 void srv_quota_deinit(struct srv_quota *quota); /* every user must have been released */
 
+/* From now on all users together have at most so many bytes of memory; 0: no bound. What
+ * they have already stays. */
+void srv_quota_bound_memory(struct srv_quota *quota, uint64_t bytes);
+
 /* The entry of `uid`, made when there is none. NULL: no memory. */
 struct srv_quota_user *srv_quota_acquire(struct srv_quota *quota, uid_t uid);
 /* The entry goes with its last reference; nothing may be charged to it then. */
 void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user);
 
-/* Returns 0, or PCCD_E_QUOTA with *error naming user, amounts and limit; nothing is
- * charged then. */
+/* Returns 0, or PCCD_E_QUOTA with *error naming user, or all of them, amounts and limit;
+ * nothing is charged then. */
 int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
                      enum srv_quota_kind kind, uint64_t amount,
                      struct proto_error *error);
 void srv_quota_refund(struct srv_quota *quota, struct srv_quota_user *user,
                       enum srv_quota_kind kind, uint64_t amount);
+
+/* Count and explain a refusal for the bound of all users, of so many bytes. Returns
+ * PCCD_E_QUOTA. [any] */
+int srv_quota_refuse_memory(struct srv_quota *quota, struct proto_error *error,
+                            uint64_t amount);
 
 /* What a mesh, or an object made of it, is charged: its triangles, or a third of its
  * vertices where that is more (a soup has three a triangle), so that vertices are bounded

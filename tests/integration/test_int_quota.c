@@ -1,22 +1,29 @@
-/* test_int_quota.c - the quota of the engine's memory.
+/* test_int_quota.c - the quota of the engine's memory, and the bound of all users.
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     meshes and answers that do not fit, and what is left afterwards. Other quotas
- *           are in test_int_session.c and test_int_replace.c.
- * Threads:  one.
+ * Does:     meshes and answers that do not fit, and what is left afterwards; the bound of
+ *           all users. Other quotas are in test_int_session.c and test_int_replace.c.
+ * Threads:  one; a child becomes another user.
  */
+#include <grp.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "messages.h"
+#include "raw.h"
 
 #define FLOORS   200u
 #define SIDE     40u
@@ -165,12 +172,106 @@ static void memory__of_meshes_and_hierarchies_is_bounded(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+#define RING_MIB 60u
+
+/* In a child, as another user where that can be: take a ring of RING_MIB, and stay. */
+static void take_ring(const struct test_daemon *daemon, int told)
+{
+    static struct test_raw raw;
+
+    test_end_with_parent();
+    if (geteuid() == 0 && (setgroups(0, NULL) != 0 || setuid(65534) != 0)) {
+        _exit(1);
+    }
+    test_end_with_parent();
+    if (test_raw_open(&raw, daemon->socket) && test_raw_hello(&raw) == 0 &&
+        test_raw_attach(&raw, 1, RING_MIB << 20) == 0 && write(told, "1", 1) == 1) {
+        (void)pause();
+    }
+    _exit(1);
+}
+
+/* If it failed, users who each keep to their quotas could together take all the memory
+ * that the machine has. */
+static void memory__of_all_users_is_bounded(void **state)
+{
+    static const char *const options[] = {"--memory-total-mib", "96", "--allow-uid",
+                                          "65534", NULL};
+    static struct test_raw raw;
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct test_grid grid;
+    struct test_crossing crossing;
+    uint64_t max_mib;
+    char text[64];
+    int told[2];
+    char byte;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    assert_int_equal(chmod(daemon.directory, 0755), 0);
+    assert_int_equal(pipe(told), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        take_ring(&daemon, told[1]);
+    }
+    assert_int_equal(read(told[0], &byte, 1), 1);
+    assert_true(test_raw_open(&raw, daemon.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_attach(&raw, 1, RING_MIB << 20), PCCD_E_QUOTA);
+    assert_non_null(strstr(raw.error.text, "all users have "));
+    assert_non_null(strstr(raw.error.text, "the bound of 96 MiB"));
+    assert_non_null(strstr(raw.error.text, "--memory-total-mib"));
+
+    /* The engine's memory counts, too: what is shared leaves less for it. */
+    struct proto_CONFIG_SET_request more = {.name = "memory-total-mib", .value = "256"};
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &more, NULL), 0);
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_stat(client, "memory_bytes_max"), 256u << 20);
+    assert_int_equal(test_stat(client, "memory_refusals"), 1);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_true(test_crossing_turn(&crossing)); /* its ring is there */
+    max_mib = (test_stat(client, "shm_bytes_now") >> 20) + 12;
+    (void)snprintf(text, sizeof(text), "%llu", (unsigned long long)max_mib);
+    assert_int_equal(pccd_config_set(client, "memory-total-mib", text), 0);
+    int rc = test_grid_make(client, 300, &grid); /* 178 802 triangles */
+    if (rc == 0) {
+        struct pccd_answer answer;
+        uint64_t step = 0;
+
+        rc = test_grid_submit(&grid, NULL, &step);
+        rc = rc != 0 ? rc : pccd_wait(client, step, 60000, &answer);
+    }
+    assert_int_equal(rc, PCCD_E_QUOTA);
+    (void)snprintf(text, sizeof(text), "the bound of %llu MiB",
+                   (unsigned long long)max_mib);
+    assert_non_null(strstr(pccd_error_text(client), text));
+    assert_true(test_crossing_turn(&crossing)); /* others go on */
+    assert_true(test_stat(client, "memory_refusals") > 1);
+    assert_true(test_stat(client, "engine_bytes_now") +
+                    test_stat(client, "shm_bytes_now") <=
+                max_mib << 20);
+    test_grid_free(&grid);
+    pccd_close(client);
+    (void)strcpy(more.value, "400");
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &more, NULL), 0);
+    assert_int_equal(test_raw_attach(&raw, 1, RING_MIB << 20), 0);
+    test_raw_close(&raw);
+    assert_int_equal(kill(child, SIGKILL), 0);
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    (void)close(told[0]);
+    (void)close(told[1]);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory__of_answers_is_bounded),
         cmocka_unit_test(memory__within_the_quota_answers_are_whole),
         cmocka_unit_test(memory__of_meshes_and_hierarchies_is_bounded),
+        cmocka_unit_test(memory__of_all_users_is_bounded),
     };
 
     return cmocka_run_group_tests_name("quota", tests, NULL, NULL);
