@@ -64,12 +64,14 @@ libctl_la_SOURCES = \
     client/ctl/observe/stats_threads.c client/ctl/observe/stats_threads.h \
     client/ctl/observe/trace_file.c client/ctl/observe/trace_file.h \
     client/ctl/picture/cloth_scene.c client/ctl/picture/cloth_scene.h \
+    client/ctl/picture/crease.c client/ctl/picture/crease.h \
     client/ctl/picture/demo_picture.c client/ctl/picture/demo_picture.h \
     client/ctl/picture/picture.c client/ctl/picture/picture.h \
     client/ctl/picture/picture_canvas.h \
     client/ctl/picture/picture_file.c \
     client/ctl/picture/picture_svg.c \
     client/ctl/picture/raster.c client/ctl/picture/raster.h \
+    client/ctl/picture/viewpoint.c client/ctl/picture/viewpoint.h \
     client/ctl/record/answers.c client/ctl/record/answers.h \
     client/ctl/record/drive.c client/ctl/record/drive.h \
     client/ctl/record/play.c client/ctl/record/play.h \

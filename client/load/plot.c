@@ -11,6 +11,8 @@
 #include <signal.h>
 #include <stdlib.h>
 
+#include "plural.h"
+
 /* Of the percentiles' axis: 0.9 is one, 0.99 is two. */
 #define NINES_STEP 0.05
 #define NINES_MAX  5.0
@@ -60,13 +62,13 @@ static void send_commands(FILE *pipe, const struct load *load,
     const struct load_settings *settings = &load->settings;
     fprintf(pipe, "set terminal pngcairo size 1000,800\n");
     fprintf(pipe,
-            "set multiplot layout 2,1 title \"%u clients, %u to %u triangles, %s\"\n"
+            "set multiplot layout 2,1 title \"%u %s, %u to %u triangles, %s\"\n"
             "set grid\nset ylabel \"ms\"\nset key left top\nset logscale y\n"
             "set xlabel \"percentile\"\n"
             "set xtics (\"0\" 0, \"90\" 1, \"99\" 2, \"99.9\" 3, \"99.99\" 4, "
             "\"99.999\" 5)\n",
-            settings->clients, settings->sizes.parts[0].low,
-            load_sizes_largest(&settings->sizes),
+            settings->clients, proto_plural(settings->clients, "client", "clients"),
+            settings->sizes.parts[0].low, load_sizes_largest(&settings->sizes),
             settings->hz > 0 ? "open loop" : "closed loop");
     fprintf(pipe,
             "set xrange [0:%g]\nplot $percentiles with lines lw 2 title \"latency\"",

@@ -9,6 +9,8 @@
 #include <inttypes.h>
 #include <stdio.h>
 
+#include "plural.h"
+
 static void print_counts(const struct load_findings *f)
 {
     printf("%-20s %12s %12s\n", "", "clients", "victims");
@@ -71,8 +73,9 @@ static void print_memory(const struct load_findings *f)
     static const char *const names[] = {"memory KiB", "descriptors", "mappings"};
     for (enum load_gauge gauge = 0; gauge < LOAD_GAUGES; gauge++) {
         const struct load_slope *slope = &f->slopes[gauge];
-        printf("%-20s %12.0f  floor; %+.3f +- %.3f a minute (%zu minutes)%s\n",
-               names[gauge], slope->mean, slope->per_min, slope->error, slope->count,
+        printf("%-20s %12.0f  floor; %+.3f +- %.3f a minute (%zu %s)%s\n", names[gauge],
+               slope->mean, slope->per_min, slope->error, slope->count,
+               proto_plural(slope->count, "minute", "minutes"),
                f->grows[gauge]                         ? " GROWS"
                : slope->count >= LOAD_WATCH_FLOORS_MIN ? ""
                                                        : " too short");
@@ -85,10 +88,12 @@ static void print_memory(const struct load_findings *f)
 void load_report_text(const struct load_findings *f)
 {
     const struct load_settings *settings = &f->load->settings;
-    printf("%-20s %12u  in %u processes, %.1f s\n", "clients", settings->clients,
-           settings->processes, f->outcome->seconds);
-    printf("%-20s %12" PRIu64 "  clients, and %" PRIu64 " workers of the daemon\n",
-           "killed", f->assault->kills, f->assault->crashes);
+    printf("%-20s %12u  in %u %s, %.1f s\n", "clients", settings->clients,
+           settings->processes, proto_plural(settings->processes, "process", "processes"),
+           f->outcome->seconds);
+    printf("%-20s %12" PRIu64 "  %s, and %" PRIu64 " %s of the daemon\n", "killed",
+           f->assault->kills, proto_plural(f->assault->kills, "client", "clients"),
+           f->assault->crashes, proto_plural(f->assault->crashes, "worker", "workers"));
     print_counts(f);
     print_times(f);
     printf("%-20s %016" PRIx64 "\n", "checksum", f->checksum);

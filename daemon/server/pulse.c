@@ -14,6 +14,7 @@
 
 #include "loop.h"
 #include "notify.h"
+#include "plural.h"
 
 #define CHANGE_MS 1000u
 
@@ -28,9 +29,9 @@ static void add_status(struct srv_pulse *pulse, char *lines, size_t bytes)
     }
     pulse->told_clients = clients;
     pulse->told_steps = steps;
-    snprintf(lines + used, bytes - used,
-             "%sSTATUS=%" PRIu32 " clients, %" PRIu64 " steps", used > 0 ? "\n" : "",
-             clients, steps);
+    snprintf(lines + used, bytes - used, "%sSTATUS=%" PRIu32 " %s, %" PRIu64 " %s",
+             used > 0 ? "\n" : "", clients, proto_plural(clients, "client", "clients"),
+             steps, proto_plural(steps, "step", "steps"));
 }
 
 static void on_timer(uv_timer_t *timer)

@@ -33,6 +33,7 @@
 #include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
+#include "plural.h"
 #include "priority.h"
 #include "proto_limits.h"
 #include "sandbox.h"
@@ -125,8 +126,9 @@ static void on_grace(uv_timer_t *timer)
         return;
     }
     reactor->grace_over = true;
-    srv_log(SRV_LOG_WARN, 0, "the grace time is over: cancelling %u requests",
-            reactor->loop.request_count);
+    srv_log(SRV_LOG_WARN, 0, "the grace time is over: cancelling %u %s",
+            reactor->loop.request_count,
+            proto_plural(reactor->loop.request_count, "request", "requests"));
     for (struct srv_session *session = reactor->loop.sessions; session != NULL;) {
         struct srv_session *next = session->next; /* a closed one may free itself */
         srv_session_cancel_all(session);
@@ -141,8 +143,11 @@ void srv_reactor_shutdown(struct srv_reactor *reactor, const char *why)
     if (reactor->loop.phase != SRV_PHASE_RUNNING) {
         return;
     }
-    srv_log(SRV_LOG_INFO, 0, "shutting down: %s; %u clients, %u requests in flight", why,
-            reactor->loop.client_count, reactor->loop.request_count);
+    srv_log(SRV_LOG_INFO, 0, "shutting down: %s; %u %s, %u %s in flight", why,
+            reactor->loop.client_count,
+            proto_plural(reactor->loop.client_count, "client", "clients"),
+            reactor->loop.request_count,
+            proto_plural(reactor->loop.request_count, "request", "requests"));
     reactor->loop.phase = SRV_PHASE_DRAINING;
     srv_notify_announce("STOPPING=1");
     srv_listener_close(&reactor->listener);
@@ -161,10 +166,10 @@ void srv_reactor_let_go(struct srv_reactor *reactor, const char *why)
     if (reactor->loop.phase != SRV_PHASE_RUNNING || reactor->has_let_go) {
         return;
     }
-    srv_log(SRV_LOG_ERROR, 0,
-            "%s: %s; letting go of it, %u clients are served until "
-            "they leave",
-            reactor->loop.options->socket_path, why, reactor->loop.client_count);
+    srv_log(SRV_LOG_ERROR, 0, "%s: %s; letting go of it, %u %s",
+            reactor->loop.options->socket_path, why, reactor->loop.client_count,
+            proto_plural(reactor->loop.client_count, "client is served until it leaves",
+                         "clients are served until they leave"));
     reactor->has_let_go = true;
     srv_listener_close(&reactor->listener);
     if (reactor->lockfile != NULL) {
@@ -393,9 +398,11 @@ static int serve(struct srv_reactor *reactor)
         srv_compute_stop(&reactor->loop.pages);
         close_handles(reactor);
     } else {
-        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %s, %u threads%s",
-                (long)getpid(), reactor->loop.options->socket_path, eng_kernels()->name,
+        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %s, %u %s%s", (long)getpid(),
+                reactor->loop.options->socket_path, eng_kernels()->name,
                 reactor->loop.options->threads_max,
+                proto_plural((uint64_t)reactor->loop.options->threads_max, "thread",
+                             "threads"),
                 reactor->loop.is_pinned ? ", each bound to a processor" : "");
         if (reactor->loop.options->listen_fd < 0) { /* else it listened before us */
             srv_listener_tell_ready(reactor->loop.options->ready_fd);

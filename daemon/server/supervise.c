@@ -34,6 +34,7 @@
 #include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
+#include "plural.h"
 #include "socketfile.h"
 
 #define FORK_TRIES     50
@@ -247,8 +248,10 @@ static int on_end(struct supervisor *supervisor, int wait_status)
         return 1;
     }
     if (is_one_too_many(supervisor)) {
-        srv_log(SRV_LOG_ERROR, 0, "giving up: %u crashes within %u seconds",
-                supervisor->crashes_max, SRV_CRASHES_WINDOW_MS / 1000);
+        srv_log(SRV_LOG_ERROR, 0, "giving up: %u %s within %u seconds",
+                supervisor->crashes_max,
+                proto_plural(supervisor->crashes_max, "crash", "crashes"),
+                SRV_CRASHES_WINDOW_MS / 1000);
         return 1;
     }
     return replace(supervisor, 0);

@@ -13,6 +13,7 @@
 
 #include "invariant.h"
 #include "log.h"
+#include "plural.h"
 #include "worker.h"
 
 #define OWN_COUNT 3u /* the compute thread, that of pages and that of descriptors */
@@ -49,7 +50,7 @@ uint32_t srv_threads_granted(uint32_t wanted)
         return wanted;
     }
     uint32_t granted = count > OWN_COUNT ? count - OWN_COUNT + 1 : 1;
-    srv_log(SRV_LOG_WARN, 0, "%u threads instead of %u: %s", granted, wanted,
-            strerror(failed));
+    srv_log(SRV_LOG_WARN, 0, "%u %s instead of %u: %s", granted,
+            proto_plural(granted, "thread", "threads"), wanted, strerror(failed));
     return granted;
 }

@@ -16,6 +16,7 @@
 #include "linger.h"
 #include "loop.h"
 #include "now.h"
+#include "plural.h"
 #include "replies.h"
 #include "session.h"
 #include "shared.h"
@@ -197,11 +198,12 @@ int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *e
 {
     struct srv_loop *loop = session->loop;
     loop->metrics.counters.sessions_refused++;
-    proto_error_set(error, PCCD_E_QUOTA,
-                    "user %u has %llu clients already, the quota is %llu",
-                    (unsigned)session->user->uid,
-                    (unsigned long long)session->user->used[SRV_QUOTA_CLIENTS],
-                    (unsigned long long)loop->quota.limit[SRV_QUOTA_CLIENTS]);
+    proto_error_set(
+        error, PCCD_E_QUOTA, "user %u has %llu %s already, the quota is %llu",
+        (unsigned)session->user->uid,
+        (unsigned long long)session->user->used[SRV_QUOTA_CLIENTS],
+        proto_plural(session->user->used[SRV_QUOTA_CLIENTS], "client", "clients"),
+        (unsigned long long)loop->quota.limit[SRV_QUOTA_CLIENTS]);
     error->fatal = true;
     srv_log(SRV_LOG_WARN, session->id, "refused: %s", error->text);
     return PCCD_E_QUOTA;

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "now.h"
+#include "plural.h"
 #include "printable.h"
 
 #define LINE_BYTES 1024u
@@ -161,8 +162,9 @@ void srv_log_report(void)
         const char *format = atomic_load(&kinds[i].format);
         uint64_t count = atomic_exchange(&kinds[i].left_out, 0);
         if (count > 0) {
-            say("%llu lines of the kind \"%s\" were left out", (unsigned long long)count,
-                format);
+            say("%llu %s of the kind \"%s\" %s left out", (unsigned long long)count,
+                proto_plural(count, "line", "lines"), format,
+                proto_plural(count, "was", "were"));
         }
     }
 }

@@ -82,7 +82,7 @@ done
 
 # If it failed, status would tell of another daemon, or nothing of its last step.
 ctl status && says "^daemon +pccdd [0-9.]+, process $daemon, protocol 1, " '^up for ' \
-    '^sessions +2 open' '^scenes +1 with 1 objects' '^memory +engine .*, shared ' \
+    '^sessions +2 open' '^scenes +1 with 1 object; 1 mesh; [24] triangles in all$' '^memory +engine .*, shared ' \
     '^last step +.* by [12] threads?: ingest .* merge ' '^latency +steps p50 < ' '^team +2 threads' &&
     ctl status --json && json 'j["pid"] == '"$daemon"' and j["counters"]["sessions_now"] == 2' &&
     json 'j["last_step"]["ns_step"] > 0 and j["steps"]["count"] > 24' &&
@@ -129,7 +129,7 @@ for _ in 1 2 3 4 5 6 7 8 9 10; do
     sleep 0.2
 done
 ctl load --scene "$both" --hold --times 3 --json a.obj b.obj && json 'j["steps"] == 3' &&
-    ctl list scenes && says ' "bo\\x1b\[2Jth" of .* rw-------, 1 take part, 0 held$' &&
+    ctl list scenes && says ' "bo\\x1b\[2Jth" of .* rw-------, 1 takes part, 0 held$' &&
     ctl list scenes --json &&
     json '[(s["seats"], s["rights"], s["writable"]) for s in j if s["name"] == "bo\u001b[2Jth"] == [(1, 384, True)]' &&
     ctl load --scene alone --hold --seconds 0.3 a.obj && says '^steps +0 in 0' &&

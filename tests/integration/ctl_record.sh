@@ -174,10 +174,27 @@ assert png[:8] == b'\x89PNG\r\n\x1a\n' and struct.unpack('>II', png[16:24]) == (
 svg = xml.dom.minidom.parse('a.svg')
 image = svg.getElementsByTagName('image')[0].getAttribute('xlink:href')
 assert base64.b64decode(image.split(',')[1])[:4] == b'\x89PNG'
-assert any('contacts' in text.firstChild.data for text in svg.getElementsByTagName('text'))
+assert any('1 contact' in text.firstChild.data for text in svg.getElementsByTagName('text'))
 assert len(svg.getElementsByTagName('circle')) > 0
 EOF
 report render__writes_png_and_svg
+
+# If it failed, nobody could look at one contact: the moment would be another, something would be
+# in front of it, or a number that there is not be drawn as one that there is.
+{
+    timeout 60 "$PCCDCTL" render session.rec --steps 1 --size 320x200 --at contact 1 -o c.svg &&
+        timeout 60 "$PCCDCTL" render --at 'contact 1' --steps 1 --size 320x200 -o d.svg session.rec &&
+        cmp c.svg d.svg &&
+        timeout 60 "$PCCDCTL" render session.rec --steps 1 --at contact 1 --time 0.25 -o e.svg
+} >said 2>"$log" && [ "$(grep -c '^[cd].svg: step 1 at t = 0\.5, 1 object, 1 contact$' said)" = 2 ] &&
+    grep -q '^e.svg: step 1 at t = 0.25' said &&
+    grep -q 'step 1 at t = 0.5, contact 1 of 1</text>' c.svg &&
+    grep -q '<circle cx="160.00" cy="100.00" r="6.3[0-9]*" opacity="1"' c.svg &&
+    ! grep -q 'r="6.3' a.svg &&
+    ! timeout 60 "$PCCDCTL" render session.rec --steps 1 --at contact 2 -o f.svg >"$log" 2>&1 &&
+    grep -q 'step 1 has 1 contact, and no contact 2' "$log" && [ ! -e f.svg ] &&
+    ! timeout 60 "$PCCDCTL" render session.rec --at contact -o f.svg >"$log" 2>&1
+report render__looks_at_one_contact
 
 # If it failed, Blender would not open the file, or show another scene.
 timeout 60 "$PCCDCTL" export session.rec --steps 1 --time 0.5 -o a.glb >"$log" 2>&1 &&

@@ -186,7 +186,7 @@ static void notify__tells_how_many_clients_there_are(void **state)
     assert_true(hear_of("STATUS=0 clients, 0 steps", END_MS));
     assert_true(test_raw_open(&raw, f.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
-    assert_true(hear_of("STATUS=1 clients", END_MS));
+    assert_true(hear_of("STATUS=1 client, ", END_MS));
     test_raw_close(&raw);
     expect_end();
 }

@@ -21,6 +21,7 @@
 #include <png.h>
 
 #include "contacts_csv.h"
+#include "crease.h"
 #include "output.h"
 #include "picture.h"
 #include "report.h"
@@ -211,7 +212,7 @@ static uint8_t *drawn_square(float from_z, const char *path)
                                         .triangle_count = 2,
                                         .front = {0, 0, 1},
                                         .back = {0, 1, 0}};
-    const struct picture_mark mark = {{0.5f, 0.25f, 0}, 0};
+    const struct picture_mark mark = {.at = {0.5f, 0.25f, 0}};
     const struct picture_group group = {"mark", {1, 0, 0}};
     struct picture picture = {.meshes = &square,
                               .marks = &mark,
@@ -271,6 +272,60 @@ static void picture__shows_sides_and_marks_where_they_are(void **state)
     unlink(path);
 }
 
+/* A cube of side 2 around the origin; two triangles a side. */
+static const float cube_x[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+                                   {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
+static const uint32_t cube_triangles[12][3] = {
+    {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+
+/* If it failed: the sides of a box would be shaded like cushions. */
+static void picture__shades_the_sides_of_a_box_flat(void **state)
+{
+    const struct picture_mesh cube = {.x = cube_x,
+                                      .triangles = cube_triangles,
+                                      .vertex_count = 8,
+                                      .triangle_count = 12};
+    float normals[36][3];
+    (void)state;
+    assert_true(crease_normals(&cube, 0, normals));
+    for (uint32_t i = 0; i < 36; i++) {
+        uint32_t side = i / 6; /* -z, z, -y, y, -x, x */
+        for (uint32_t k = 0; k < 3; k++) {
+            bool is_along = k == 2 - side / 2;
+            assert_true(normals[i][k] == (!is_along       ? 0.0f
+                                          : side % 2 == 0 ? -1.0f
+                                                          : 1.0f));
+        }
+    }
+}
+
+/* If it failed: a ball would be a stone, or triangles wound otherwise would be dark. */
+static void picture__smooths_what_is_nearly_flat(void **state)
+{
+    /* A ridge of 20 degrees along the y axis; the second time its last triangle is wound
+     * otherwise. */
+    static const float x[6][3] = {{-1, 0, 0}, {0, 0, 0.176f}, {1, 0, 0},
+                                  {-1, 1, 0}, {0, 1, 0.176f}, {1, 1, 0}};
+    static const uint32_t ridges[2][4][3] = {
+        {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}},
+        {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 4, 5}}};
+    struct picture_mesh ridge = {
+        .x = x, .triangles = ridges[0], .vertex_count = 6, .triangle_count = 4};
+    float normals[12][3];
+    (void)state;
+    assert_true(crease_normals(&ridge, 0, normals));
+    assert_memory_equal(normals[1], normals[6], sizeof(normals[1])); /* of vertex 1 */
+    assert_memory_equal(normals[1], normals[9], sizeof(normals[1]));
+    assert_memory_equal(normals[2], normals[4], sizeof(normals[2])); /* of vertex 4 */
+    assert_memory_equal(normals[2], normals[11], sizeof(normals[2]));
+    assert_true(normals[1][0] > 0.0f && normals[1][0] < 0.17f); /* two of three lean so */
+    assert_true(normals[0][0] < -0.17f);                        /* and all of vertex 0 */
+    ridge.triangles = ridges[1];
+    assert_true(crease_normals(&ridge, 0, normals));
+    assert_true(normals[2][2] > 0.9f && normals[9][2] < -0.9f);
+}
+
 /* If it failed: the demo would work for seconds before it says that it cannot write. */
 static void picture__tells_at_once_that_a_path_is_no_good(void **state)
 {
@@ -294,6 +349,8 @@ int main(void)
         cmocka_unit_test(json__holds_the_promised_keys),
         cmocka_unit_test(json__sums_a_sequence),
         cmocka_unit_test(picture__shows_sides_and_marks_where_they_are),
+        cmocka_unit_test(picture__shades_the_sides_of_a_box_flat),
+        cmocka_unit_test(picture__smooths_what_is_nearly_flat),
         cmocka_unit_test(picture__tells_at_once_that_a_path_is_no_good),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,6 +10,7 @@
 
 #include <inttypes.h>
 
+#include "plural.h"
 #include "shown.h"
 
 #define NO_TOI 1.5 /* above any time; the daemon says 2 when there is no record */
@@ -72,7 +73,7 @@ static const char *or_unknown(const char *name)
 /* "1 vertex", "2 vertices". */
 static void print_count(FILE *to, uint64_t count, const char *one, const char *many)
 {
-    fprintf(to, "%" PRIu64 " %s", count, count == 1 ? one : many);
+    fprintf(to, "%" PRIu64 " %s", count, proto_plural(count, one, many));
 }
 
 static const char *why_incomplete(enum pccd_incomplete incomplete)
@@ -160,9 +161,9 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
 /* How the threads shared the work. */
 static void print_sharing(FILE *to, const struct pccd_answer *answer)
 {
-    fprintf(to, "; method %s, %" PRIu32 " thread%s",
+    fprintf(to, "; method %s, %" PRIu32 " %s",
             or_unknown(report_method_name(answer->method)), answer->threads,
-            answer->threads == 1 ? "" : "s");
+            proto_plural(answer->threads, "thread", "threads"));
     if (answer->scheduler != PCCD_SCHEDULER_DEFAULT) {
         fprintf(to, ", scheduler %s",
                 or_unknown(report_scheduler_name(answer->scheduler)));
@@ -227,17 +228,23 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
     fprintf(to, "hash       %016" PRIx64 "%016" PRIx64 "\n", answer->hash[0],
             answer->hash[1]);
     fprintf(to,
-            "work       %" PRIu64 " box tests, %" PRIu64 " candidates (%" PRIu64
-            " vf, %" PRIu64 " ee), %" PRIu64 " past the filter, %" PRIu64 " exact\n",
-            counters->box_tests, counters->candidates_vf + counters->candidates_ee,
+            "work       %" PRIu64 " box %s, %" PRIu64 " %s (%" PRIu64 " vf, %" PRIu64
+            " ee), %" PRIu64 " past the filter, %" PRIu64 " exact\n",
+            counters->box_tests, proto_plural(counters->box_tests, "test", "tests"),
+            counters->candidates_vf + counters->candidates_ee,
+            proto_plural(counters->candidates_vf + counters->candidates_ee, "candidate",
+                         "candidates"),
             counters->candidates_vf, counters->candidates_ee, counters->survivors,
             counters->exact);
     if (counters->rebuilds + counters->swaps > 0) {
         fprintf(to,
-                "rebuilt    %" PRIu64 " subtrees (%" PRIu64 " triangles), %" PRIu64
+                "rebuilt    %" PRIu64 " %s (%" PRIu64 " %s), %" PRIu64
                 " built aside (%" PRIu64 ")\n",
-                counters->rebuilds, counters->rebuilt_triangles, counters->swaps,
-                counters->swapped_triangles);
+                counters->rebuilds,
+                proto_plural(counters->rebuilds, "subtree", "subtrees"),
+                counters->rebuilt_triangles,
+                proto_plural(counters->rebuilt_triangles, "triangle", "triangles"),
+                counters->swaps, counters->swapped_triangles);
     }
     print_times(to, mesh, step);
 }

@@ -21,6 +21,7 @@
 #include "link.h"
 #include "output.h"
 #include "picture.h"
+#include "plural.h"
 #include "progress.h"
 #include "report.h"
 #include "shown.h"
@@ -278,12 +279,13 @@ static void print_table(const struct demo *demo)
     printf("last step   %" PRIu64 ": %" PRIu64 " vertex-face, %" PRIu64 " edge-edge\n",
            last->total, last->vf, last->ee);
     if (demo->incomplete > 0) {
-        printf("INCOMPLETE  %" PRIu64 " answers\n", demo->incomplete);
+        printf("INCOMPLETE  %" PRIu64 " %s\n", demo->incomplete,
+               proto_plural(demo->incomplete, "answer", "answers"));
     }
-    printf("per step    p50 %.3f ms, p99 %.3f ms, max %.3f ms; %" PRIu32 " thread%s\n",
+    printf("per step    p50 %.3f ms, p99 %.3f ms, max %.3f ms; %" PRIu32 " %s\n",
            statistics_median(demo->step_ms, steps),
            statistics_quantile(demo->step_ms, steps, 0.99), demo->step_ms[steps - 1],
-           last->threads, last->threads == 1 ? "" : "s");
+           last->threads, proto_plural(last->threads, "thread", "threads"));
     for (uint32_t phase = 0; phase < REPORT_step; phase++) {
         double share = whole > 0 ? 100.0 * demo->phase_ms[phase] / whole : 0.0;
         printf("  %-10s%5.1f %%\n", report_phase_names[phase], share);

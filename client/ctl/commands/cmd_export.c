@@ -111,7 +111,8 @@ int ctl_cmd_export(int argc, char **argv)
     if (argp_parse(&ctl_argp_export, argc, argv, 0, NULL, &export) != 0) {
         return CTL_USAGE;
     }
-    int status = still_take(&export.options.play, export.t, &still, &summary, &error);
+    int status = still_take(&export.options.play, &(struct still_at){.t = export.t},
+                            &still, &summary, &error);
     if (status == PCCD_OK) {
         status = write_still(&export, &still, &error);
     }

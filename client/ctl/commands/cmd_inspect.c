@@ -18,6 +18,7 @@
 #include "output.h"
 #include "page_template.h"
 #include "play_options.h"
+#include "plural.h"
 #include "shown.h"
 
 #define MIB              (1u << 20)
@@ -142,13 +143,16 @@ static void print_done(const struct command *command, const struct inspect *insp
         putchar('\n');
         json_decref(object);
     } else {
-        printf("%s: %" PRIu64 " steps, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n",
-               tool_shown(command->path), inspect->kept, inspect->first, inspect->last,
-               (double)bytes / MIB);
+        printf("%s: %" PRIu64 " %s, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n",
+               tool_shown(command->path), inspect->kept,
+               proto_plural(inspect->kept, "step", "steps"), inspect->first,
+               inspect->last, (double)bytes / MIB);
     }
     if (inspect->differ > 0) {
-        ctl_complain("%" PRIu64 " answers are others than the recorded ones",
-                     inspect->differ);
+        ctl_complain("%" PRIu64 " %s", inspect->differ,
+                     proto_plural(inspect->differ,
+                                  "answer is another than the recorded one",
+                                  "answers are others than the recorded ones"));
     }
     if (inspect->no_lanes[0] != '\0') {
         ctl_complain("without what threads did: %s", inspect->no_lanes);

@@ -16,6 +16,7 @@
 #include "format.h"
 #include "json_text.h"
 #include "link.h"
+#include "plural.h"
 #include "sessions.h"
 #include "shown.h"
 #include "terminal.h"
@@ -124,9 +125,10 @@ static const char *sharing(const struct scene_row *row)
         return "";
     }
     snprintf(text, sizeof text,
-             " \"%s\" of %s %s, %" PRIu32 " take part, %" PRIu32 " held%s",
+             " \"%s\" of %s %s, %" PRIu32 " %s part, %" PRIu32 " held%s",
              tool_shown(row->name), tool_shown(format_user(info->uid)), rights,
-             info->seats, info->held, info->writable ? "" : ", reads");
+             info->seats, proto_plural(info->seats, "takes", "take"), info->held,
+             info->writable ? "" : ", reads");
     return text;
 }
 

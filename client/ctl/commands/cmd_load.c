@@ -16,6 +16,7 @@
 #include "json_text.h"
 #include "link.h"
 #include "player.h"
+#include "plural.h"
 #include "progress.h"
 #include "shown.h"
 #include "statistics.h"
@@ -167,8 +168,8 @@ static void print(const struct player *player, bool is_json)
            player->seconds,
            player->seconds > 0 ? (double)player->steps / player->seconds : 0.0);
     printf("triangles   %" PRIu64 "\n", player->triangles);
-    printf("contacts    %" PRIu64 "; %" PRIu64 " answers incomplete\n", player->contacts,
-           player->incomplete);
+    printf("contacts    %" PRIu64 "; %" PRIu64 " %s incomplete\n", player->contacts,
+           player->incomplete, proto_plural(player->incomplete, "answer", "answers"));
     printf("round trip  p50 %.3f ms, p99 %.3f ms, max %.3f ms\n", p50, p99, most);
     if (player->settings->hz > 0) {
         printf("late        %" PRIu64 " of them began after their time\n", player->late);

@@ -22,6 +22,7 @@
 
 #include "answers.h"
 #include "ctl.h"
+#include "plural.h"
 #include "reader.h"
 #include "shown.h"
 
@@ -291,11 +292,12 @@ static void report(const char *path, const struct record_command *command)
     if (status == PCCD_OK) {
         status = answers_read(&answers, &reader, &error);
     }
-    fprintf(stderr,
-            "pccdctl: %s: %" PRIu64 " bytes, %" PRIu64 " steps, %zu answers%s%s\n",
-            tool_shown(path), reader.bytes, answers.frames, answers.count,
-            status != PCCD_OK ? "; damaged " : "",
-            status != PCCD_OK ? tool_shown(reader.text) : "");
+    ctl_complain("%s: %" PRIu64 " %s, %" PRIu64 " %s, %zu %s%s%s", path, reader.bytes,
+                 proto_plural(reader.bytes, "byte", "bytes"), answers.frames,
+                 proto_plural(answers.frames, "step", "steps"), answers.count,
+                 proto_plural(answers.count, "answer", "answers"),
+                 status != PCCD_OK ? "; damaged " : "",
+                 status != PCCD_OK ? reader.text : "");
     if (reader.end_reason == RECORD_FULL) {
         tell_full(path, command);
     }

@@ -17,13 +17,19 @@
 #include "output.h"
 #include "picture.h"
 #include "play_options.h"
+#include "plural.h"
 #include "shown.h"
 #include "still.h"
+#include "viewpoint.h"
 
 #define GROUPS   64u /* colours of times */
 #define ZOOM_MAX 10000.0
 #define SIDE_MIN 64u
 #define DEGREE   0.017453292519943295
+#define AZIMUTH     25.0
+#define ELEVATION   16.0
+#define PLACE_ROOM  1.6f /* around the features of a contact */
+#define PLACE_LEAST 0.01 /* of the scene, where they have no size */
 
 enum {
     OPTION_TIME = 256 + 64,
@@ -38,8 +44,9 @@ enum {
 struct render {
     struct play_options options;
     const char *path;
-    double t;
-    double azimuth, elevation; /* degrees */
+    double t;                  /* NAN: not given */
+    uint64_t contact;          /* that is to be seen; 0: none in particular */
+    double azimuth, elevation; /* degrees; NAN: not given */
     double zoom;
     enum picture_up up;
     uint32_t width, height;
@@ -56,7 +63,12 @@ static const struct argp_option option_list[] = {
     {"view", OPTION_VIEW, "A,E", 0,
      "Look from azimuth A and elevation E, degrees (default: 25,16)", 0},
     {"up", OPTION_UP, "x|y|z", 0, "What is up: x, y (the default) or z", 0},
-    {"at", OPTION_AT, "all|contacts", 0, "See all (the default), or the contacts", 0},
+    {"at", OPTION_AT, "all|contacts|contact N", 0,
+     "See all (the default), the contacts, or contact N of the step, from 1 as the "
+     "answer "
+     "has them: when it happens, close, and from aside where nothing is in front of it, "
+     "unless --time or --view say otherwise",
+     0},
     {"zoom", OPTION_ZOOM, "Z", 0, "See it Z times as large", 0},
     {"size", OPTION_SIZE, "WxH", 0, "Of the picture, pixels (default: 1200x900)", 0},
     {0},
@@ -125,6 +137,22 @@ static void parse_up(const struct argp_state *state, const char *text,
     render->up = (enum picture_up)(at - axes);
 }
 
+/* all, contacts, or contact N, whose number is a word of its own or not. */
+static void parse_at(struct argp_state *state, const char *text, struct render *render)
+{
+    bool is_one = strncmp(text, "contact", 7) == 0 && (text[7] == '\0' || text[7] == ' ');
+    render->is_at_contacts = strcmp(text, "contacts") == 0;
+    render->contact = 0;
+    if (is_one) {
+        const char *number = text[7] == ' '              ? text + 8
+                             : state->next < state->argc ? state->argv[state->next++]
+                                                         : "";
+        render->contact = ctl_option_count(state, "at contact", number, 1, INT64_MAX);
+    } else if (!render->is_at_contacts && strcmp(text, "all") != 0) {
+        tool_misused(state, "--at: \"%s\" is not all, contacts or contact N", text);
+    }
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct render *render = state->input;
@@ -148,10 +176,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         parse_up(state, text, render);
         return 0;
     case OPTION_AT:
-        if (strcmp(text, "all") != 0 && strcmp(text, "contacts") != 0) {
-            tool_misused(state, "--at: \"%s\" is not all or contacts", text);
-        }
-        render->is_at_contacts = strcmp(text, "contacts") == 0;
+        parse_at(state, text, render);
         return 0;
     case OPTION_ZOOM:
         render->zoom = ctl_option_real(state, "zoom", text, 0.01, ZOOM_MAX);
@@ -185,11 +210,41 @@ const struct argp ctl_argp_render = {
 /* The direction to the eye: azimuth 0 looks along the axis after the one that is up. */
 static void find_eye(const struct render *render, float from[3])
 {
-    double a = render->azimuth * DEGREE, e = render->elevation * DEGREE;
+    bool is_given = !isnan(render->azimuth);
+    double a = (is_given ? render->azimuth : AZIMUTH) * DEGREE;
+    double e = (is_given ? render->elevation : ELEVATION) * DEGREE;
     uint32_t up = render->up == PICTURE_UP_Y ? 1 : render->up == PICTURE_UP_Z ? 2 : 0;
     from[up] = (float)sin(e);
     from[(up + 1) % 3] = (float)(cos(e) * cos(a));
     from[(up + 2) % 3] = (float)(cos(e) * sin(a));
+}
+
+static void name_step(const struct render *render, const struct still *still, char *title,
+                      size_t room)
+{
+    if (render->contact > 0) {
+        snprintf(title, room,
+                 "step %" PRIu64 " at t = %.6g, contact %" PRIu64 " of %" PRIu64,
+                 still->step, still->t, render->contact, still->contact_count);
+    } else {
+        snprintf(title, room, "step %" PRIu64 ", %" PRIu64 " %s", still->step,
+                 still->contact_count,
+                 proto_plural(still->contact_count, "contact", "contacts"));
+    }
+}
+
+/* The features of the chosen contact, and what is around them. */
+static struct picture_place place_of(const struct render *render,
+                                     const struct still *still)
+{
+    struct picture_place place = {.radius = 0};
+    if (render->contact > 0) {
+        const struct still_contact *contact = &still->contacts[still->chosen];
+        memcpy(place.at, contact->at, sizeof(place.at));
+        place.radius = contact->radius > 0 ? PLACE_ROOM * contact->radius
+                                           : (float)(PLACE_LEAST * still->extent);
+    }
+    return place;
 }
 
 static int draw(const struct render *render, const struct still *still, FILE *file,
@@ -218,12 +273,18 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
         memcpy(marks[i].at, still->contacts[i].at, sizeof(marks[i].at));
         marks[i].group = group < GROUPS ? group : GROUPS - 1;
     }
+    if (render->contact > 0) { /* last, over the others */
+        struct picture_mark chosen = marks[still->chosen];
+        marks[still->chosen] = marks[still->contact_count - 1];
+        chosen.is_chosen = true;
+        marks[still->contact_count - 1] = chosen;
+    }
     for (uint32_t i = 0; i < GROUPS; i++) {
         groups[i].label[0] = '\0';
         colour_of_time(((double)i + 0.5) / GROUPS, groups[i].colour);
     }
-    snprintf(title, sizeof(title), "step %" PRIu64 ", %" PRIu64 " contacts", still->step,
-             still->contact_count);
+    name_step(render, still, title, sizeof(title));
+    struct picture_place place = place_of(render, still);
     struct picture picture = {.meshes = meshes,
                               .marks = marks,
                               .groups = groups,
@@ -235,9 +296,13 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
                               .height = render->height,
                               .zoom = (float)render->zoom,
                               .is_at_marks = render->is_at_contacts,
+                              .place = render->contact > 0 ? &place : NULL,
                               .title = title,
                               .scale = &scale};
     find_eye(render, picture.from);
+    if (render->contact > 0 && isnan(render->azimuth)) {
+        viewpoint_choose(still, picture.from);
+    }
     int status = picture_write(&picture, file, render->path, error);
     free(meshes);
     free(marks);
@@ -246,7 +311,7 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
 
 int ctl_cmd_render(int argc, char **argv)
 {
-    struct render render = {.t = 1, .azimuth = 25, .elevation = 16};
+    struct render render = {.t = NAN, .azimuth = NAN};
     struct still still = {.object_count = 0};
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
@@ -258,7 +323,11 @@ int ctl_cmd_render(int argc, char **argv)
     if (argp_parse(&ctl_argp_render, argc, argv, 0, NULL, &render) != 0) {
         return CTL_USAGE;
     }
-    int status = still_take(&render.options.play, render.t, &still, &summary, &error);
+    struct still_at at = {.t = render.t, .contact = render.contact};
+    if (isnan(at.t) && at.contact == 0) {
+        at.t = 1;
+    }
+    int status = still_take(&render.options.play, &at, &still, &summary, &error);
     if (status == PCCD_OK && still.object_count == 0) {
         status =
             ctl_error_set(&error, PCCD_E_INVAL,

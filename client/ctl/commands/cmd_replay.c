@@ -14,6 +14,7 @@
 #include "ctl.h"
 #include "json_text.h"
 #include "play_options.h"
+#include "plural.h"
 #include "report.h"
 #include "shown.h"
 
@@ -147,13 +148,14 @@ static void print_side(const char *side, int status, uint64_t total,
 static void print_text(const struct replay *replay, const struct play_summary *summary)
 {
     const struct record_begin *begin = &summary->begin;
-    printf("recording   %" PRIu64 " steps by process %" PRIu32 ", libpccd %s, %s\n",
-           summary->frames, begin->pid,
+    printf("recording   %" PRIu64 " %s by process %" PRIu32 ", libpccd %s, %s\n",
+           summary->frames, proto_plural(summary->frames, "step", "steps"), begin->pid,
            tool_shown_field(begin->library, sizeof begin->library),
            tool_shown_field(begin->cpu, sizeof begin->cpu));
-    printf("compared    %" PRIu64 " answers in %.2f s: %" PRIu64 " the same, %" PRIu64
+    printf("compared    %" PRIu64 " %s in %.2f s: %" PRIu64 " the same, %" PRIu64
            " not\n",
-           replay->compared, summary->seconds, replay->same, replay->differ);
+           replay->compared, proto_plural(replay->compared, "answer", "answers"),
+           summary->seconds, replay->same, replay->differ);
     if (replay->unanswered + replay->incomplete + summary->skipped > 0) {
         printf("not         %" PRIu64 " without an answer, %" PRIu64
                " incomplete, %" PRIu64 " that had failed by chance\n",

@@ -19,6 +19,7 @@
 #include "health.h"
 #include "json_text.h"
 #include "link.h"
+#include "plural.h"
 #include "shown.h"
 #include "terminal.h"
 
@@ -96,9 +97,9 @@ static void print_step(const struct status *status)
     const struct counters *step = &status->step;
     static const char *const phases[] = {"ingest", "refit", "low", "high", "merge"};
     uint64_t threads = counters_get(step, "threads");
-    printf("last step  %s by %" PRIu64 " thread%s:",
+    printf("last step  %s by %" PRIu64 " %s:",
            format_ms((double)counters_get(step, "ns_step") / 1e6), threads,
-           threads == 1 ? "" : "s");
+           proto_plural(threads, "thread", "threads"));
     for (size_t i = 0; i < sizeof phases / sizeof phases[0]; i++) {
         char name[32];
         snprintf(name, sizeof name, "ns_%s", phases[i]);
@@ -133,29 +134,34 @@ static void print_health(const struct health *health)
 static void print(const struct status *status)
 {
     const struct counters *c = &status->counters;
-#define COUNT(name) format_count((double)counters_get(c, name))
+#define COUNT(name)           format_count((double)counters_get(c, name))
+#define WORD(name, one, many) proto_plural(counters_get(c, name), one, many)
     printf("daemon     %s, process %" PRIu32 ", protocol %" PRIu32 ", %s\n",
            tool_shown(status->daemon.name), status->daemon.pid, status->daemon.version,
            tool_shown(status->daemon.cpu));
     printf("socket     %s\n", tool_shown(status->url));
     printf("up for     %s\n", format_span(counters_get(c, "uptime_ns")));
-    printf("sessions   %s open (%s wait for their clients), %s since the start; %s "
-           "refused, %s dropped\n",
-           COUNT("sessions_now"), COUNT("sessions_waiting_now"), COUNT("sessions_total"),
-           COUNT("sessions_refused"), COUNT("sessions_dropped"));
-    printf("scenes     %s with %s objects; %s meshes; %s triangles in all\n",
-           COUNT("scenes_now"), COUNT("objects_now"), COUNT("meshes_now"),
-           COUNT("triangles_now"));
+    printf(
+        "sessions   %s open (%s %s for %s), %s since the start; %s refused, %s dropped\n",
+        COUNT("sessions_now"), COUNT("sessions_waiting_now"),
+        WORD("sessions_waiting_now", "waits", "wait"),
+        WORD("sessions_waiting_now", "its client", "their clients"),
+        COUNT("sessions_total"), COUNT("sessions_refused"), COUNT("sessions_dropped"));
+    printf("scenes     %s with %s %s; %s %s; %s %s in all\n", COUNT("scenes_now"),
+           COUNT("objects_now"), WORD("objects_now", "object", "objects"),
+           COUNT("meshes_now"), WORD("meshes_now", "mesh", "meshes"),
+           COUNT("triangles_now"), WORD("triangles_now", "triangle", "triangles"));
     printf("memory     engine %s, shared %s",
            format_bytes((double)counters_get(c, "engine_bytes_now")),
            format_bytes((double)counters_get(c, "shm_bytes_now")));
     if (status->resident_bytes > 0) {
         printf(", process %s resident", format_bytes((double)status->resident_bytes));
     }
-    printf("\nsteps      %s answered, %s of them incomplete; %s contacts; %s requests "
-           "wait\n",
+    printf("\nsteps      %s answered, %s of them incomplete; %s %s; %s %s\n",
            COUNT("steps"), COUNT("steps_incomplete"), COUNT("contacts"),
-           COUNT("jobs_queued_now"));
+           WORD("contacts", "contact", "contacts"), COUNT("jobs_queued_now"),
+           WORD("jobs_queued_now", "request waits", "requests wait"));
+#undef WORD
 #undef COUNT
     if (status->has_step) {
         print_step(status);
@@ -165,7 +171,8 @@ static void print(const struct status *status)
         print_quantiles("steps", &status->steps, "; ");
         print_quantiles("requests", &status->requests, "\n");
     }
-    printf("team       %" PRIu32 " threads at most%s\n", status->daemon.threads_max,
+    printf("team       %" PRIu32 " %s at most%s\n", status->daemon.threads_max,
+           proto_plural(status->daemon.threads_max, "thread", "threads"),
            counters_get(c, "threads_bound") != 0 ? ", each bound to a processor" : "");
     print_health(&status->health);
 }

@@ -15,6 +15,7 @@
 #include "ctl.h"
 #include "json_text.h"
 #include "play_options.h"
+#include "plural.h"
 #include "verify.h"
 
 #define SAMPLE     1000u
@@ -133,14 +134,18 @@ static void print_text(const struct verification *verification)
         print_witness(&verification->witness);
         return;
     }
-    printf("PASS: %" PRIu64 " steps, %" PRIu64 " contacts and %" PRIu64
-           " pairs that are none by exact arithmetic",
-           counts->steps, counts->contacts, counts->non_contacts);
+    printf(
+        "PASS: %" PRIu64 " %s, %" PRIu64 " %s and %" PRIu64 " %s by exact arithmetic",
+        counts->steps, proto_plural(counts->steps, "step", "steps"), counts->contacts,
+        proto_plural(counts->contacts, "contact", "contacts"), counts->non_contacts,
+        proto_plural(counts->non_contacts, "pair that is none", "pairs that are none"));
     if (counts->possible > 0) {
-        printf(", %" PRIu64 " possible ones not contradicted", counts->possible);
+        printf(", %" PRIu64 " possible %s not contradicted", counts->possible,
+               proto_plural(counts->possible, "one", "ones"));
     }
     if (counts->unchecked > 0) {
-        printf(", %" PRIu64 " steps without an answer to check", counts->unchecked);
+        printf(", %" PRIu64 " %s without an answer to check", counts->unchecked,
+               proto_plural(counts->unchecked, "step", "steps"));
     }
     putchar('\n');
 }

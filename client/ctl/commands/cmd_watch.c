@@ -13,6 +13,7 @@
 
 #include "ctl.h"
 #include "link.h"
+#include "plural.h"
 #include "shown.h"
 #include "terminal.h"
 
@@ -111,7 +112,8 @@ static void print_json(const struct pccd_step_event *event)
 static void print_line(const struct pccd_step_event *event)
 {
     if (event->lost > 0) {
-        printf("# %" PRIu64 " steps are not shown\n", event->lost);
+        printf("# %" PRIu64 " %s not shown\n", event->lost,
+               proto_plural(event->lost, "step is", "steps are"));
     }
     if (event->status != PCCD_OK) {
         printf("%10s s%" PRIu64 " %#" PRIx32 " %s%s%s\n", "failed", event->session,

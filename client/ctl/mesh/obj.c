@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "meshfile.h"
+#include "plural.h"
 
 /* Statements without vertices or faces. Anything else is an error, so that a file of
  * another kind is not read as an empty mesh. */
@@ -178,8 +179,8 @@ static int read_face(struct obj_reader *reader, struct ctl_word *line)
         corners[1] = corners[2];
     }
     if (count < 3) {
-        return fail(reader, PCCD_E_FORMAT,
-                    "%" PRIu64 " vertices where a face needs at least 3", count);
+        return fail(reader, PCCD_E_FORMAT, "%" PRIu64 " %s where a face needs at least 3",
+                    count, proto_plural(count, "vertex", "vertices"));
     }
     return PCCD_OK;
 }

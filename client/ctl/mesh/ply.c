@@ -184,9 +184,10 @@ static int read_index(struct body_reader *reader, const struct ply_property *pro
     }
     if (!(value >= 0 && value < (double)reader->header->vertex_count) ||
         value != floor(value)) {
-        return fail(reader, PCCD_E_INDEX,
-                    "%.17g is not a vertex number (there are %" PRIu64 " vertices)",
-                    value, reader->header->vertex_count);
+        return fail(
+            reader, PCCD_E_INDEX, "%.17g is not a vertex number (%" PRIu64 " %s there)",
+            value, reader->header->vertex_count,
+            proto_plural(reader->header->vertex_count, "vertex is", "vertices are"));
     }
     *index = (uint32_t)value;
     return PCCD_OK;
@@ -198,8 +199,8 @@ static int read_polygon(struct body_reader *reader, const struct ply_property *p
 {
     uint32_t corners[3] = {0, 0, 0};
     if (count < 3) {
-        return fail(reader, PCCD_E_FORMAT,
-                    "%" PRIu64 " vertices where a face needs at least 3", count);
+        return fail(reader, PCCD_E_FORMAT, "%" PRIu64 " %s where a face needs at least 3",
+                    count, proto_plural(count, "vertex", "vertices"));
     }
     for (uint64_t i = 0; i < count; i++) {
         int status = read_index(reader, property, &corners[i < 2 ? i : 2]);

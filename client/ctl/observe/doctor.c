@@ -16,6 +16,7 @@
 
 #include "counters.h"
 #include "health.h"
+#include "plural.h"
 
 #define PINGS        20
 #define SLOW_PING_NS 2000000u
@@ -82,8 +83,9 @@ static void look_at_threads(struct doctor *doctor, const struct pccd_daemon_info
         doctor_find(doctor, DOCTOR_WARN, "threads",
                     "more threads than processors wait for each other: pccdctl config "
                     "set threads N",
-                    "%" PRIu32 " threads of a step, %d processors", daemon->threads_max,
-                    processors);
+                    "%" PRIu32 " threads of a step, %d %s", daemon->threads_max,
+                    processors,
+                    proto_plural((uint64_t)processors, "processor", "processors"));
     } else if (!is_bound && daemon->threads_max > 1) {
         doctor_find(doctor, DOCTOR_WARN, "threads",
                     "pccdd --pin on, if it is the only daemon that computes here",
@@ -91,9 +93,11 @@ static void look_at_threads(struct doctor *doctor, const struct pccd_daemon_info
                     "share one",
                     daemon->threads_max);
     } else {
-        doctor_find(doctor, DOCTOR_OK, "threads", "",
-                    "%" PRIu32 " threads of a step%s, %d processors", daemon->threads_max,
-                    is_bound ? ", each bound to a processor" : "", processors);
+        doctor_find(doctor, DOCTOR_OK, "threads", "", "%" PRIu32 " %s of a step%s, %d %s",
+                    daemon->threads_max,
+                    proto_plural(daemon->threads_max, "thread", "threads"),
+                    is_bound ? ", each bound to a processor" : "", processors,
+                    proto_plural((uint64_t)processors, "processor", "processors"));
     }
 }
 

@@ -11,6 +11,8 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "plural.h"
+
 /* More that wait are seconds of work, whatever they are. */
 #define QUEUE_MAX 1000u
 
@@ -38,19 +40,19 @@ void health_judge(const struct counters *counters, struct health *health)
     uint64_t incomplete = counters_get(counters, "steps_incomplete");
     health->count = 0;
     if (queued > QUEUE_MAX) {
-        say(health, "%" PRIu64 " requests wait: pccdctl top tells whose", queued);
+        say(health, "%" PRIu64 " %s: pccdctl top tells whose", queued,
+            proto_plural(queued, "request waits", "requests wait"));
     }
     if (refused > 0) {
         say(health,
-            "%" PRIu64 " connections were refused: pccdctl config set clients-max N "
-            "admits more",
-            refused);
+            "%" PRIu64 " %s refused: pccdctl config set clients-max N admits more",
+            refused, proto_plural(refused, "connection was", "connections were"));
     }
     if (torn + stale > 0) {
         say(health,
-            "%" PRIu64 " slots changed while they were read: a client writes into slots "
-            "that it has submitted",
-            torn + stale);
+            "%" PRIu64 " %s while being read: a client writes into slots that it has "
+            "submitted",
+            torn + stale, proto_plural(torn + stale, "slot changed", "slots changed"));
     }
     if (messages > 100 && errors > messages / 100) {
         say(health,

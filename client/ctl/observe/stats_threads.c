@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "json_text.h"
+#include "plural.h"
 #include "report.h"
 
 #define COUNTERS_MAX 64u
@@ -127,8 +128,8 @@ static void print_step(FILE *to, const struct row *row)
     const char *high_level =
         report_high_level_name((enum pccd_high_level)value_of(row, "high_level"));
     const char *refit = report_refit_name((enum pccd_refit)value_of(row, "refit"));
-    fprintf(to, "step %" PRIu64 " by %" PRIu64 " thread%s", value_of(row, "number"),
-            threads, threads == 1 ? "" : "s");
+    fprintf(to, "step %" PRIu64 " by %" PRIu64 " %s", value_of(row, "number"), threads,
+            proto_plural(threads, "thread", "threads"));
     if (value_of(row, "scheduler") != 0) {
         fprintf(to, ", scheduler %s", scheduler != NULL ? scheduler : "unknown");
     }

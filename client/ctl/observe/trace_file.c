@@ -16,6 +16,7 @@
 
 #include "json_text.h"
 #include "output.h"
+#include "plural.h"
 
 #define LOOP_TID   1u
 #define TEAM_TID   2u         /* of the team's first thread */
@@ -270,12 +271,14 @@ void trace_file_report(const struct trace_file *trace, FILE *to, bool is_json)
         json_decref(object);
         return;
     }
-    fprintf(to, "trace      %s: %" PRIu64 " events\n", trace->path, trace->info.events);
+    fprintf(to, "trace      %s: %" PRIu64 " %s\n", tool_shown(trace->path),
+            trace->info.events, proto_plural(trace->info.events, "event", "events"));
     if (trace->info.lost > 0) {
         fprintf(to,
-                "           %" PRIu64 " older ones were lost: leave out more with "
+                "           %" PRIu64 " %s lost: leave out more with "
                 "--min-us, or keep more with --events\n",
-                trace->info.lost);
+                trace->info.lost,
+                proto_plural(trace->info.lost, "older one was", "older ones were"));
     }
 }
 

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "picture.h"
+#include "plural.h"
 
 static const float eye_direction[3] = {0.45f, 0.32f, 1.0f};
 
@@ -88,10 +89,10 @@ int demo_picture_write(const struct demo_object objects[2],
     }
     snprintf(title, sizeof(title), "pccd demo, step %" PRIu64 ", %" PRIu32 " triangles",
              answer->step, objects[0].triangle_count + objects[1].triangle_count);
-    snprintf(groups[0].label, sizeof(groups[0].label), "%" PRIu64 " vertex-face contacts",
-             answer->vf);
-    snprintf(groups[1].label, sizeof(groups[1].label), "%" PRIu64 " edge-edge contacts",
-             answer->ee);
+    snprintf(groups[0].label, sizeof(groups[0].label), "%" PRIu64 " vertex-face %s",
+             answer->vf, proto_plural(answer->vf, "contact", "contacts"));
+    snprintf(groups[1].label, sizeof(groups[1].label), "%" PRIu64 " edge-edge %s",
+             answer->ee, proto_plural(answer->ee, "contact", "contacts"));
     struct picture picture = {.meshes = meshes,
                               .marks = marks,
                               .groups = groups,

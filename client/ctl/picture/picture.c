@@ -1,7 +1,7 @@
 /* client/ctl/picture/picture.c - meshes and contacts, drawn.
  *
  * Room:     client/ctl.
- * Does:     camera, smooth normals, marks, legend; halves a canvas of twice the size, so
+ * Does:     camera, marks, legend; halves a canvas of twice the size, so
  *           that edges are smooth.
  * Does not: fill pixels (raster.c) or write files (picture_file.c).
  * Threads:  one at a time; nothing is shared.
@@ -14,11 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "crease.h"
 #include "picture_canvas.h"
 
 #define HALF_VIEW  0.34f /* tangent of half the vertical angle of view */
 #define MARGIN     1.12f /* room around the scene */
 #define ZOOM_LEAST 0.01f /* of the view, that marks take at least */
+#define PLACE_LEAST 1e-5f /* of the view, that a place takes at least */
 #define LINE_WIDTH 0.35f /* picture pixels */
 
 static const float sky_top[3] = {0.97f, 0.98f, 0.99f};
@@ -45,9 +47,14 @@ static void normalize(float x[3])
     }
 }
 
-/* The middle of the box around all vertices, or around all marks. */
+/* The middle of the box around all vertices, or around all marks; or the place that is to
+ * be seen. */
 static void find_centre(const struct picture *picture, float centre[3])
 {
+    if (picture->place != NULL) {
+        memcpy(centre, picture->place->at, sizeof(picture->place->at));
+        return;
+    }
     bool at_marks = picture->is_at_marks && picture->mark_count > 0;
     for (uint32_t k = 0; k < 3; k++) {
         float low = INFINITY, high = -INFINITY;
@@ -133,7 +140,10 @@ static void place_camera(const struct picture *picture, struct picture_canvas *c
     }
     canvas->focus = 0.5f * (float)canvas->height * PICTURE_OVERSAMPLING / HALF_VIEW *
                     (picture->zoom > 0 ? picture->zoom : 1.0f);
-    if (picture->is_at_marks && picture->mark_count > 0) {
+    if (picture->place != NULL) {
+        float share = picture->place->radius / (canvas->distance * high);
+        canvas->focus /= fminf(fmaxf(share, PLACE_LEAST), 1.0f);
+    } else if (picture->is_at_marks && picture->mark_count > 0) {
         canvas->focus /= fminf(fmaxf(share_of_marks(picture, canvas), ZOOM_LEAST), 1.0f);
     }
 }
@@ -150,41 +160,22 @@ void picture_project(const struct picture_canvas *canvas, const float x[3],
     corner->y = 0.5f * (float)canvas->raster.height - scale * dot(d, canvas->axes[1]);
 }
 
-/* Each vertex' normal is the sum of its triangles', weighted by their area. In units of
- * 2^octave, as squares of squares have no room in a float. */
-static void smooth_normals(const struct picture_mesh *mesh, int octave,
-                           struct raster_corner *corners)
-{
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-        const uint32_t *v = mesh->triangles[t];
-        float a[3], b[3], normal[3];
-        for (uint32_t k = 0; k < 3; k++) {
-            a[k] = ldexpf(mesh->x[v[1]][k] - mesh->x[v[0]][k], -octave);
-            b[k] = ldexpf(mesh->x[v[2]][k] - mesh->x[v[0]][k], -octave);
-        }
-        cross(a, b, normal);
-        for (uint32_t k = 0; k < 9; k++) {
-            corners[v[k / 3]].normal[k % 3] += normal[k % 3];
-        }
-    }
-    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        normalize(corners[i].normal);
-    }
-}
-
 static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *mesh)
 {
-    struct raster_corner *corners = calloc(mesh->vertex_count, sizeof(*corners));
+    struct raster_corner *corners = calloc(mesh->vertex_count + 1, sizeof(*corners));
+    float(*normals)[3] =
+        malloc((3 * (size_t)mesh->triangle_count + 1) * sizeof(*normals));
     struct raster_surface surface = {.line_width = LINE_WIDTH * PICTURE_OVERSAMPLING};
-    if (corners == NULL) {
+    int octave;
+    (void)frexpf(fmaxf(canvas->distance, FLT_MIN), &octave);
+    if (corners == NULL || normals == NULL || !crease_normals(mesh, octave, normals)) {
+        free(corners);
+        free(normals);
         return false;
     }
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         picture_project(canvas, mesh->x[i], &corners[i]);
     }
-    int octave;
-    (void)frexpf(fmaxf(canvas->distance, FLT_MIN), &octave);
-    smooth_normals(mesh, octave, corners);
     memcpy(surface.front, mesh->front, sizeof(surface.front));
     memcpy(surface.back, mesh->back, sizeof(surface.back));
     /* The light stands to the upper left behind the eye. */
@@ -196,11 +187,14 @@ static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *
     normalize(surface.light);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *v = mesh->triangles[t];
-        const struct raster_corner three[3] = {corners[v[0]], corners[v[1]],
-                                               corners[v[2]]};
+        struct raster_corner three[3] = {corners[v[0]], corners[v[1]], corners[v[2]]};
+        for (uint32_t k = 0; k < 3; k++) {
+            memcpy(three[k].normal, normals[3 * t + k], sizeof(three[k].normal));
+        }
         raster_triangle(&canvas->raster, three, &surface);
     }
     free(corners);
+    free(normals);
     return true;
 }
 
@@ -221,13 +215,19 @@ bool picture_draw(const struct picture *picture, struct picture_canvas *canvas)
     return has_memory;
 }
 
+float picture_mark_radius(const struct picture_mark *mark)
+{
+    return mark->is_chosen ? 3 * PICTURE_DOT_RADIUS : PICTURE_DOT_RADIUS;
+}
+
 void picture_draw_marks(const struct picture *picture, struct picture_canvas *canvas)
 {
     for (uint32_t i = 0; i < picture->mark_count; i++) {
         const struct picture_mark *mark = &picture->marks[i];
         struct raster_corner corner = {0};
         picture_project(canvas, mark->at, &corner);
-        raster_dot(&canvas->raster, &corner, PICTURE_DOT_RADIUS * PICTURE_OVERSAMPLING,
+        raster_dot(&canvas->raster, &corner,
+                   picture_mark_radius(mark) * PICTURE_OVERSAMPLING,
                    picture->groups[mark->group].colour, PICTURE_DOT_HIDDEN);
     }
 }

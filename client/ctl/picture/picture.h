@@ -31,6 +31,13 @@ struct picture_mesh {
 struct picture_mark {
     float at[3];
     uint32_t group;
+    bool is_chosen; /* drawn larger */
+};
+
+/* What is to be seen: a ball that fills the picture's height. */
+struct picture_place {
+    float at[3];
+    float radius;
 };
 
 struct picture_group {
@@ -56,6 +63,7 @@ struct picture {
     uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
     float zoom;             /* 0: everything is seen, just so; 2: twice as large */
     bool is_at_marks;       /* the marks are what is to be seen */
+    const struct picture_place *place; /* this is, and not the marks; NULL: no place */
     const char *title;
     const struct picture_scale *scale; /* NULL: none */
 };

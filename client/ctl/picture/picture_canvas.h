@@ -29,6 +29,8 @@ bool picture_draw(const struct picture *picture, struct picture_canvas *canvas);
 /* Where a point is on the canvas. */
 void picture_project(const struct picture_canvas *canvas, const float x[3],
                      struct raster_corner *corner);
+/* Picture pixels. */
+float picture_mark_radius(const struct picture_mark *mark);
 /* Marks and legend onto the canvas. */
 void picture_draw_marks(const struct picture *picture, struct picture_canvas *canvas);
 void picture_draw_legend(const struct picture *picture, struct picture_canvas *canvas);

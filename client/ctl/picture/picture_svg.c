@@ -54,7 +54,8 @@ static void put_marks(const struct picture *picture, const struct picture_canvas
         }
         fprintf(file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%g\" opacity=\"%g\" fill=\"",
                 (double)corner.x / PICTURE_OVERSAMPLING,
-                (double)corner.y / PICTURE_OVERSAMPLING, (double)PICTURE_DOT_RADIUS,
+                (double)corner.y / PICTURE_OVERSAMPLING,
+                (double)picture_mark_radius(&picture->marks[i]),
                 raster_is_hidden(&canvas->raster, &corner) ? (double)PICTURE_DOT_HIDDEN
                                                            : 1.0);
         put_colour(picture->groups[picture->marks[i].group].colour, file);

@@ -17,13 +17,14 @@
 #include <string.h>
 
 #include "json_text.h"
+#include "plural.h"
 #include "shown.h"
 
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
 
 struct taking {
     struct still *still;
-    double t;
+    const struct still_at *at;
     bool is_taken;
 };
 
@@ -95,14 +96,56 @@ static struct still_object *find_object(const struct still *still, uint32_t hand
     return NULL;
 }
 
+/* The vertices of a feature: its number of them, 0 for one that there is not. */
+static uint32_t corners_of(const struct still_object *object,
+                           const struct world_mesh *mesh, uint32_t feature, uint32_t size,
+                           uint32_t corners[3])
+{
+    if (size == 1 && feature < object->vertex_count) {
+        corners[0] = feature;
+        return 1;
+    }
+    if (size == 2 && feature < mesh->edge_count) {
+        memcpy(corners, mesh->edges[feature], 2 * sizeof(*corners));
+        return 2;
+    }
+    if (size == 3 && feature < object->triangle_count) {
+        memcpy(corners, object->triangles[feature], 3 * sizeof(*corners));
+        return 3;
+    }
+    return 0;
+}
+
+/* Make room around a contact for the corners of one of its features. */
+static void widen(struct still_contact *contact, const struct still_object *object,
+                  const uint32_t *corners, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const float *x = object->x[corners[i]];
+        float away = hypotf(hypotf(x[0] - contact->at[0], x[1] - contact->at[1]),
+                            x[2] - contact->at[2]);
+        contact->radius = fmaxf(contact->radius, away);
+    }
+}
+
 /* Where the second feature is touched; false for a record that makes no sense. */
 static bool place_contact(const struct still *still, const struct world_scene *scene,
                           const struct pccd_contact *from, struct still_contact *to)
 {
+    const struct still_object *a = find_object(still, from->object_a);
     const struct still_object *b = find_object(still, from->object_b);
-    const struct world_object *known = world_object(scene, from->object_b);
+    const struct world_object *known_a = world_object(scene, from->object_a);
+    const struct world_object *known_b = world_object(scene, from->object_b);
+    bool is_vf = from->kind == PCCD_VF;
     float u = from->param[0], v = from->param[1];
-    if (b == NULL || known == NULL || find_object(still, from->object_a) == NULL) {
+    uint32_t of_a[3], of_b[3];
+    if (a == NULL || b == NULL || known_a == NULL || known_b == NULL ||
+        (!is_vf && from->kind != PCCD_EE)) {
+        return false;
+    }
+    uint32_t count_a = corners_of(a, known_a->mesh, from->feature_a, is_vf ? 1 : 2, of_a);
+    uint32_t count_b = corners_of(b, known_b->mesh, from->feature_b, is_vf ? 3 : 2, of_b);
+    if (count_a == 0 || count_b == 0) {
         return false;
     }
     *to = (struct still_contact){.toi = from->toi,
@@ -113,23 +156,18 @@ static bool place_contact(const struct still *still, const struct world_scene *s
                                  .object_b = from->object_b,
                                  .feature_b = from->feature_b};
     memcpy(to->normal, from->normal, sizeof(to->normal));
-    if (from->kind == PCCD_VF && from->feature_b < b->triangle_count) {
-        const uint32_t *c = b->triangles[from->feature_b];
-        for (uint32_t k = 0; k < 3; k++) {
-            to->at[k] =
-                (1.0f - u - v) * b->x[c[0]][k] + u * b->x[c[1]][k] + v * b->x[c[2]][k];
-        }
+    for (uint32_t k = 0; k < 3; k++) {
+        const float *first = b->x[of_b[0]], *second = b->x[of_b[1]];
+        to->at[k] = is_vf
+                        ? (1.0f - u - v) * first[k] + u * second[k] + v * b->x[of_b[2]][k]
+                        : first[k] + v * (second[k] - first[k]);
+    }
+    if (is_vf) {
         b->hits[from->feature_b]++;
-        return true;
     }
-    if (from->kind == PCCD_EE && from->feature_b < known->mesh->edge_count) {
-        const uint32_t *c = known->mesh->edges[from->feature_b];
-        for (uint32_t k = 0; k < 3; k++) {
-            to->at[k] = b->x[c[0]][k] + v * (b->x[c[1]][k] - b->x[c[0]][k]);
-        }
-        return true;
-    }
-    return false;
+    widen(to, a, of_a, count_a);
+    widen(to, b, of_b, count_b);
+    return true;
 }
 
 static void find_extent(struct still *still)
@@ -150,6 +188,21 @@ static void find_extent(struct still *still)
     }
 }
 
+/* When the contact happens that was asked for. */
+static int find_contact(const struct still_at *at, const struct play_step *step,
+                        double *t, struct ctl_error *error)
+{
+    uint64_t count = step->contacts != NULL ? step->count : 0;
+    if (at->contact > count) {
+        return ctl_error_set(
+            error, PCCD_E_INVAL,
+            "step %" PRIu64 " has %" PRIu64 " %s, and no contact %" PRIu64, step->number,
+            count, proto_plural(count, "contact", "contacts"), at->contact);
+    }
+    *t = isnan(at->t) ? fmin(fmax(step->contacts[at->contact - 1].toi, 0), 1) : at->t;
+    return PCCD_OK;
+}
+
 static int take(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct taking *taking = context;
@@ -159,34 +212,49 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     }
     still_deinit(still);
     still->step = step->number;
-    still->t = taking->t;
+    still->t = taking->at->t;
+    if (taking->at->contact > 0) {
+        int status = find_contact(taking->at, step, &still->t, error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
     still->objects = calloc(step->scene->object_count + 1, sizeof(*still->objects));
     still->contacts = calloc(step->count + 1, sizeof(*still->contacts));
     if (still->objects == NULL || still->contacts == NULL) {
         return no_memory(error);
     }
-    choose_origin(step->scene, taking->t, still);
+    choose_origin(step->scene, still->t, still);
     for (uint32_t i = 0; i < step->scene->object_count; i++) {
         still->object_count++;
-        if (!take_object(&step->scene->objects[i], taking->t, still->origin,
+        if (!take_object(&step->scene->objects[i], still->t, still->origin,
                          &still->objects[i]) ||
             world_edges(step->scene->objects[i].mesh, error) != PCCD_OK) {
             return no_memory(error);
         }
     }
     for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
-        still->contact_count += place_contact(still, step->scene, &step->contacts[i],
-                                              &still->contacts[still->contact_count]);
+        bool is_placed = place_contact(still, step->scene, &step->contacts[i],
+                                       &still->contacts[still->contact_count]);
+        if (i + 1 == taking->at->contact && !is_placed) {
+            return ctl_error_set(error, PCCD_E_FORMAT,
+                                 "contact %" PRIu64 " of step %" PRIu64
+                                 " names what there is not",
+                                 i + 1, step->number);
+        }
+        still->chosen =
+            i + 1 == taking->at->contact ? still->contact_count : still->chosen;
+        still->contact_count += is_placed;
     }
     find_extent(still);
     taking->is_taken = true;
     return PCCD_OK;
 }
 
-int still_take(const struct play_settings *settings, double t, struct still *still,
-               struct play_summary *summary, struct ctl_error *error)
+int still_take(const struct play_settings *settings, const struct still_at *at,
+               struct still *still, struct play_summary *summary, struct ctl_error *error)
 {
-    struct taking taking = {.still = still, .t = t};
+    struct taking taking = {.still = still, .at = at};
     memset(still, 0, sizeof(*still));
     int status = play(settings, take, &taking, summary, error);
     if (status == PCCD_OK && !taking.is_taken) {
@@ -204,10 +272,11 @@ int still_take(const struct play_settings *settings, double t, struct still *sti
 void still_report(const struct still *still, const char *path, bool is_json)
 {
     if (!is_json) {
-        printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " objects, %" PRIu64
-               " contacts\n",
+        printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
                tool_shown(path), still->step, still->t, still->object_count,
-               still->contact_count);
+               proto_plural(still->object_count, "object", "objects"),
+               still->contact_count,
+               proto_plural(still->contact_count, "contact", "contacts"));
         return;
     }
     json_t *object = json_pack("{s:o, s:I, s:f, s:I, s:I}", "file", json_text(path),

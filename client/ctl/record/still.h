@@ -23,6 +23,7 @@ struct still_object {
 struct still_contact {
     float at[3]; /* where its second feature is touched, then, less the origin */
     float normal[3];
+    float radius; /* to the farthest vertex of its two features, then */
     double toi;
     uint32_t kind, flags;
     uint32_t object_a, feature_a, object_b, feature_b;
@@ -38,11 +39,20 @@ struct still {
     double extent;    /* largest side of the box around everything */
     double origin[3]; /* zeros but for a scene that is small for how far off it is */
     bool has_origin;
+    uint64_t chosen; /* the contact that was asked for, in `contacts` */
 };
 
-/* The last answered step of `settings`, or the one it names, at time t. */
-int still_take(const struct play_settings *settings, double t, struct still *still,
-               struct play_summary *summary, struct ctl_error *error);
+/* Which moment of a step. */
+struct still_at {
+    double t;         /* NAN: when `contact` happens */
+    uint64_t contact; /* from 1, in the order of the answer; 0: none in particular */
+};
+
+/* The last answered step of `settings`, or the one it names. E_INVAL: it has no such
+ * step, or no such contact. */
+int still_take(const struct play_settings *settings, const struct still_at *at,
+               struct still *still, struct play_summary *summary,
+               struct ctl_error *error);
 /* What there is of it in the file `path`, on the standard output. */
 void still_report(const struct still *still, const char *path, bool is_json);
 void still_deinit(struct still *still);

@@ -16,6 +16,11 @@ export function element(tag, properties = {}, ...children) {
   return made;
 }
 
+/** "1 contact", "2 contacts". */
+export function plural(value, one, many) {
+  return `${count(value)} ${value === 1 ? one : many}`;
+}
+
 /** 12345 as "12 345", with thin spaces. */
 export function count(value) {
   return String(value).replace(/\B(?=(\d{3})+(?!\d))/g, "\u202f");

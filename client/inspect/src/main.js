@@ -3,7 +3,7 @@
 import { featureText, makeContacts } from "./contacts.js";
 import { makeCounters } from "./counters.js";
 import { readData } from "./data.js";
-import { byId, count, oncePerFrame } from "./dom.js";
+import { byId, oncePerFrame, plural } from "./dom.js";
 import { makeKeys } from "./keys.js";
 import { makeLanes } from "./lanes.js";
 import { between, featuresOf } from "./marks.js";
@@ -107,7 +107,7 @@ function makeCaption(data, state) {
       ? `step ${step.number}, t = ${t.toFixed(2)}`
       : `${featureText(step, chosen, "a")} meets ${featureText(step, chosen, "b")} at t = ${step.contacts.toi[chosen].toFixed(6)}`;
     byId("view").setAttribute("aria-label", `Step ${step.number} at time ${t.toFixed(2)}: `
-      + `${step.objects.length} objects, ${count(picked.length)} contacts shown`);
+      + `${plural(step.objects.length, "object", "objects")}, ${plural(picked.length, "contact", "contacts")} shown`);
   });
   state.on(["index", "chosen", "t", "picked"], draw);
 }

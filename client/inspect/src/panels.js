@@ -2,7 +2,7 @@
 
 import { TREES } from "./boxes.js";
 import { PHASES, colourOfObject, cssOf, scaleGradient } from "./colours.js";
-import { byId, count, duration, element } from "./dom.js";
+import { byId, count, duration, element, plural } from "./dom.js";
 import { partsOf } from "./timeline.js";
 
 const INCOMPLETE = ["complete", "complete", "the deadline passed", "cancelled",
@@ -21,7 +21,7 @@ export function makeHead({ meta }) {
   document.title = `${recording.name} · pccd inspect`;
   byId("name").textContent = recording.name;
   const chips = [
-    chip(`${count(steps.length)} of ${count(recording.steps)} steps`,
+    chip(`${count(steps.length)} of ${plural(recording.steps, "step", "steps")}`,
       meta.is_full ? "The page was full: see --every, --steps and --max-size" : "in this page, and recorded",
       meta.is_full ? "warn" : ""),
     chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), "recorded, UTC"),
@@ -35,7 +35,7 @@ export function makeHead({ meta }) {
     chips.push(chip("16-bit positions", "written with --round"));
   }
   chips.push(differ > 0
-    ? chip(`${differ} answers differ`, "from those that were recorded", "bad")
+    ? chip(plural(differ, "answer differs", "answers differ"), "from those that were recorded", "bad")
     : compared > 0 ? chip("✓ answers as recorded", "every hash is the recorded one", "good")
       : chip("not compared", "the recording holds no answers to compare with", "warn"));
   byId("chips").replaceChildren(...chips);
@@ -109,7 +109,7 @@ export function makeHierarchy(data, state, view) {
     const level = Math.min(values.level, levels.length - 1);
     slider.max = String(levels.length);
     slider.value = String(level + 1);
-    const text = level < 0 ? "off" : `level ${level} of ${levels.length - 1}: ${count(levels[level].count)} box${levels[level].count === 1 ? "" : "es"}`;
+    const text = level < 0 ? "off" : `level ${level} of ${levels.length - 1}: ${plural(levels[level].count, "box", "boxes")}`;
     byId("level-text").textContent = text;
     slider.setAttribute("aria-valuetext", text);
     const floats = level < 0 ? null : data.boxes(values.index, values.tree, level);

@@ -1,0 +1,19 @@
+/* client/ctl/picture/viewpoint.h - from where a contact can be seen.
+ *
+ * Room:     client/ctl. May include: still.h.
+ * Does:     find a direction from which nothing is in front of a contact, and from which
+ *           the two surfaces are seen to meet: from aside.
+ * Does not: draw.
+ * Threads:  [any]; nothing is shared.
+ */
+#ifndef CTL_VIEWPOINT_H
+#define CTL_VIEWPOINT_H
+
+#include "still.h"
+
+/* `from`, unit, is the wanted direction from contact still->chosen to the eye, and
+ * becomes the one of those with a free view that is least turned away from it; it
+ * stays where none of them has a free view. */
+void viewpoint_choose(const struct still *still, float from[3]);
+
+#endif
