@@ -28,7 +28,7 @@ enum eng_mode {
 enum eng_method {
     ENG_METHOD_DEFAULT = 0, /* wide; paper with ENG_SCHEDULER_PAPER, which is its own */
     ENG_METHOD_PAPER = 1,   /* binary tree over triangles, rebuilt in part on the way */
-    ENG_METHOD_WIDE = 2     /* wide trees over vertices, edges and faces; always stolen */
+    ENG_METHOD_WIDE = 2     /* wide trees over vertices, edges and faces */
 };
 /* Who performs which task unit. The answer does not depend on it. */
 enum eng_scheduler {

@@ -85,16 +85,19 @@ static void describe(const struct eng_step_result *step,
     };
 }
 
-/* Which of the ways to share work were taken: none by a thread alone. */
-static void describe_sharing(const struct eng_step_settings *settings, uint32_t threads,
+/* Which of the ways to share work were taken: none by a thread alone. The method wide
+ * refits in one way, and has no high-level nodes. */
+static void describe_sharing(const struct eng_step_settings *settings,
+                             const struct eng_step_result *step,
                              struct proto_FRAME_SUBMIT_result *answer)
 {
-    if (threads < 2) {
+    bool is_paper = step->method == ENG_METHOD_PAPER;
+    if (step->threads < 2) {
         return;
     }
     answer->scheduler = (uint32_t)settings->scheduler + 1;
-    answer->refit = (uint32_t)settings->refit + 1;
-    if (settings->scheduler == ENG_SCHEDULER_PAPER) {
+    answer->refit = is_paper ? (uint32_t)settings->refit + 1 : (uint32_t)PCCD_REFIT_EVEN;
+    if (is_paper && settings->scheduler == ENG_SCHEDULER_PAPER) {
         answer->high_level = (uint32_t)settings->high_level + 1;
     }
 }
@@ -166,7 +169,7 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
                                proto_status_text(status));
     }
     describe(&step, &scene->answer);
-    describe_sharing(&settings, step.threads, &scene->answer);
+    describe_sharing(&settings, &step, &scene->answer);
     scene->answer.step = request->params.FRAME_SUBMIT.step;
     if (!request->params.FRAME_SUBMIT.place) {
         scene->answer.number = ++scene->number;

@@ -127,6 +127,13 @@ static void choice__the_answer_says_what_was_used(void **state)
     assert_int_equal(answer.refit, PCCD_REFIT_PAPER);
     assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DISJOINT);
 
+    settings.method = PCCD_METHOD_WIDE; /* refits in one way, has no high-level nodes */
+    turn(client, NULL, &settings, &answer);
+    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_PAPER);
+    assert_int_equal(answer.refit, PCCD_REFIT_EVEN);
+    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DEFAULT);
+    settings.method = PCCD_METHOD_DEFAULT;
+
     settings.threads = 1;
     turn(client, NULL, &settings, &answer);
     assert_int_equal(answer.threads, 1);
