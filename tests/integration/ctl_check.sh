@@ -330,8 +330,12 @@ daemon_pid=
 fails 3 'no connection' ping --socket "$dir/s"
 report "ping fails when nobody listens"
 
-ctl version --socket "$dir/s" && says '^daemon +does not answer'
+PCCD_URL="unix:$dir/s" "$PCCDCTL" version >out 2>err && says '^daemon +does not answer'
 report "version works without a daemon"
+
+ctl version --socket "$dir/s"
+[ $? -eq 3 ] && says '^daemon +does not answer' && grep -q 'no connection' err
+report "version fails where the daemon that an option names does not answer"
 
 PCCD_CPU=scalar "$PCCD_DAEMON" --socket "$dir/s" --ready-fd 3 3>ready 2>daemon.log &
 daemon_pid=$!
