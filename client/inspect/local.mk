@@ -2,6 +2,7 @@
 
 PAGE_FILES = \
     client/inspect/build.mjs \
+    client/inspect/fetch_modules.sh \
     client/inspect/make_page.sh \
     client/inspect/package.json \
     client/inspect/package-lock.json \
@@ -27,14 +28,16 @@ PAGE_FILES = \
 EXTRA_DIST += $(PAGE_FILES)
 
 client/inspect/page.html: $(PAGE_FILES) Makefile
-	$(AM_V_GEN)NODE='$(NODE)' NPM='$(NPM)' \
-	    $(SHELL) $(srcdir)/client/inspect/make_page.sh '$(with_inspect)' '$(srcdir)' $@
+	$(AM_V_GEN)$(SHELL) $(srcdir)/client/inspect/make_page.sh '$(with_inspect)' '$(srcdir)' $@
 CLEANFILES += client/inspect/page.html client/inspect/page.html.tmp
 
 # The tarball has the page as well as its sources: whoever builds it needs neither node nor
 # npm.
 dist-hook: client/inspect/page.html
-	test ! -s client/inspect/page.html || \
-	    cp client/inspect/page.html $(distdir)/client/inspect/page.dist.html
+	if test -s client/inspect/page.html; then \
+	    cp client/inspect/page.html $(distdir)/client/inspect/page.dist.html; \
+	else \
+	    echo 'this tarball has no page of pccdctl inspect; ./bootstrap fetches it' >&2; \
+	fi
 distclean-local:
 	rm -rf client/inspect/npm

@@ -4,10 +4,11 @@
 # Room:     tests/dist.
 # Does:     clone SOURCE twice, to folders of different names and with different umasks, make
 #           dist in each at different times and compare; then look whether every file that git
-#           tracks is in it. What is not committed is not in the clones.
+#           tracks is in it. What is not committed is not in the clones, but what the page of
+#           pccdctl inspect is made of, if it was fetched for this build, so that it is compared.
 
 set -eu
-source=$1 tarball=$2
+source=$1 tarball=$2 modules=$PWD/client/inspect/npm
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -17,7 +18,8 @@ dist() (
     git clone -q "$source" "$work/$1"
     cd "$work/$1"
     autoreconf -fi >"$work/log" 2>&1 || { cat "$work/log" >&2 && exit 1; }
-    mkdir build
+    mkdir -p build/client/inspect
+    [ ! -d "$modules" ] || cp -R "$modules" build/client/inspect/npm
     cd build
     ../configure -q
     make dist >"$work/log" 2>&1 || { cat "$work/log" >&2 && exit 1; }

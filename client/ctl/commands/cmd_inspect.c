@@ -223,9 +223,10 @@ int ctl_cmd_inspect(int argc, char **argv)
     if (page_template(&bytes) == NULL) {
         status = ctl_error_set(
             &error, PCCD_E_SYSTEM,
-            "this pccdctl was built without the page of inspect: build it again where "
-            "node (18 or later) and npm are installed, with configure "
-            "--with-inspect=yes; \"pccdctl render\" and \"export\" need neither");
+            "this pccdctl was built without the page of inspect: build it again with "
+            "./bootstrap, or with configure --with-inspect=fetch, where node (18 or "
+            "later) and npm are installed; \"pccdctl render\" and \"export\" need "
+            "neither");
     }
     if (status == PCCD_OK) {
         status = output_open(&file, command.path, false, &error);
