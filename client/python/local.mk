@@ -1,7 +1,6 @@
 # client/python/local.mk - the Python client; nothing is built.
 #
-# pythondir (configure --with-pythondir) is where Python looks for modules: Debian's, below
-# the prefix, unless told otherwise.
+# pythondir (configure --with-pythondir) is where Python looks for modules below the prefix.
 
 python_partsdir = $(pythondir)/_pccd
 dist_python_DATA = client/python/pccd.py

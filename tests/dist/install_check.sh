@@ -3,7 +3,9 @@
 #
 # Room:     tests/dist.
 # Does:     install under DESTDIR; build and run programs of others, in C11 and in C++17,
-#           against that and nothing of the source; take it away again.
+#           against that and nothing of the source; take it away again. Then install for good,
+#           in a mount namespace that ends with the test, and do there what the last line says.
+#           Build such a program against the build folder, too.
 # Does not: install anything where it would stay.
 
 set -u
@@ -132,6 +134,20 @@ else
     # If it failed, a game could not be built against what was installed.
     # shellcheck disable=SC2086 # CC may hold flags
     build_and_run install__c11_program_works ${CC-cc} -std=c11 game.c
+    # If one failed, who copies it would have to find out what it wants defined.
+    for example in "$top_srcdir"/client/examples/*.c; do
+        name=${example##*/} name=${name%.c}
+        for compiler in gcc clang; do
+            if command -v $compiler >/dev/null; then
+                # shellcheck disable=SC2046 # words on purpose
+                $compiler -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Werror -c \
+                    -o "$work/example.o" "$example" $(pkg-config --cflags pccd)
+            fi
+        done >"$log" 2>&1
+        [ ! -s "$log" ] && [ -s "$work/example.o" ]
+        tap_result $? install__example_${name}_is_plain_c11 "$log"
+        rm -f "$work/example.o"
+    done
     if command -v g++ >/dev/null; then
         # If it failed, one in C++ could not.
         build_and_run install__cxx17_program_works g++ -std=c++17 game.cc
@@ -165,5 +181,90 @@ find "$root" ! -type d >>"$log"
 [ $status -eq 0 ] && ! find "$root" ! -type d | grep -q .
 # If it failed, something would stay behind.
 tap_result $? uninstall__takes_all_away "$log"
+
+# ---- for good --------------------------------------------------------------------------
+
+unset PKG_CONFIG_SYSROOT_DIR PKG_CONFIG_PATH LD_LIBRARY_PATH
+PATH=${PATH#"$bin":}
+prefix=$(sed -n 's/^prefix=//p' "$top_builddir/client/lib/pccd.pc")
+
+# What a newcomer does, in a namespace in which what is written to the prefix and to /etc
+# (the loader's cache) is written to memory.
+cat >"$work/newcomer.sh" <<'END'
+prefix=$1 work=$2
+mount -t tmpfs none "$work/memory" || exit 77
+for folder in "$prefix" /etc; do
+    upper=$work/memory/${folder//\//_}
+    mkdir -p "$upper/new" "$upper/work" &&
+        mount -t overlay -o "lowerdir=$folder,upperdir=$upper/new,workdir=$upper/work" none \
+            "$folder" || exit 77
+done
+make -C "$top_builddir" -j2 install >"$work/installed" || exit 1
+line=$(grep -v '^make' "$work/installed" | tail -n 1)
+echo "the last line: $line"
+case $line in
+'export '*) eval "$line" ;;
+'pccd is installed: '*) ;;
+*) exit 1 ;;
+esac
+cd "$work" || exit 1
+[ "$(command -v pccdctl)" = "$prefix/bin/pccdctl" ] && pccdctl version --private || exit 1
+cp "$top_srcdir/client/examples/hello.c" game.c
+${CC-cc} -o first game.c $(pkg-config --cflags --libs pccd) && ./first || exit 1
+if command -v python3 >/dev/null; then
+    python3 -c 'import importlib.util
+print(importlib.util.find_spec("pccd").origin)' || exit 1
+fi
+if python3 -c 'import msgpack, numpy'; then
+    PCCD_DAEMON=$prefix/bin/pccdd python3 -c 'import pccd
+print(pccd.__file__)
+with pccd.connect(private=True) as client:
+    print(client.scene_create())' || exit 1
+fi
+END
+name=install__last_line_is_all_there_is_to_do
+as_root=-m
+[ "$(id -u)" -eq 0 ] || as_root=-rm
+mkdir -p "$work/memory"
+if nm -D "$top_builddir/.libs/libpccd.so.0" | grep -qE '__(a|ub|t)san_'; then
+    tap_skip $name "the library is built with a sanitiser"
+elif ! command -v pkg-config >/dev/null || ! command -v unshare >/dev/null; then
+    tap_skip $name "no pkg-config, or no unshare"
+elif ! mkdir -p "$prefix" 2>/dev/null || [ ! -d "$prefix" ]; then
+    tap_skip $name "$prefix cannot be made"
+else
+    unshare $as_root bash "$work/newcomer.sh" "$prefix" "$work" >"$log" 2>&1
+    status=$?
+    # If it failed, what was installed would not be found by who does as told.
+    if [ $status -eq 77 ] || grep -q '^unshare: ' "$log"; then
+        tap_skip $name "no overlay can be mounted here"
+    else
+        tap_result $status $name "$log"
+    fi
+fi
+
+# If it failed, an installation to a folder that nothing looks into would leave a user to find
+# out what to set.
+PATH=/usr/bin:/bin PKG_CONFIG=pkg-config PYTHON3=$(command -v python3) \
+    sh "$top_srcdir/client/lib/after_install.sh" "$work/b" "$work/l" "$work/p" "$work/y" >"$log" 2>&1
+[ "$(tail -n 1 "$log")" = "export PATH=\"$work/b\${PATH:+:\$PATH}\"\
+ LD_LIBRARY_PATH=\"$work/l\${LD_LIBRARY_PATH:+:\$LD_LIBRARY_PATH}\"\
+ PKG_CONFIG_PATH=\"$work/p\${PKG_CONFIG_PATH:+:\$PKG_CONFIG_PATH}\"\
+$([ -z "$(command -v python3)" ] || echo " PYTHONPATH=\"$work/y\${PYTHONPATH:+:\$PYTHONPATH}\"")" ]
+tap_result $? install__elsewhere_says_what_to_set "$log"
+
+# ---- not installed at all --------------------------------------------------------------
+
+name=build_folder__serves_a_program_as_it_stands
+if command -v pkg-config >/dev/null; then
+    # shellcheck disable=SC2046,SC2086 # words on purpose
+    (cd "$work" && PKG_CONFIG_PATH=$top_builddir && export PKG_CONFIG_PATH &&
+        ${CC-cc} -o first "$top_srcdir/client/examples/hello.c" $(pkg-config --cflags --libs pccd) &&
+        PCCD_DAEMON=$top_builddir/pccdd ./first) >"$log" 2>&1
+    # If it failed, the first program could not be tried without an installation.
+    tap_result $? $name "$log"
+else
+    tap_skip $name "no pkg-config"
+fi
 
 tap_end
