@@ -94,7 +94,7 @@ enum pccd_refit {
     PCCD_REFIT_COUNT = 3
 };
 
-/* How the hierarchies of a scene are built. The answer never depends on it. */
+/* How the trees of the method paper are built. The answer never depends on it. */
 enum pccd_quality {
     PCCD_QUALITY_DEFAULT = 0,
     PCCD_QUALITY_MEDIAN = 1, /* median of the centroids along the longest axis */

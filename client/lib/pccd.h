@@ -274,8 +274,8 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
 
-/* How the hierarchies of a scene are built and kept. All zeros are the defaults; the
- * answers never depend on any of it. */
+/* How the trees that the method paper uses are built and kept. All zeros are the
+ * defaults; the answers never depend on any of it. */
 struct pccd_scene_settings {
     enum pccd_quality quality;      /* 0 = median */
     uint32_t rebuild_triangles_max; /* a subtree of up to so many is built anew at once;
