@@ -231,6 +231,7 @@ static void print_other_enums(void)
     VALUE(PCCD_SHARE_CREATE, "make the scene; there must be none of that name");
     VALUE(PCCD_SHARE_OPEN, "make it unless there is one");
     VALUE(PCCD_SHARE_ATTACH, "take part; there must be one");
+    VALUE(PCCD_SHARE_OTHER, "take part in one of the user `owner`; there must be one");
     print_enum("pccd_object_what");
     VALUE(PCCD_OBJECT_GROUP, "`group` is set");
     VALUE(PCCD_OBJECT_MASK, "`mask` is set");

@@ -125,8 +125,7 @@ enum pccd_kind {
 
 /* Flags of a contact. */
 enum pccd_contact_flag {
-    PCCD_PROVED = 1u,  /* the contact exists and its first time lies in [toi, toi_hi];
-                          every record of this release has it */
+    PCCD_PROVED = 1u,  /* it exists, first in [toi, toi_hi]; every record has it by now */
     PCCD_INITIAL = 2u  /* the features already touch at t = 0 (then toi = toi_hi = 0) */
 };
 
@@ -135,7 +134,8 @@ enum pccd_share {
     PCCD_SHARE_CREATE = 0, /* there must be none of that name */
     PCCD_SHARE_OPEN = 1,   /* made unless there is one */
     PCCD_SHARE_ATTACH = 2, /* there must be one */
-    PCCD_SHARE_COUNT = 3
+    PCCD_SHARE_OTHER = 3,  /* there must be one of another user, who is named */
+    PCCD_SHARE_COUNT = 4
 };
 
 /* Why an answer is not complete. */

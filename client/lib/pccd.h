@@ -262,8 +262,7 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
  * positions given here. The mesh and its objects go on as they were until all has
  * arrived, and for good when this fails: E_QUOTA and E_NOMEM too (old and new are held at
  * once), E_BUSY, and the errors of pccd_mesh_create. Steps submitted before are computed
- * with the old vertices; edges and feature numbers of the old mesh mean nothing to later
- * answers. */
+ * with the old vertices; edges and feature numbers of the old mesh mean nothing later. */
 int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       enum pccd_format format, uint32_t vertex_count,
                       const uint32_t (*triangles)[3], uint32_t triangle_count,
@@ -283,8 +282,7 @@ struct pccd_scene_settings {
     double rebuild_ratio;  /* a subtree is built anew when the volume of its box is less
                              than so much of its two halves', which overlap then;
                              up to 1; 0 = 0.9; negative: never */
-    const char *name;      /* to share the scene with other clients (below), 1 .. 255
-                               bytes; NULL: it is this client's alone */
+    const char *name;      /* of one to share (below), 1 .. 255 bytes; NULL: none */
     enum pccd_share share; /* of a named one: make it, or take part */
     uint32_t rights;       /* of one that is made: as a file's, of 0666; 0 = 0600 */
 };
@@ -295,30 +293,32 @@ struct pccd_scene_settings {
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene);
 int pccd_scene_destroy(struct pccd_client *client, uint32_t scene);
+/* Take part in another user's scene of that name. Errors as above. */
+int pccd_scene_join(struct pccd_client *client, uint32_t owner, const char *name,
+                    uint32_t *scene);
 /* An object is an instance of a mesh, placed at the mesh's registered positions. */
 int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
                    uint32_t *object);
 int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t object);
 
 /* The boxes of a level of a scene's hierarchies, the root being level 0, as the last step
- * that used the tree left them (answer.method says which one did), to see what a step
- * looks at: up to `room` of them to `boxes`, which may be NULL with room 0. *count: how
- * many the level has; 0: there is no such level, or no step has used the tree since
- * objects came or went. Errors: E_HANDLE, E_INVAL, E_BUSY (release answers first);
- * E_NOMETHOD from an older daemon. */
+ * that used the tree left them (answer.method says which one did): up to `room` of them
+ * to `boxes`, which may be NULL with room 0. *count: how many the level has; 0: there is
+ * no such level, or no step has used the tree since objects came or went. Errors:
+ * E_HANDLE, E_INVAL, E_BUSY (release answers first), E_NOMETHOD (an older daemon). */
 int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree tree,
                      uint32_t level, struct pccd_box *boxes, uint32_t room,
                      uint32_t *count);
 
-/* Scenes that clients share. Whoever makes one says who else may take part, by the user
- * and the groups of their processes: to read, which is to know of its steps and to fetch
- * their answers, or also to write, which is to add objects and to step. An object is
- * moved and removed by the client that added it alone, and goes with it; the scene goes
- * with the last client. Steps of one client move its own objects, while those of the
- * others stand still: to move objects of several clients over the same time, all but one
- * submit frames with `hold` (struct pccd_step_settings), which wait for a step of the
- * scene, go along with it, and are answered with its numbers. After a crash of the daemon
- * each client brings its own objects back when it has found the next one. */
+/* Scenes that clients share; each user's have names of their own. Whoever makes one says
+ * who else may take part, by user and groups of their processes: to read, which is to
+ * know of its steps and fetch their answers, or also to write: add objects, step. An
+ * object is moved and removed by the client that added it alone, and goes with it; the
+ * scene goes with the last client. Steps of one client move its own objects, others
+ * stand still: to move objects of several clients over the same time, all but one submit
+ * frames with `hold` (struct pccd_step_settings), which wait for a step of the scene, go
+ * along with it, and are answered with its numbers. After a crash of the daemon each
+ * client brings its own objects back. */
 struct pccd_scene_news {
     uint64_t number; /* of the step among those of the scene, from 1 */
     enum pccd_mode mode;

@@ -11,19 +11,12 @@
 #include "rpc.h"
 #include "shared.h"
 
-/* What a scene is shared as. */
-static int share(struct pccd_client *client, const struct pccd_scene_settings *settings,
-                 struct proto_SCENE_CREATE_request *request)
+/* That there may be a scene of that name. */
+static int take_name(struct pccd_client *client, const char *name,
+                     struct proto_SCENE_CREATE_request *request)
 {
-    size_t bytes = settings->name != NULL ? strlen(settings->name) : 0;
+    size_t bytes = strlen(name);
 
-    if (settings->name == NULL) {
-        return settings->share == 0 && settings->rights == 0
-                   ? 0
-                   : cli_fail(client, PCCD_E_INVAL,
-                              "scene.create: only a scene with a "
-                              "name has share and rights");
-    }
     if (bytes == 0 || bytes > PROTO_STR_MAX) {
         return cli_fail(client, PCCD_E_INVAL,
                         "scene.create: a name of %zu bytes, not of 1 to %u", bytes,
@@ -34,10 +27,28 @@ static int share(struct pccd_client *client, const struct pccd_scene_settings *s
                         "the daemon at %s is too old for scenes that clients share",
                         client->url);
     }
-    memcpy(request->name, settings->name, bytes + 1);
+    memcpy(request->name, name, bytes + 1);
+    return 0;
+}
+
+/* What a scene is shared as. */
+static int share(struct pccd_client *client, const struct pccd_scene_settings *settings,
+                 struct proto_SCENE_CREATE_request *request)
+{
+    if (settings->name == NULL) {
+        return settings->share == 0 && settings->rights == 0
+                   ? 0
+                   : cli_fail(client, PCCD_E_INVAL,
+                              "scene.create: only a scene with a "
+                              "name has share and rights");
+    }
+    if (settings->share == PCCD_SHARE_OTHER) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "scene.create: a scene of another user is for pccd_scene_join");
+    }
     request->share = (uint32_t)settings->share;
     request->rights = settings->rights;
-    return 0;
+    return take_name(client, settings->name, request);
 }
 
 int pccd_want(struct pccd_client *client, uint32_t handle)
@@ -57,11 +68,29 @@ uint32_t cli_take_want(struct pccd_client *client)
     return want;
 }
 
+/* As `request` says, under the handle that is wanted. */
+static int create(struct pccd_client *client, struct proto_SCENE_CREATE_request *request,
+                  uint32_t *scene)
+{
+    struct proto_SCENE_CREATE_result result;
+    int rc;
+
+    request->want = cli_take_want(client);
+    rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, request, &result,
+                       cli_deadline(client, -1));
+    if (rc == 0) {
+        *scene = result.scene;
+        if (request->name[0] != '\0') {
+            (void)cli_journal_begin(client, result.scene);
+        }
+    }
+    return rc;
+}
+
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene)
 {
     struct proto_SCENE_CREATE_request request = {.rebuild_ratio = 0};
-    struct proto_SCENE_CREATE_result result;
     int rc = 0;
 
     if (client == NULL) {
@@ -76,19 +105,25 @@ int pccd_scene_create(struct pccd_client *client,
         request.rebuild_triangles_max = settings->rebuild_triangles_max;
         rc = share(client, settings, &request);
     }
-    if (rc != 0) {
-        return rc;
+    return rc != 0 ? rc : create(client, &request, scene);
+}
+
+int pccd_scene_join(struct pccd_client *client, uint32_t owner, const char *name,
+                    uint32_t *scene)
+{
+    struct proto_SCENE_CREATE_request request = {.share = PCCD_SHARE_OTHER,
+                                                 .owner = owner};
+    int rc;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
     }
-    request.want = cli_take_want(client);
-    rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, &request, &result,
-                       cli_deadline(client, -1));
-    if (rc == 0) {
-        *scene = result.scene;
-        if (request.name[0] != '\0') {
-            (void)cli_journal_begin(client, result.scene);
-        }
+    if (scene == NULL || name == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "scene.create: %s is NULL",
+                        scene == NULL ? "scene" : "name");
     }
-    return rc;
+    rc = take_name(client, name, &request);
+    return rc != 0 ? rc : create(client, &request, scene);
 }
 
 int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)

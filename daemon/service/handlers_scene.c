@@ -64,9 +64,10 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
         return status;
     }
     const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
-    if (request->name[0] == '\0' && (request->share != 0 || request->rights != 0)) {
+    if (request->name[0] == '\0' &&
+        (request->share != 0 || request->rights != 0 || request->owner != 0)) {
         return proto_error_set(&call->error, PCCD_E_INVAL,
-                               "share and rights are of scenes that have a name");
+                               "share, rights and owner are of scenes that have a name");
     }
     if (session->scene_count >= SRV_SCENES_MAX) {
         return proto_error_set(&call->error, PCCD_E_BUSY,

@@ -273,10 +273,25 @@ uint32_t srv_shared_aside(struct srv_seat *seat)
 
 /* ---- taking part ------------------------------------------------------------------- */
 
-static struct srv_shared *find(const struct srv_loop *loop, const char *name)
+/* Each user has names of their own. */
+static struct srv_shared *find(const struct srv_loop *loop, uid_t uid, const char *name)
 {
     struct srv_shared *shared = loop->shared;
-    while (shared != NULL && strcmp(shared->name, name) != 0) {
+    while (shared != NULL && (shared->uid != uid || strcmp(shared->name, name) != 0)) {
+        shared = shared->next;
+    }
+    return shared;
+}
+
+/* One of that name that another user lets the session take part in; NULL: there is
+ * none. */
+static const struct srv_shared *find_foreign(const struct srv_session *session,
+                                             const char *name)
+{
+    const struct srv_shared *shared = session->loop->shared;
+    while (shared != NULL &&
+           (shared->uid == session->user->uid || strcmp(shared->name, name) != 0 ||
+            (rights_of(session, shared) & MAY_READ) == 0)) {
         shared = shared->next;
     }
     return shared;
@@ -315,6 +330,7 @@ static int take_seat(struct srv_call *call, struct srv_shared *shared, uint32_t 
     result->scene = seat->handle;
     result->writable = seat->is_writer;
     result->number = shared->last.number;
+    result->owner = (uint32_t)shared->uid;
     return 0;
 }
 
@@ -379,11 +395,30 @@ static int make(struct srv_call *call, const struct eng_scene_settings *settings
     return 0;
 }
 
+/* There is no scene to take part in. Whoever means another user's hears whose. */
+static int refuse_absent(struct srv_call *call, uid_t uid)
+{
+    const char *name = call->params.SCENE_CREATE.name;
+    const struct srv_shared *foreign = find_foreign(call->session, name);
+    if (foreign != NULL && uid == call->session->user->uid) {
+        return proto_error_set(
+            &call->error, PCCD_E_AGAIN,
+            "user %u has no scene \"%s\" yet; user %u has one (share = "
+            "%d, owner = %u)",
+            (unsigned)uid, name, (unsigned)foreign->uid, PCCD_SHARE_OTHER,
+            (unsigned)foreign->uid);
+    }
+    return proto_error_set(&call->error, PCCD_E_AGAIN, "user %u has no scene \"%s\" yet",
+                           (unsigned)uid, name);
+}
+
 int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *settings)
 {
     srv_assert_loop();
     const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
-    struct srv_shared *shared = find(call->session->loop, request->name);
+    bool is_other = request->share == PCCD_SHARE_OTHER;
+    uid_t uid = is_other ? request->owner : call->session->user->uid;
+    struct srv_shared *shared = find(call->session->loop, uid, request->name);
     if (request->share >= PCCD_SHARE_COUNT) {
         return proto_error_set(&call->error, PCCD_E_INVAL, "unknown share %u",
                                request->share);
@@ -393,13 +428,17 @@ int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *sett
                                "rights are 0%o; they are made of the bits of 0%o",
                                request->rights, SRV_RIGHTS_ALL);
     }
+    if (!is_other && request->owner != 0) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "owner is of share %d, not %u",
+                               PCCD_SHARE_OTHER, request->share);
+    }
     if (shared != NULL && request->share == PCCD_SHARE_CREATE) {
         return proto_error_set(&call->error, PCCD_E_STATE,
-                               "there is a scene \"%s\" already", request->name);
-    }
-    if (shared == NULL && request->share == PCCD_SHARE_ATTACH) {
-        return proto_error_set(&call->error, PCCD_E_AGAIN, "there is no scene \"%s\" yet",
+                               "user %u has a scene \"%s\" already", (unsigned)uid,
                                request->name);
+    }
+    if (shared == NULL && (is_other || request->share == PCCD_SHARE_ATTACH)) {
+        return refuse_absent(call, uid);
     }
     return shared != NULL ? attach(call, shared) : make(call, settings);
 }

@@ -66,7 +66,8 @@ struct srv_shared {
     char name[];
 };
 
-/* scene.create with a name. Returns 0 with call->result set, or PCCD_E_INVAL,
+/* scene.create with a name, which is one of the session's user or, where it says so, of
+ * another. Returns 0 with call->result set, or PCCD_E_INVAL,
  * PCCD_E_STATE (there is one), PCCD_E_AGAIN (there is none yet), PCCD_E_ACCESS,
  * PCCD_E_LIMIT, PCCD_E_BUSY or PCCD_E_NOMEM with call->error set. */
 int srv_shared_open(struct srv_call *call, const struct eng_scene_settings *settings);

@@ -23,6 +23,7 @@ integration_names = \
     tests/integration/test_int_orphan \
     tests/integration/test_int_observe \
     tests/integration/test_int_overdue \
+    tests/integration/test_int_owner \
     tests/integration/test_int_peer \
     tests/integration/test_int_protocol \
     tests/integration/test_int_quota \
@@ -63,6 +64,10 @@ tests_integration_test_int_socketfile_LDADD = $(integration_libs)
 tests_integration_test_int_refused_SOURCES = tests/integration/test_int_refused.c
 tests_integration_test_int_refused_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_refused_LDADD = $(integration_libs)
+
+tests_integration_test_int_owner_SOURCES = tests/integration/test_int_owner.c
+tests_integration_test_int_owner_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_owner_LDADD = $(integration_libs)
 
 tests_integration_test_int_allow_SOURCES = tests/integration/test_int_allow.c
 tests_integration_test_int_allow_CPPFLAGS = $(integration_cppflags)

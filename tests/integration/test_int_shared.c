@@ -492,16 +492,16 @@ static void shared__rights_are_as_of_a_file(void **state)
     assert_int_equal(take_part(mine, "open", PCCD_SHARE_CREATE, 0666, &open), 0);
     assert_int_equal(take_part(mine, "odd", PCCD_SHARE_CREATE, 0755, &scene),
                      PCCD_E_INVAL);
-    assert_int_equal(take_part(theirs, "secret", PCCD_SHARE_OPEN, 0, &scene),
-                     PCCD_E_ACCESS);
+    assert_int_equal(pccd_scene_join(theirs, 0, "secret", &scene), PCCD_E_ACCESS);
+    assert_int_equal(pccd_scene_join(theirs, 0, "odd", &scene), PCCD_E_AGAIN);
     assert_int_equal(pccd_mesh_create(theirs, test_floor_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &mesh, NULL),
                      0);
-    assert_int_equal(take_part(theirs, "seen", PCCD_SHARE_OPEN, 0, &scene), 0);
+    assert_int_equal(pccd_scene_join(theirs, 0, "seen", &scene), 0);
     assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), PCCD_E_ACCESS);
     assert_int_equal(pccd_submit_still(theirs, scene, NULL, &step), 0);
     assert_int_equal(pccd_wait(theirs, step, -1, &answer), PCCD_E_ACCESS);
-    assert_int_equal(take_part(theirs, "open", PCCD_SHARE_OPEN, 0, &scene), 0);
+    assert_int_equal(pccd_scene_join(theirs, 0, "open", &scene), 0);
     assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), 0);
     /* The object outlives its mesh; a mesh lent to another user's scene keeps its
      * shape. */

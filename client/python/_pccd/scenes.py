@@ -52,28 +52,35 @@ class Scenes(Restore):
 
     def scene_create(self, quality: int = Quality.DEFAULT, rebuild_ratio: float = 0.0,
                      rebuild_triangles_max: int = 0, *, name: Optional[str] = None,
-                     share: int = Share.CREATE, rights: int = 0) -> int:
+                     share: int = Share.CREATE, rights: int = 0,
+                     owner: Optional[int] = None) -> int:
         """An empty scene. The first three say how its hierarchies are built and kept;
         zeros are the defaults, and the answers never depend on any of it.
 
         With a name the scene is shared with other clients of the daemon. share: make it
         (E_STATE: there is one), make it unless there is one, or take part (E_AGAIN: there
         is none yet). rights, of a scene that is made: who may take part, as a file's: 4
-        to read, 2 to write besides; 0 = 0o600. E_ACCESS: this user may not."""
+        to read, 2 to write besides; 0 = 0o600. E_ACCESS: this user may not. Each user has
+        names of their own: with owner, the scene of that user is taken part in."""
         settings: Dict[str, Any] = {"quality": int(quality),
                                     "rebuild_ratio": float(rebuild_ratio),
                                     "rebuild_triangles_max": int(rebuild_triangles_max)}
-        if share not in tuple(Share):
+        if share not in (Share.CREATE, Share.OPEN, Share.ATTACH):
             raise failure(Status.E_INVAL, "scene.create: share is Share.CREATE, OPEN or "
                           f"ATTACH, not {share!r}")
-        if name is None and (share or rights):
+        if name is None and (share or rights or owner is not None):
             raise failure(Status.E_INVAL, "scene.create: only a scene with a name has "
-                          "share and rights")
+                          "share, rights and owner")
+        if owner is not None and share != Share.ATTACH:
+            raise failure(Status.E_INVAL, "scene.create: with an owner, share is "
+                          "Share.ATTACH: another user's scene is taken part in")
         if name is not None:
             self._check_feature(FEATURE_SHARED, "scenes that clients share")
             if not 1 <= len(name.encode()) <= 255:
                 raise failure(Status.E_INVAL, "scene.create: a name has 1 to 255 bytes")
             settings.update(name=name, share=int(share), rights=int(rights))
+            if owner is not None:
+                settings.update(share=int(Share.OTHER), owner=int(owner))
         scene: int = self._call("scene.create", **settings)["scene"]
         if self._kept is not None:
             if name is not None and share == Share.CREATE:

@@ -98,6 +98,7 @@ class Share(enum.IntEnum):
     CREATE = 0  # there must be none of that name
     OPEN = 1  # made unless there is one
     ATTACH = 2  # there must be one
+    OTHER = 3  # there must be one of another user, who is named
 
 
 class ObjectWhat(enum.IntFlag):
