@@ -408,7 +408,7 @@ static void measure_ingest(const char *name, enum eng_format format, uint32_t co
     }
     for (unsigned r = 0; r < 2 * repeats && good; r++) {
         uint64_t t0 = bench_now_ns();
-        int status = eng_ingest_positions(out, format, count, source);
+        int status = eng_ingest_positions(out, format, count, source, NULL);
         uint64_t t1 = bench_now_ns();
         memcpy(plain, source, bytes);
         use(plain[bytes / 2]);

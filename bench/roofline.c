@@ -136,7 +136,7 @@ static void box_all(struct bench *bench)
         while (slot < tree->slot_count && wide->points[slot].word0 != ENG_WIDE_NOBODY) {
             slot++;
         }
-        kernels->box_points(wide->points + run, slot - run, true,
+        kernels->box_points(wide->points + run, slot - run, NULL, true,
                             wide->point_boxes + run);
         bench->outcome->items[PART_POINTS] += slot - run;
         while (slot < tree->slot_count && wide->points[slot].word0 == ENG_WIDE_NOBODY) {
@@ -146,8 +146,8 @@ static void box_all(struct bench *bench)
     count_part(bench, PART_POINTS, begin_ns, 0);
     /* The last slot is nobody's, and 0 is on the grid. */
     begin_ns = bench_now_ns();
-    bool on_grid =
-        kernels->place_points(wide->points, tree->slot_count, &wide->grid, wide->marks);
+    bool on_grid = kernels->place_points(wide->points, tree->slot_count, NULL,
+                                         &wide->grid, wide->marks);
     count_part(bench, PART_MARKS, begin_ns, tree->slot_count);
     bench->outcome->sum += on_grid;
     begin_ns = bench_now_ns();

@@ -66,6 +66,8 @@ libengine_la_SOURCES = \
     daemon/engine/result/split.h \
     daemon/engine/scene/feature.c \
     daemon/engine/scene/feature.h \
+    daemon/engine/scene/frames.c \
+    daemon/engine/scene/frames.h \
     daemon/engine/scene/ingest.c \
     daemon/engine/scene/ingest.h \
     daemon/engine/scene/masks.c \

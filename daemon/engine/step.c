@@ -288,6 +288,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
     scene->step++;
+    eng_frames_choose(scene, 1 - scene->now, scene->now);
     team.method->start(&team, settings);
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);

@@ -50,10 +50,10 @@ static bool place(struct prng *prng, const struct eng_query *query,
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
         struct eng_mark others[4];
         if (kernels && is_first) {
-            fits = kernels->place_points(points, 4, &grid, marks);
+            fits = kernels->place_points(points, 4, NULL, &grid, marks);
             is_first = false;
         } else if (kernels) {
-            bool also = kernels->place_points(points, 4, &grid, others);
+            bool also = kernels->place_points(points, 4, NULL, &grid, others);
             *differ |=
                 also != fits || (fits && memcmp(others, marks, sizeof others) != 0);
         }

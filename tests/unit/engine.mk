@@ -30,6 +30,7 @@ ENG_TESTS = \
     tests/unit/test_eng_mesh \
     tests/unit/test_eng_aabb \
     tests/unit/test_eng_build \
+    tests/unit/test_eng_frames \
     tests/unit/test_eng_refit \
     tests/unit/test_eng_rebuild \
     tests/unit/test_eng_grow \
@@ -104,6 +105,10 @@ tests_unit_test_eng_aabb_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_build_SOURCES = tests/unit/test_eng_build.c
 tests_unit_test_eng_build_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_build_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_frames_SOURCES = tests/unit/test_eng_frames.c
+tests_unit_test_eng_frames_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
+tests_unit_test_eng_frames_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_refit_SOURCES = tests/unit/test_eng_refit.c
 tests_unit_test_eng_refit_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -135,7 +135,7 @@ static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
         /* Of swept boxes one end is written: the other is what was there before. */
         memset(ground->blocks, 0, sizeof ground->blocks);
         for (uint32_t count = POINTS - 17; count <= POINTS; count++) {
-            kernels->box_points(ground->points, count, swept == 1, ground->boxes);
+            kernels->box_points(ground->points, count, NULL, swept == 1, ground->boxes);
             points = digest_boxes(points, ground->boxes, count);
         }
         for (int k = 0; k < 2; k++) {
@@ -254,11 +254,11 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
     for (uint32_t i = 0; i < 3 * 40; i++) {
         const struct eng_grid *grid = &grids[i % 3];
         uint32_t first = i % 3 == 0 ? 0 : i % 3 == 1 ? part : 2 * part;
-        bool good = kernels->place_points(ground->points + first, part, grid,
+        bool good = kernels->place_points(ground->points + first, part, NULL, grid,
                                           ground->marks + first);
         place = digest(digest(place, &good, sizeof good), ground->marks + first,
                        part * sizeof *ground->marks);
-        good = kernels->place_points(ground->points, POINTS, grid, ground->marks);
+        good = kernels->place_points(ground->points, POINTS, NULL, grid, ground->marks);
         place = digest(place, &good, sizeof good);
         struct eng_sieve sieve = {
             .marks = ground->marks + first,

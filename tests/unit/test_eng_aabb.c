@@ -86,7 +86,7 @@ static void aabb__box_of_a_point_is_tight_and_keeps_the_words(void **state)
         for (int k = 0; k < 6; k++) {
             x[k / 3][k % 3] = kit_between(&random, -1e3, 1e3);
         }
-        eng_box_of_point(&box, x[0], x[1]);
+        eng_box_of_point(&box, NULL, x[0], x[1]);
         for (int k = 0; k < 3; k++) {
             assert_true(box.lo0[k] == reference_down(x[0][k]));
             assert_true(box.hi0[k] == reference_up(x[0][k]));

@@ -61,14 +61,14 @@ static void boxes__of_points_are_rounded_as_everywhere(void **state)
                                     : 1e18 * kit_integer(&random, 1);
         }
         struct eng_box expected;
-        eng_box_of_point(&expected, point.x0, point.x1);
+        eng_box_of_point(&expected, NULL, point.x0, point.x1);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             struct eng_extents box;
             if (!kernels) {
                 continue;
             }
-            kernels->box_points(&point, 1, false, &box);
+            kernels->box_points(&point, 1, NULL, false, &box);
             struct eng_box found = plain(&box);
             for (int k = 0; k < 3; k++) { /* as numbers: -0 is 0 */
                 assert_true(found.lo0[k] == expected.lo0[k]);
@@ -81,7 +81,7 @@ static void boxes__of_points_are_rounded_as_everywhere(void **state)
                     assert_true(box.side[side][k] != 0 || !signbit(box.side[side][k]));
                 }
             }
-            kernels->box_points(&point, 1, true, &box);
+            kernels->box_points(&point, 1, NULL, true, &box);
             found = plain(&box);
             for (int k = 0; k < 3; k++) {
                 assert_true(found.lo0[k] == fminf(expected.lo0[k], expected.lo1[k]));

@@ -60,31 +60,39 @@ static void random_positions(struct kit_random *random, double (*x)[3])
     }
 }
 
-static void check_point(const struct eng_box *box, const double *x0, const double *x1)
+/* The tightest box of a vertex, in its object's frame. */
+static struct eng_box box_of(const struct eng_scene *scene, uint32_t v)
 {
+    struct eng_box box = {.word0 = 0};
+    eng_box_of_point(&box, eng_frame_of_vertex(scene, v), scene->x[1 - scene->now][v],
+                     scene->x[scene->now][v]);
+    return box;
+}
+
+static void check_point(const struct eng_scene *scene, const void *record, uint32_t v)
+{
+    const struct eng_box *box = eng_box_of_const(record);
+    struct eng_box point = box_of(scene, v);
     for (int k = 0; k < 3; k++) {
-        assert_true((double)box->lo0[k] <= x0[k] && x0[k] <= (double)box->hi0[k]);
-        assert_true((double)box->lo1[k] <= x1[k] && x1[k] <= (double)box->hi1[k]);
+        assert_true(box->lo0[k] <= point.lo0[k] && point.hi0[k] <= box->hi0[k]);
+        assert_true(box->lo1[k] <= point.lo1[k] && point.hi1[k] <= box->hi1[k]);
     }
 }
 
 static void check_all(const struct eng_scene *scene)
 {
-    const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
-    const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
     for (uint32_t v = 0; v < scene->vertex_ranges.end; v++) {
-        check_point(eng_box_of_const(&scene->vertices[v]), x0[v], x1[v]);
+        check_point(scene, &scene->vertices[v], v);
     }
     for (uint32_t e = 0; e < scene->edge_ranges.end; e++) {
         const struct eng_edge *edge = &scene->edges[e];
-        check_point(eng_box_of_const(edge), x0[edge->a], x1[edge->a]);
-        check_point(eng_box_of_const(edge), x0[edge->b], x1[edge->b]);
+        check_point(scene, edge, edge->a);
+        check_point(scene, edge, edge->b);
     }
     for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
         const struct eng_node *node = &scene->nodes[i];
         for (int k = 0; k < 3 && node->left == ENG_LEAF; k++) {
-            uint32_t v = scene->triangles[node->right].v[k];
-            check_point(eng_box_of_const(node), x0[v], x1[v]);
+            check_point(scene, node, scene->triangles[node->right].v[k]);
         }
     }
     assert_true(eng_tree_validate(scene));
@@ -126,20 +134,14 @@ static void refit__root_is_as_tight_as_the_vertices(void **state)
         }
         run(scene);
         const struct eng_node *root = &scene->nodes[scene->root];
+        struct eng_box all = box_of(scene, 0);
+        for (uint32_t v = 1; v < scene->vertex_ranges.end; v++) {
+            struct eng_box point = box_of(scene, v);
+            eng_box_unite(&all, &all, &point);
+        }
         for (int k = 0; k < 3; k++) {
-            double low[2] = {INFINITY, INFINITY};
-            double high[2] = {-INFINITY, -INFINITY};
-            for (uint32_t v = 0; v < scene->vertex_ranges.end; v++) {
-                for (unsigned end = 0; end < 2; end++) {
-                    double y = scene->x[end ? scene->now : 1 - scene->now][v][k];
-                    low[end] = fmin(low[end], y);
-                    high[end] = fmax(high[end], y);
-                }
-            }
-            assert_true(root->lo0[k] == eng_round_down(low[0]));
-            assert_true(root->hi0[k] == eng_round_up(high[0]));
-            assert_true(root->lo1[k] == eng_round_down(low[1]));
-            assert_true(root->hi1[k] == eng_round_up(high[1]));
+            assert_true(root->lo0[k] == all.lo0[k] && root->hi0[k] == all.hi0[k]);
+            assert_true(root->lo1[k] == all.lo1[k] && root->hi1[k] == all.hi1[k]);
         }
     }
     eng_scene_free(scene);

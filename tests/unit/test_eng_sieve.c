@@ -81,7 +81,7 @@ static void put(struct kit_random *random, enum eng_kind kind, uint32_t coarse_m
         }
         struct eng_grid grid = grid_of(random, query, coarse_max);
         assert_true(eng_kernels_of(ENG_ISA_SCALAR)
-                        ->place_points(&ground.points[4 * (size_t)i], 4, &grid,
+                        ->place_points(&ground.points[4 * (size_t)i], 4, NULL, &grid,
                                        &ground.marks[4 * (size_t)i]));
     }
 }
@@ -167,7 +167,7 @@ static void sieve__contacts_at_its_last_time_pass(void **state)
                 memcpy(ground.points[4 * i + k].x1, query->x[1][k], 24);
             }
             struct eng_grid grid = grid_of(&random, query, 28);
-            eng_kernels()->place_points(&ground.points[4 * (size_t)i], 4, &grid,
+            eng_kernels()->place_points(&ground.points[4 * (size_t)i], 4, NULL, &grid,
                                         &ground.marks[4 * (size_t)i]);
         }
         struct eng_sieve sieve = sieve_of(t_end);
@@ -253,7 +253,7 @@ static void sieve__obvious_misses_are_rejected(void **state)
                 }
             }
             assert_true(
-                eng_kernels()->place_points(ground.points, 4, &grid, ground.marks));
+                eng_kernels()->place_points(ground.points, 4, NULL, &grid, ground.marks));
             struct eng_sieve sieve = sieve_of(1);
             sieve.swept = n % 2;
             assert_int_equal(sift(eng_kernels(), &sieve, 1), 0);
@@ -276,7 +276,8 @@ static void put_apart(const struct eng_kernels *kernels, const uint32_t axis[2],
             point->x1[c] = c != axis[1] ? x : is_b ? gap[1] : 0;
         }
     }
-    assert_true(kernels->place_points(ground.points, 4 * PAIR_MAX, &grid, ground.marks));
+    assert_true(
+        kernels->place_points(ground.points, 4 * PAIR_MAX, NULL, &grid, ground.marks));
 }
 
 /* If it failed: a pair would be lost that only rounding to the grid holds apart, or that
@@ -331,7 +332,7 @@ static void marks__are_the_nearest_whole_numbers(void **state)
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             struct eng_mark marks[7];
             if (kernels) {
-                assert_true(kernels->place_points(points, 7, &grid, marks));
+                assert_true(kernels->place_points(points, 7, NULL, &grid, marks));
                 assert_memory_equal(marks, expected, sizeof expected);
             }
         }
@@ -353,9 +354,9 @@ static void marks__beyond_the_grid_are_told(void **state)
             struct eng_point *point = &points[i / 30];
             double *x = &(i % 2 ? point->x0 : point->x1)[i / 2 % 3];
             *x = grid.origin[i / 2 % 3] + ENG_GRID_REACH / grid.scale;
-            assert_true(kernels->place_points(points, 5, &grid, marks));
+            assert_true(kernels->place_points(points, 5, NULL, &grid, marks));
             *x = grid.origin[i / 2 % 3] + far[i / 6 % 5];
-            assert_false(kernels->place_points(points, 5, &grid, marks));
+            assert_false(kernels->place_points(points, 5, NULL, &grid, marks));
         }
     }
 }

@@ -132,13 +132,14 @@ static uint32_t check_slots(const struct fixture *f, enum eng_wide_kind kind)
         assert_non_null(object);
         uint32_t local = (uint32_t)key;
         if (kind == ENG_WIDE_VERTICES) {
-            assert_int_equal(wide->points[slot].word0, object->vertices.first + local);
+            assert_int_equal((uint32_t)wide->points[slot].word0,
+                             object->vertices.first + local);
             continue;
         }
         for (uint32_t k = 0; k < (kind == ENG_WIDE_EDGES ? 2u : 3u); k++) {
             uint32_t v = kind == ENG_WIDE_EDGES ? object->mesh->edges[local][k]
                                                 : object->mesh->triangles[local].v[k];
-            assert_int_equal(wide->points[tree->corner[k][slot]].word0,
+            assert_int_equal((uint32_t)wide->points[tree->corner[k][slot]].word0,
                              object->vertices.first + v);
         }
     }
@@ -268,7 +269,7 @@ static struct feature feature_of(const struct fixture *f, const struct eng_objec
             const double *x = f->scene->x[end][feature.v[i]];
             struct eng_box box;
             memset(&box, 0, sizeof box);
-            eng_box_of_point(&box, x, x);
+            eng_box_of_point(&box, NULL, x, x);
             if (i == 0 && end == 0) {
                 feature.box = box;
             }

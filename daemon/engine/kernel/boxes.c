@@ -24,22 +24,51 @@ ENG_INLINE eng_di where_less(eng_d a, eng_d b)
 #endif
 }
 
-/* Outward distances of coordinates, rounded outward: the nearest float, moved by one unit
- * where it lies on the wrong side, as eng_round_down and eng_round_up do (aabb.h). Zeros
- * lose their sign (-0 + 0 is 0): the join takes the sum of two that meet for a gap if it
- * has one, and -0 + -0 has. */
-ENG_INLINE void round_out(eng_d x, half *low, half *high)
+/* The nearest float of each lane, and by how much it lies above x. The difference is
+ * exact: both are doubles, and one is the other rounded. */
+ENG_INLINE half nearest_floats(eng_d x, eng_d *above)
 {
     float rounded[ENG_D_LANES];
     half nearest;
     eng_d_narrow(rounded, x);
     memcpy(&nearest, rounded, sizeof nearest);
-    eng_d back = eng_d_widen(rounded);
+    *above = eng_d_widen(rounded) - x;
+    return nearest;
+}
+
+/* Outward distances of coordinates, rounded outward: the nearest float, moved by one unit
+ * where it lies on the wrong side, as eng_round_down and eng_round_up do (aabb.h). Zeros
+ * lose their sign (-0 + 0 is 0): the join takes the sum of two that meet for a gap if it
+ * has one, and -0 + -0 has. */
+ENG_INLINE void round_out(half nearest, eng_d above, half *low, half *high)
+{
+    const eng_d zero = {0};
     half_bits unit = ((half_bits)nearest >> 31) | 1;
-    half_bits above = __builtin_convertvector(where_less(x, back), half_bits);
-    half_bits below = __builtin_convertvector(where_less(back, x), half_bits);
-    *low = (half)(((half_bits)nearest - (unit & above)) ^ INT32_MIN) + 0.0f;
-    *high = (half)((half_bits)nearest + (unit & below)) + 0.0f;
+    half_bits is_above = __builtin_convertvector(where_less(zero, above), half_bits);
+    half_bits is_below = __builtin_convertvector(where_less(above, zero), half_bits);
+    *low = (half)(((half_bits)nearest - (unit & is_above)) ^ INT32_MIN) + 0.0f;
+    *high = (half)((half_bits)nearest + (unit & is_below)) + 0.0f;
+}
+
+/* The box of a coordinate as it is. */
+ENG_INLINE void box_plain(eng_d x, half *low, half *high)
+{
+    eng_d above;
+    half nearest = nearest_floats(x, &above);
+    round_out(nearest, above, low, high);
+}
+
+/* The box of (x - origin) scale, exactly: of the rounded difference and what it leaves
+ * out. That is at most half a unit of the difference's last place, less than any distance
+ * but 0 between it and a float: so the sum of the two has the right sign. */
+ENG_INLINE void box_framed(eng_d x, eng_d origin, double scale, half *low, half *high)
+{
+    eng_d difference = x - origin;
+    eng_d subtracted = difference - x;
+    eng_d rest = (x - (difference - subtracted)) - (origin + subtracted);
+    eng_d above;
+    half nearest = nearest_floats(difference * scale, &above);
+    round_out(nearest, above - rest * scale, low, high);
 }
 
 /* The same box at both ends: around both. */
@@ -54,8 +83,9 @@ ENG_INLINE void unite_ends(struct eng_extents *box)
     }
 }
 
-void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool swept,
-                            struct eng_extents *boxes)
+ENG_INLINE void box_points(const struct eng_point *points, uint32_t count,
+                           const struct eng_frame *frame, bool swept,
+                           struct eng_extents *boxes)
 {
     for (uint32_t i = 0; i < count; i++) {
         const char *x = (const char *)&points[i];
@@ -67,13 +97,29 @@ void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool
             half box[2];
             memcpy(&bits, x + 8 * k, sizeof bits);
             memcpy(&mask, is_coordinate + k, sizeof mask);
-            round_out(eng_d_of(bits & mask), &box[0], &box[1]);
+            if (frame) {
+                box_framed(eng_d_of(bits & mask), eng_d_load(frame->origin + k),
+                           frame->scale, &box[0], &box[1]);
+            } else {
+                box_plain(eng_d_of(bits & mask), &box[0], &box[1]);
+            }
             memcpy(low + 4 * k, &box[0], sizeof box[0]);
             memcpy(high + 4 * k, &box[1], sizeof box[1]);
         }
         if (swept) {
             unite_ends(&boxes[i]);
         }
+    }
+}
+
+void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count,
+                            const struct eng_frame *frame, bool swept,
+                            struct eng_extents *boxes)
+{
+    if (frame) {
+        box_points(points, count, frame, swept, boxes);
+    } else {
+        box_points(points, count, NULL, swept, boxes);
     }
 }
 

@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "frame.h"
 #include "join.h"
 #include "query.h"
 #include "sieve.h"
@@ -59,13 +60,21 @@ struct eng_kernels {
     /* The same, of floats that are written to `out` as doubles. */
     bool (*widen_within)(double *out, const float *x, size_t count, double limit);
 
-    /* The box of each point, rounded outward; `swept`: at both ends the one around both.
-     * |x| <= 1e18. */
-    void (*box_points)(const struct eng_point *points, uint32_t count, bool swept,
+    /* Widen the bounds so that they hold x[count]. */
+    void (*bound_positions)(const double (*x)[3], size_t count,
+                            struct eng_bounds *bounds);
+
+    /* The box of each point in a frame, rounded outward; `swept`: at both ends the one
+     * around both. |x| <= 1e18. `frame` NULL, here and below: the coordinates as they
+     * are. */
+    void (*box_points)(const struct eng_point *points, uint32_t count,
+                       const struct eng_frame *frame, bool swept,
                        struct eng_extents *boxes);
-    /* The marks of points. False: one was beyond the grid; then no sieve may use them. */
+    /* The marks of points, on a grid that lies in the frame. False: one was beyond the
+     * grid; then no sieve may use them. */
     bool (*place_points)(const struct eng_point *points, uint32_t count,
-                         const struct eng_grid *grid, struct eng_mark *marks);
+                         const struct eng_frame *frame, const struct eng_grid *grid,
+                         struct eng_mark *marks);
     /* Blocks of boxes[block_count][ENG_WIDE], and the box around each block; `swept`:
      * the boxes are the same at both ends, and the rows at t = 1 are left as they are. */
     void (*box_fold)(const struct eng_extents *boxes, uint32_t block_count, bool swept,

@@ -7,6 +7,7 @@ kernel_sources = \
     daemon/engine/kernel/apart.c \
     daemon/engine/kernel/axes.h \
     daemon/engine/kernel/begin.h \
+    daemon/engine/kernel/bounds.c \
     daemon/engine/kernel/boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
@@ -18,6 +19,7 @@ kernel_sources = \
     daemon/engine/kernel/join.c \
     daemon/engine/kernel/join.h \
     daemon/engine/kernel/four.h \
+    daemon/engine/kernel/frame.h \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lanes.h \
     daemon/engine/kernel/lanes_avx512.h \

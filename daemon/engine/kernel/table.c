@@ -16,6 +16,7 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .name = TEXT(ENG_ISA),
     .all_within = ENG_KERNEL(all_within),
     .widen_within = ENG_KERNEL(widen_within),
+    .bound_positions = ENG_KERNEL(bound_positions),
     .box_points = ENG_KERNEL(box_points),
     .place_points = ENG_KERNEL(place_points),
     .box_fold = ENG_KERNEL(box_fold),

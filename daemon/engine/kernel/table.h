@@ -20,9 +20,13 @@ uint32_t ENG_KERNEL(filter)(enum eng_kind kind, const struct eng_point *points,
 uint32_t ENG_KERNEL(sift)(enum eng_kind kind, struct eng_sieve *sieve, uint32_t *a,
                           uint32_t *b, uint32_t count);
 
+void ENG_KERNEL(bound_positions)(const double (*x)[3], size_t count,
+                                 struct eng_bounds *bounds);
 bool ENG_KERNEL(place_points)(const struct eng_point *points, uint32_t count,
-                              const struct eng_grid *grid, struct eng_mark *marks);
-void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count, bool swept,
+                              const struct eng_frame *frame, const struct eng_grid *grid,
+                              struct eng_mark *marks);
+void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count,
+                            const struct eng_frame *frame, bool swept,
                             struct eng_extents *boxes);
 void ENG_KERNEL(box_fold)(const struct eng_extents *boxes, uint32_t block_count,
                           bool swept, struct eng_wide_block *blocks,

@@ -30,7 +30,7 @@ static void copy_once(void *to, const void *from, size_t bytes)
 }
 
 int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t count,
-                         const void *source)
+                         const void *source, struct eng_bounds *bounds)
 {
     const unsigned char *from = source;
     const struct eng_kernels *kernels = eng_kernels();
@@ -51,6 +51,9 @@ int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t coun
         if (!good) {
             return ENG_E_NOTFINITE;
         }
+        if (bounds) {
+            kernels->bound_positions((const double(*)[3])out + done, n, bounds);
+        }
         done += n;
     }
     return ENG_OK;
@@ -58,19 +61,20 @@ int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t coun
 
 /* Positions first .. of a team's copy. */
 static int ingest_chunk(double (*out)[3], enum eng_format format, uint32_t count,
-                        const void *source, uint32_t first)
+                        const void *source, uint32_t first, struct eng_bounds *bounds)
 {
     size_t bytes = format == ENG_F64 ? 24 : 12;
     uint32_t n = count - first < TEAM_CHUNK ? count - first : TEAM_CHUNK;
     return eng_ingest_positions(out + first, format, n,
-                                (const unsigned char *)source + first * bytes);
+                                (const unsigned char *)source + first * bytes, bounds);
 }
 
 int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
-                       const void *source, struct eng_copiers copiers)
+                       const void *source, struct eng_copiers copiers,
+                       struct eng_bounds *bounds)
 {
     if (copiers.threads < 2 || count < TEAM_MIN) {
-        return eng_ingest_positions(out, format, count, source);
+        return eng_ingest_positions(out, format, count, source, bounds);
     }
     uint32_t chunks = (count + TEAM_CHUNK - 1) / TEAM_CHUNK;
     uint32_t threads = copiers.threads;
@@ -84,14 +88,17 @@ int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
     {
         uint32_t thread = (uint32_t)omp_get_thread_num();
         uint32_t team_count = (uint32_t)omp_get_num_threads();
+        struct eng_bounds seen = ENG_NO_BOUNDS;
         eng_place_thread(copiers.places, thread, team_count);
         for (uint32_t i = atomic_fetch_add_explicit(&next, 1, memory_order_relaxed);
              i < chunks; i = atomic_fetch_add_explicit(&next, 1, memory_order_relaxed)) {
-            int failed = ingest_chunk(out, format, count, source, i * TEAM_CHUNK);
+            int failed = ingest_chunk(out, format, count, source, i * TEAM_CHUNK, &seen);
             if (failed != ENG_OK) {
                 atomic_store_explicit(&status, failed, memory_order_relaxed);
             }
         }
+#pragma omp critical(eng_ingest_bounds)
+        eng_bounds_unite(bounds, &seen);
         /* The runtime's barrier would lend nobody a processor: where another burns, the
          * copy of one chunk took up to 7 ms. */
         atomic_fetch_add_explicit(&ended, 1, memory_order_acq_rel);

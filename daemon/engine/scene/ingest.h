@@ -1,6 +1,6 @@
 /* daemon/engine/scene/ingest.h - copy and check what another process may be writing.
  *
- * Room:     engine. May include: mesh.h, place.h.
+ * Room:     engine. May include: frame.h, mesh.h, place.h.
  * Does:     move coordinates and indices from foreign memory to private memory in blocks,
  *           and check the private copy: each foreign byte is read exactly once.
  * Threads:  [any].
@@ -10,6 +10,7 @@
 
 #include <stdint.h>
 
+#include "frame.h"
 #include "mesh.h"
 #include "place.h"
 
@@ -20,13 +21,15 @@ struct eng_copiers {
 };
 
 /* `count` positions of `format` at `source` to double[count][3]. Conversion from float is
- * exact. Returns 0, or ENG_E_NOTFINITE with part of `out` written. */
+ * exact. Bounds, unless NULL, are widened to hold them. Returns 0, or ENG_E_NOTFINITE
+ * with part of `out` written. */
 int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t count,
-                         const void *source);
+                         const void *source, struct eng_bounds *bounds);
 
 /* The same, where there are enough of them by several threads. [compute] */
 int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
-                       const void *source, struct eng_copiers copiers);
+                       const void *source, struct eng_copiers copiers,
+                       struct eng_bounds *bounds);
 
 /* `count` triangles to uint32_t[count][3]; every index must be < vertex_count. Returns 0,
  * or ENG_E_INDEX with *bad_triangle (0 .. count-1) and part of `out` written. */

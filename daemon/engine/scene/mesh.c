@@ -8,12 +8,18 @@
 #include "mesh.h"
 
 #include <assert.h>
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "feature.h"
 #include "ingest.h"
+#include "kernel.h"
 #include "memory.h"
 #include "topology.h"
+
+/* Triangles of which the typical size is told. */
+#define FINENESS_SAMPLES 64u
 
 int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh)
 {
@@ -79,7 +85,7 @@ int eng_mesh_write_vertices(struct eng_mesh *mesh, enum eng_format format, uint3
     int status =
         check_chunk(mesh, first, count, mesh->info.vertex_count, mesh->vertices_received);
     if (status == ENG_OK) {
-        status = eng_ingest_positions(mesh->x + first, format, count, source);
+        status = eng_ingest_positions(mesh->x + first, format, count, source, NULL);
     }
     if (status == ENG_OK && first + count > mesh->vertices_received) {
         mesh->vertices_received = first + count;
@@ -116,6 +122,49 @@ void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
     *triangles = mesh->triangles_received;
 }
 
+struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3])
+{
+    const struct eng_kernels *kernels = eng_kernels();
+    struct eng_bounds bounds = ENG_NO_BOUNDS;
+    if (mesh->info.isolated_count == 0) {
+        kernels->bound_positions(x, mesh->info.vertex_count, &bounds);
+        return bounds;
+    }
+    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            kernels->bound_positions(x + mesh->triangles[i].v[k], 1, &bounds);
+        }
+    }
+    return bounds;
+}
+
+static int compare_sizes(const void *a, const void *b)
+{
+    const double *x = a;
+    const double *y = b;
+    return *x < *y ? -1 : *x > *y;
+}
+
+/* The median size of some triangles beside that of the mesh. */
+static double fineness_of(const struct eng_mesh *mesh)
+{
+    double sizes[FINENESS_SAMPLES];
+    uint32_t count = mesh->info.triangle_count;
+    uint32_t samples = count < FINENESS_SAMPLES ? count : FINENESS_SAMPLES;
+    for (uint32_t i = 0; i < samples; i++) {
+        const uint32_t *v = mesh->triangles[(uint64_t)count * i / samples].v;
+        struct eng_bounds bounds = ENG_NO_BOUNDS;
+        for (int k = 0; k < 3; k++) {
+            eng_kernels()->bound_positions((const double(*)[3])mesh->x + v[k], 1,
+                                           &bounds);
+        }
+        sizes[i] = eng_bounds_size(&bounds);
+    }
+    qsort(sizes, samples, sizeof *sizes, compare_sizes);
+    double median = sizes[samples / 2];
+    return median > 0 ? median / eng_bounds_size(&mesh->bounds) : 1 / sqrt(count);
+}
+
 int eng_mesh_commit(struct eng_mesh *mesh)
 {
     if (mesh->committed || mesh->vertices_received != mesh->info.vertex_count ||
@@ -128,6 +177,8 @@ int eng_mesh_commit(struct eng_mesh *mesh)
     }
     eng_free(mesh->corners);
     mesh->corners = NULL;
+    mesh->bounds = eng_mesh_measure(mesh, (const double(*)[3])mesh->x);
+    mesh->fineness = fineness_of(mesh);
     mesh->committed = true;
     assert(eng_feature_validate(mesh));
     return ENG_OK;

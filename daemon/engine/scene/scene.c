@@ -13,6 +13,7 @@
 
 #include "build.h"
 #include "memory.h"
+#include "stage.h"
 #include "step_memory.h"
 #include "world.h"
 
@@ -41,6 +42,7 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
     eng_ranges_init(&s->triangle_ranges, ENG_COUNT_MAX);
     eng_ranges_init(&s->node_ranges, UINT32_MAX - 1);
     s->root = ENG_NO_NODE;
+    s->framing.scale = 1;
     eng_wide_init(&s->wide);
     eng_masks_init(&s->masks);
     s->memory = eng_step_memory_new();
@@ -79,6 +81,7 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene->nodes);
     eng_free(scene->upkeep);
     eng_free(scene->top_items);
+    eng_free(scene->framing.items);
     eng_free(scene->writes);
     eng_free(scene);
 }
@@ -98,6 +101,8 @@ static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx
         uint32_t capacity =
             eng_world_grown(scene->object_capacity, scene->object_capacity + 8);
         if (eng_masks_reserve(&scene->masks, capacity) != ENG_OK ||
+            eng_world_grow(&scene->framing.items, capacity,
+                           sizeof *scene->framing.items) != ENG_OK ||
             eng_world_grow(&scene->objects, capacity, sizeof *scene->objects) != ENG_OK) {
             return ENG_E_NOMEM;
         }
@@ -142,7 +147,10 @@ static int take_all(struct eng_scene *scene, struct eng_object *object,
 static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
                  uint32_t object_id)
 {
-    struct eng_object object = {.id = object_id, .still = true};
+    struct eng_object object = {.id = object_id,
+                                .bounds = {mesh->bounds, mesh->bounds},
+                                .frame = {.scale = 1},
+                                .still = true};
     int status = take_all(scene, &object, mesh);
     if (status != ENG_OK) {
         return status;
@@ -369,6 +377,7 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
     }
     return orders + eng_wide_bytes(&scene->wide) + eng_masks_bytes(&scene->masks) +
            sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +
+           (uint64_t)scene->object_capacity * sizeof *scene->framing.items +
            (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
            (uint64_t)scene->vertex_capacity * 2 * sizeof *scene->x[0] +
            (uint64_t)scene->box_capacity * sizeof *scene->vertices +

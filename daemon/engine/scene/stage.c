@@ -14,6 +14,7 @@
 
 #include "clock.h"
 #include "ingest.h"
+#include "kernel.h"
 #include "memory.h"
 
 void eng_stage_begin(struct eng_scene *scene)
@@ -54,6 +55,12 @@ static int remember(struct eng_scene *scene, struct eng_write write)
     return ENG_OK;
 }
 
+/* The write that was opened last. */
+static struct eng_write *last_write(const struct eng_scene *scene)
+{
+    return &scene->writes[scene->write_count - 1];
+}
+
 static int reserve_start(struct eng_scene *scene)
 {
     if (scene->start_capacity >= scene->vertex_capacity) {
@@ -81,7 +88,9 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
         count > object->vertices.count - first) {
         return ENG_E_INVAL;
     }
-    int status = remember(scene, (struct eng_write){object_idx, first, count, has_start});
+    int status = remember(
+        scene, (struct eng_write){
+                   object_idx, first, count, has_start, {ENG_NO_BOUNDS, ENG_NO_BOUNDS}});
     if (status == ENG_OK && has_start) {
         status = reserve_start(scene);
     }
@@ -107,7 +116,7 @@ int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format f
     if (status == ENG_OK) {
         uint32_t v = scene->objects[object_idx].vertices.first + first;
         status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
-                                    scene->copiers);
+                                    scene->copiers, &last_write(scene)->bounds[1]);
     }
     scene->stage_ns += eng_now_ns() - begin_ns;
     return status;
@@ -120,10 +129,12 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format
     int status = open_write(scene, object_idx, first, count, true);
     if (status == ENG_OK) {
         uint32_t v = scene->objects[object_idx].vertices.first + first;
-        status = eng_ingest_by_team(scene->start + v, format, count, x0, scene->copiers);
+        struct eng_write *write = last_write(scene);
+        status = eng_ingest_by_team(scene->start + v, format, count, x0, scene->copiers,
+                                    &write->bounds[0]);
         if (status == ENG_OK) {
             status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
-                                        scene->copiers);
+                                        scene->copiers, &write->bounds[1]);
         }
     }
     scene->stage_ns += eng_now_ns() - begin_ns;
@@ -132,7 +143,7 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format
 
 /* out = R x + t, checked against the coordinate range like any other input. */
 static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
-                     const double m[12])
+                     const double m[12], struct eng_bounds *bounds)
 {
     bool bad = false;
     for (uint32_t i = 0; i < count; i++) {
@@ -143,6 +154,9 @@ static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
             out[i][k] = y;
             bad |= !(y <= ENG_COORDINATE_MAX && y >= -ENG_COORDINATE_MAX);
         }
+    }
+    if (!bad) {
+        eng_kernels()->bound_positions((const double(*)[3])out, count, bounds);
     }
     return bad ? ENG_E_NOTFINITE : ENG_OK;
 }
@@ -164,9 +178,11 @@ int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first
         const struct eng_object *object = &scene->objects[object_idx];
         const double(*rest)[3] = (const double(*)[3])object->mesh->x + first;
         uint32_t v = object->vertices.first + first;
-        status = transform(scene->start + v, rest, count, matrix0);
+        struct eng_write *write = last_write(scene);
+        status = transform(scene->start + v, rest, count, matrix0, &write->bounds[0]);
         if (status == ENG_OK) {
-            status = transform(scene->x[1 - scene->now] + v, rest, count, matrix1);
+            status = transform(scene->x[1 - scene->now] + v, rest, count, matrix1,
+                               &write->bounds[1]);
         }
     }
     scene->stage_ns += eng_now_ns() - begin_ns;
@@ -243,6 +259,43 @@ static void take_starts(struct eng_scene *scene)
     }
 }
 
+/* The bounds of an object in x[which], of which the writes [count], which are its own,
+ * have written: at their start (end 0) or end positions (1). What they tell is enough if
+ * they cover the object and all its vertices count. */
+static void measure(struct eng_scene *scene, unsigned which, int end,
+                    const struct eng_write *writes, uint32_t count)
+{
+    struct eng_object *object = &scene->objects[writes->object];
+    struct eng_bounds bounds = ENG_NO_BOUNDS;
+    uint64_t written = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        eng_bounds_unite(&bounds, &writes[i].bounds[end]);
+        written += end == 1 || writes[i].has_start ? writes[i].count : 0;
+    }
+    if (written == 0) {
+        return;
+    }
+    if (written < object->vertices.count || object->mesh->info.isolated_count > 0) {
+        bounds = eng_mesh_measure(object->mesh, (const double(*)[3])scene->x[which] +
+                                                    object->vertices.first);
+    }
+    object->bounds[which] = bounds;
+}
+
+/* The bounds of all objects that were written, whose writes are in order. */
+static void measure_written(struct eng_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->write_count;) {
+        uint32_t first = i;
+        while (i < scene->write_count &&
+               scene->writes[i].object == scene->writes[first].object) {
+            i++;
+        }
+        measure(scene, scene->now, 0, &scene->writes[first], i - first);
+        measure(scene, 1 - scene->now, 1, &scene->writes[first], i - first);
+    }
+}
+
 int eng_stage_commit(struct eng_scene *scene)
 {
     uint64_t begin_ns = eng_now_ns();
@@ -254,6 +307,7 @@ int eng_stage_commit(struct eng_scene *scene)
         return ENG_E_OVERLAP;
     }
     take_starts(scene);
+    measure_written(scene);
     double(*current)[3] = scene->x[scene->now];
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_object *object = &scene->objects[i];
@@ -261,6 +315,7 @@ int eng_stage_commit(struct eng_scene *scene)
             uint32_t v = object->vertices.first;
             memcpy(scene->x[1 - scene->now] + v, current + v,
                    object->vertices.count * sizeof *current);
+            object->bounds[1 - scene->now] = object->bounds[scene->now];
             object->still = true;
         }
     }

@@ -1,6 +1,6 @@
 /* daemon/engine/scene/topology.h - the inside of a mesh.
  *
- * Room:     engine. May include: mesh.h.
+ * Room:     engine. May include: frame.h, mesh.h.
  * Does:     show struct eng_mesh to the files that read or derive it: mesh.c, feature.c,
  *           scene.c. Immutable after commit, so any thread may read it then.
  * Source:   paper section 3.1; Curtis 2008 (representative triangles).
@@ -10,6 +10,7 @@
 
 #include <stdatomic.h>
 
+#include "frame.h"
 #include "mesh.h"
 
 /* Ownership bits of a triangle: bit k: it owns corner k; bit 3 + k: it owns the edge from
@@ -43,6 +44,14 @@ struct eng_mesh {
     uint32_t (*corners)[3];     /* [triangle_count] as received; NULL after commit */
     struct eng_face *triangles; /* [triangle_count] after commit */
     uint32_t (*edges)[2];       /* [edge_count] after commit, by (higher, lower) vertex */
+    /* After commit, of the registered positions: around all triangles, and the size of a
+     * typical triangle beside that. */
+    struct eng_bounds bounds;
+    double fineness;
 };
+
+/* The bounds of the mesh's triangles, with its vertices at x. Vertices that are in none
+ * do not count. */
+struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3]);
 
 #endif

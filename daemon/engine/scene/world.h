@@ -1,7 +1,7 @@
 /* daemon/engine/scene/world.h - the inside of a scene: flat arrays over all its objects.
  *
- * Room:     engine. May include: aabb.h, ingest.h, masks.h, median.h, range.h, scene.h,
- *           topology.h, wide.h.
+ * Room:     engine. May include: aabb.h, frames.h, ingest.h, masks.h, median.h, range.h,
+ *           scene.h, topology.h, wide.h.
  * Does:     show struct eng_scene to the phases of a step: build, merge, refit,
  *           traversal, filter, solver, results.
  * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
@@ -17,6 +17,7 @@
 #include <stdatomic.h>
 
 #include "aabb.h"
+#include "frames.h"
 #include "ingest.h"
 #include "masks.h"
 #include "median.h"
@@ -100,16 +101,10 @@ struct eng_object {
     struct eng_range edges;
     struct eng_range triangles;
     struct eng_range nodes;
+    struct eng_bounds bounds[2]; /* of its triangles, in x[0] and in x[1] */
+    struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
     bool still;      /* x[0] and x[1] hold the same positions of this object */
     uint64_t staged; /* stage number that last wrote to it */
-};
-
-/* A range written by the step being staged. */
-struct eng_write {
-    uint32_t object;
-    uint32_t first; /* local vertex */
-    uint32_t count;
-    bool has_start; /* x0 waits in world->start */
 };
 
 /* What an object was before a replacement that is not settled. */
@@ -118,6 +113,7 @@ struct eng_replaced {
     struct eng_object before;
 };
 
+struct eng_write;       /* stage.h: a range written by the step being staged */
 struct eng_step_memory; /* step.c: what one step leaves for the next */
 
 struct eng_scene {
@@ -157,10 +153,12 @@ struct eng_scene {
     uint32_t root;        /* ENG_NO_NODE: no objects */
     bool top_is_stale;    /* objects came or went since it was built */
     bool top_is_fresh;    /* built since the last step */
+    uint64_t tree_frames; /* framing.number of the last step by `paper` */
     struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */
     uint32_t top_item_capacity;
     uint32_t step; /* number of the step; goes round */
 
+    struct eng_framing framing;
     struct eng_wide wide; /* the trees of the method wide */
     struct eng_masks masks;
 

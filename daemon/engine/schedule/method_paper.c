@@ -165,6 +165,7 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
     struct eng_step_memory *memory = team->scene->memory;
     int status = ENG_OK;
     if (team->scene->top_is_stale) {
+        eng_frames_choose(team->scene, team->scene->now, team->scene->now);
         status = eng_plant_objects(team->scene);
         if (status == ENG_OK) {
             status = eng_refit_plan_features(&memory->plan, team->scene);
@@ -186,6 +187,7 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
 
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
+    team->scene->tree_frames = team->scene->framing.number;
     if (eng_aside_swap(&team->scene->memory->aside, team->scene)) {
         /* The same division of a tree that has changed: no more memory is needed. */
         int status =

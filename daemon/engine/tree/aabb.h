@@ -1,6 +1,6 @@
 /* daemon/engine/tree/aabb.h - moving boxes: an axis-aligned box at each end of the step.
  *
- * Room:     engine. May include: the C library.
+ * Room:     engine. May include: frame.h, the C library.
  * Does:     directed rounding from double to float, union, and the test whether two boxes
  *           that move linearly can meet.
  * Threads:  [any]; inline only.
@@ -25,6 +25,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "frame.h"
+
 typedef float eng_f4 __attribute__((vector_size(16), may_alias));
 typedef int32_t eng_i4 __attribute__((vector_size(16), may_alias));
 
@@ -41,38 +43,61 @@ struct __attribute__((may_alias)) eng_box { /* also names nodes, edges and verti
 
 static_assert(sizeof(struct eng_box) == 64, "a box is one cache line");
 
-/* Largest float <= x and smallest float >= x, for |x| <= 1e18: the nearest float, moved
- * by one unit where it lies on the wrong side. (A zero with the wrong sign cannot occur:
- * the nearest float of a negative x is -0, of a positive x +0.) */
-static inline float eng_round_down(double x)
+/* Largest float <= x + rest, for |x| <= 1e18 and a rest of at most half a unit in the
+ * last place of x: the nearest float of x, moved by one unit where it lies on the wrong
+ * side. Its distance from x is exact, and more than the rest unless it is 0. */
+static inline float eng_round_down_sum(double x, double rest)
 {
     float f = (float)x;
     int32_t bits;
     memcpy(&bits, &f, sizeof bits);
-    bits += (double)f > x ? (bits < 0 ? 1 : -1) : 0;
+    bits += ((double)f - x) - rest > 0 ? (bits < 0 ? 1 : -1) : 0;
     memcpy(&f, &bits, sizeof f);
     return f;
+}
+
+/* Smallest float >= x + rest. */
+static inline float eng_round_up_sum(double x, double rest)
+{
+    float f = (float)x;
+    int32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    bits += ((double)f - x) - rest < 0 ? (bits < 0 ? -1 : 1) : 0;
+    memcpy(&f, &bits, sizeof f);
+    return f;
+}
+
+/* Largest float <= x and smallest float >= x, for |x| <= 1e18. (A zero with the wrong
+ * sign cannot occur: the nearest float of a negative x is -0, of a positive x +0.) */
+static inline float eng_round_down(double x)
+{
+    return eng_round_down_sum(x, 0);
 }
 
 static inline float eng_round_up(double x)
 {
-    float f = (float)x;
-    int32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    bits += (double)f < x ? (bits < 0 ? -1 : 1) : 0;
-    memcpy(&f, &bits, sizeof f);
-    return f;
+    return eng_round_up_sum(x, 0);
 }
 
-/* The box of one vertex. Words are left alone. */
-static inline void eng_box_of_point(struct eng_box *box, const double x0[3],
-                                    const double x1[3])
+/* The bounds of a coordinate in a frame, whose origin for it is number `at`; or, if that
+ * is NULL, as it is. */
+static inline void eng_bounds_of(float *lo, float *hi, double x,
+                                 const struct eng_frame *frame, int at)
+{
+    double y = frame ? (x - frame->origin[at]) * frame->scale : x;
+    double rest = frame ? eng_rest_of_difference(x, frame->origin[at]) * frame->scale : 0;
+    *lo = eng_round_down_sum(y, rest);
+    *hi = eng_round_up_sum(y, rest);
+}
+
+/* The box of one vertex, in a frame or, if that is NULL, as it is. Words are left
+ * alone. */
+static inline void eng_box_of_point(struct eng_box *box, const struct eng_frame *frame,
+                                    const double x0[3], const double x1[3])
 {
     for (int k = 0; k < 3; k++) {
-        box->lo0[k] = eng_round_down(x0[k]);
-        box->hi0[k] = eng_round_up(x0[k]);
-        box->lo1[k] = eng_round_down(x1[k]);
-        box->hi1[k] = eng_round_up(x1[k]);
+        eng_bounds_of(&box->lo0[k], &box->hi0[k], x0[k], frame, k);
+        eng_bounds_of(&box->lo1[k], &box->hi1[k], x1[k], frame, 4 + k);
     }
 }
 

@@ -12,14 +12,15 @@
 
 /* Centroids of an object's triangles at its present positions. */
 static void list_triangles(const struct eng_scene *scene, struct eng_range triangles,
-                           struct eng_split_item *items)
+                           const struct eng_frame *frame, struct eng_split_item *items)
 {
     const double(*x)[3] = (const double(*)[3])scene->x[scene->now];
     for (uint32_t i = 0; i < triangles.count; i++) {
         const uint32_t *v = scene->triangles[triangles.first + i].v;
         for (int k = 0; k < 3; k++) {
             /* Within 1e18 like the corners. */
-            items[i].centroid[k] = (float)((x[v[0]][k] + x[v[1]][k] + x[v[2]][k]) / 3.0);
+            double mean = (x[v[0]][k] + x[v[1]][k] + x[v[2]][k]) / 3.0;
+            items[i].centroid[k] = (float)eng_frame_at(frame, mean, k);
         }
         items[i].id = triangles.first + i;
     }
@@ -27,7 +28,7 @@ static void list_triangles(const struct eng_scene *scene, struct eng_range trian
 
 /* Their boxes. */
 static void list_boxes(const struct eng_scene *scene, struct eng_range triangles,
-                       struct eng_sah_box *boxes)
+                       const struct eng_frame *frame, struct eng_sah_box *boxes)
 {
     const double(*x)[3] = (const double(*)[3])scene->x[scene->now];
     for (uint32_t i = 0; i < triangles.count; i++) {
@@ -35,8 +36,10 @@ static void list_boxes(const struct eng_scene *scene, struct eng_range triangles
         for (int k = 0; k < 3; k++) {
             double lo = x[v[0]][k] < x[v[1]][k] ? x[v[0]][k] : x[v[1]][k];
             double hi = x[v[0]][k] < x[v[1]][k] ? x[v[1]][k] : x[v[0]][k];
-            boxes[i].lo[k] = (float)(lo < x[v[2]][k] ? lo : x[v[2]][k]);
-            boxes[i].hi[k] = (float)(hi > x[v[2]][k] ? hi : x[v[2]][k]);
+            lo = lo < x[v[2]][k] ? lo : x[v[2]][k];
+            hi = hi > x[v[2]][k] ? hi : x[v[2]][k];
+            boxes[i].lo[k] = (float)eng_frame_at(frame, lo, k);
+            boxes[i].hi[k] = (float)eng_frame_at(frame, hi, k);
         }
     }
 }
@@ -53,9 +56,9 @@ int eng_build_object(struct eng_scene *scene, uint32_t object_idx)
         eng_free(boxes);
         return ENG_E_NOMEM;
     }
-    list_triangles(scene, object->triangles, items);
+    list_triangles(scene, object->triangles, &object->frame, items);
     if (by_sah) {
-        list_boxes(scene, object->triangles, boxes);
+        list_boxes(scene, object->triangles, &object->frame, boxes);
     }
     struct eng_grower grower = {
         .items = items,

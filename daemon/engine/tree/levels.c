@@ -9,6 +9,7 @@
 #include "levels.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #include "worker.h"
@@ -25,21 +26,102 @@ static void copy_extents(const struct eng_extents *from, struct eng_level_box *t
     }
 }
 
-static uint32_t wide_boxes(const struct eng_wide *wide, enum eng_wide_kind kind,
+/* ---- out of frames ----------------------------------------------------------------- */
+
+static const struct eng_level_box nothing = {{INFINITY, INFINITY, INFINITY},
+                                             {-INFINITY, -INFINITY, -INFINITY},
+                                             {INFINITY, INFINITY, INFINITY},
+                                             {-INFINITY, -INFINITY, -INFINITY}};
+
+/* The bounds of one end, measured in a frame, as coordinates: rounded outward. */
+static void unite_end(const float low[3], const float high[3],
+                      const struct eng_frame *frame, int end, float to_low[3],
+                      float to_high[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        double origin = frame->origin[4 * end + axis];
+        double bounds[2] = {(double)low[axis] / frame->scale,
+                            (double)high[axis] / frame->scale};
+        float outward[2] = {
+            eng_round_down_sum(bounds[0] + origin,
+                               eng_rest_of_difference(bounds[0], -origin)),
+            eng_round_up_sum(bounds[1] + origin,
+                             eng_rest_of_difference(bounds[1], -origin))};
+        to_low[axis] = outward[0] < to_low[axis] ? outward[0] : to_low[axis];
+        to_high[axis] = outward[1] > to_high[axis] ? outward[1] : to_high[axis];
+    }
+}
+
+/* Widen `to` by a box of an object. */
+static void unite(const struct eng_level_box *box, const struct eng_frame *frame,
+                  struct eng_level_box *to)
+{
+    unite_end(box->low0, box->high0, frame, 0, to->low0, to->high0);
+    unite_end(box->low1, box->high1, frame, 1, to->low1, to->high1);
+}
+
+/* ---- the method wide --------------------------------------------------------------- */
+
+/* The frame of the object whose features are in a block of level 0; NULL: nobody's. */
+static const struct eng_frame *frame_of_block(const struct eng_scene *scene,
+                                              enum eng_wide_kind kind, uint32_t block)
+{
+    const struct eng_wide *wide = &scene->wide;
+    const struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t slot = block * ENG_WIDE;
+    if (kind != ENG_WIDE_VERTICES) {
+        if (tree->keys[slot] == ENG_WIDE_NOBODY) {
+            return NULL;
+        }
+        slot = tree->corner[0][slot];
+    }
+    uint64_t owner = wide->points[slot].word0;
+    return owner == ENG_WIDE_NOBODY ? NULL : &scene->objects[owner >> 32].frame;
+}
+
+/* What is below a block of a level, object by object: they may have different frames. */
+static struct eng_level_box out_of_frames(const struct eng_scene *scene,
+                                          enum eng_wide_kind kind, uint32_t level,
+                                          uint32_t block)
+{
+    const struct eng_wide_tree *tree = &scene->wide.trees[kind];
+    struct eng_level_box all = nothing;
+    uint64_t first = (uint64_t)block << level * ENG_WIDE_BITS;
+    uint64_t end = (uint64_t)(block + 1) << level * ENG_WIDE_BITS;
+    for (uint64_t i = first; i < end && i < tree->block_count[0]; i++) {
+        const struct eng_frame *frame = frame_of_block(scene, kind, (uint32_t)i);
+        if (frame) {
+            struct eng_level_box box;
+            copy_extents(eng_wide_boxes(tree, 0) + i, &box);
+            unite(&box, frame, &all);
+        }
+    }
+    return all;
+}
+
+static uint32_t wide_boxes(const struct eng_scene *scene, enum eng_wide_kind kind,
                            uint32_t level, uint32_t first, uint32_t count,
                            struct eng_level_box *to)
 {
+    const struct eng_wide *wide = &scene->wide;
     const struct eng_wide_tree *tree = &wide->trees[kind];
-    if (level >= wide->level_count) {
+    if (level >= wide->level_count ||
+        (wide->frames > 0 && wide->frames != scene->framing.number)) {
         return 0;
     }
     uint32_t below = wide->level_count - 1 - level; /* there the lowest is level 0 */
     uint32_t boxes = tree->block_count[below];
     for (uint32_t i = 0; i < count && first + i < boxes; i++) {
-        copy_extents(eng_wide_boxes(tree, below) + first + i, &to[i]);
+        if (wide->frames > 0) {
+            to[i] = out_of_frames(scene, kind, below, first + i);
+        } else {
+            copy_extents(eng_wide_boxes(tree, below) + first + i, &to[i]);
+        }
     }
     return boxes;
 }
+
+/* ---- the method paper -------------------------------------------------------------- */
 
 static void copy_node(const struct eng_node *from, struct eng_level_box *to)
 {
@@ -47,6 +129,27 @@ static void copy_node(const struct eng_node *from, struct eng_level_box *to)
     memcpy(to->high0, from->hi0, sizeof(to->high0));
     memcpy(to->low1, from->lo1, sizeof(to->low1));
     memcpy(to->high1, from->hi1, sizeof(to->high1));
+}
+
+/* The same of a node, which may be above several objects. */
+static void copy_out_of_frames(const struct eng_scene *scene, uint32_t node,
+                               struct eng_level_box *to)
+{
+    uint32_t stack[ENG_LEVELS_MAX + 1] = {node};
+    uint32_t waiting = 1;
+    *to = nothing;
+    while (waiting > 0) {
+        uint32_t at = stack[--waiting];
+        struct eng_level_box box;
+        if (scene->upkeep[at].object == ENG_NO_OBJECT) {
+            assert(waiting + 2 <= ENG_LEVELS_MAX + 1);
+            stack[waiting++] = scene->nodes[at].right;
+            stack[waiting++] = scene->nodes[at].left;
+            continue;
+        }
+        copy_node(&scene->nodes[at], &box);
+        unite(&box, &scene->objects[scene->upkeep[at].object].frame, to);
+    }
 }
 
 /* In pre-order; of each level at most one node waits. */
@@ -57,13 +160,16 @@ static uint32_t binary_boxes(const struct eng_scene *scene, uint32_t level,
         uint32_t node, level;
     } stack[ENG_LEVELS_MAX + 1], at = {scene->root, 0};
     uint32_t waiting = 0, boxes = 0;
-    if (scene->top_is_stale || scene->root == ENG_NO_NODE || level > ENG_LEVELS_MAX) {
+    if (scene->top_is_stale || scene->root == ENG_NO_NODE || level > ENG_LEVELS_MAX ||
+        (scene->tree_frames > 0 && scene->tree_frames != scene->framing.number)) {
         return 0;
     }
     for (;;) {
         const struct eng_node *node = &scene->nodes[at.node];
         if (at.level == level) {
-            if (boxes >= first && boxes - first < count) {
+            if (boxes >= first && boxes - first < count && scene->tree_frames > 0) {
+                copy_out_of_frames(scene, at.node, &to[boxes - first]);
+            } else if (boxes >= first && boxes - first < count) {
                 copy_node(node, &to[boxes - first]);
             }
             boxes++;
@@ -92,7 +198,7 @@ uint32_t eng_level_boxes(const struct eng_scene *scene, enum eng_tree tree,
                       (int)ENG_TREE_FACES == (int)ENG_WIDE_FACES,
                   "one order");
     assert(tree < ENG_TREES);
-    return tree == ENG_TREE_TRIANGLES ? binary_boxes(scene, level, first, count, to)
-                                      : wide_boxes(&scene->wide, (enum eng_wide_kind)tree,
-                                                   level, first, count, to);
+    return tree == ENG_TREE_TRIANGLES
+               ? binary_boxes(scene, level, first, count, to)
+               : wide_boxes(scene, (enum eng_wide_kind)tree, level, first, count, to);
 }

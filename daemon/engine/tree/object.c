@@ -139,14 +139,18 @@ static void copy_in(struct eng_scene *scene, uint32_t object_idx,
     }
 }
 
-/* Boxes of an object where the scene stands. The positions of a step that is staged
- * already wait in the other buffer, which is looked away from. */
-static void refit_where_it_stands(struct eng_scene *scene,
-                                  const struct eng_object *object)
+/* Boxes of all objects that have hierarchies, where the scene stands, in the frames that
+ * they have now. The positions of a step that is staged already wait in the other buffer,
+ * which is looked away from. */
+static void refit_where_they_stand(struct eng_scene *scene, uint32_t first, uint32_t end)
 {
     double(*staged)[3] = scene->x[1 - scene->now];
     scene->x[1 - scene->now] = scene->x[scene->now];
-    eng_refit_object(scene, object);
+    for (uint32_t i = first; i < end; i++) {
+        if (scene->objects[i].mesh && scene->objects[i].nodes.count > 0) {
+            eng_refit_object(scene, &scene->objects[i]);
+        }
+    }
     scene->x[1 - scene->now] = staged;
 }
 
@@ -172,7 +176,7 @@ static int plant(struct eng_scene *scene, uint32_t object_idx)
         eng_object_fell(scene, object);
         return status;
     }
-    refit_where_it_stands(scene, object);
+    refit_where_they_stand(scene, object_idx, object_idx + 1);
     eng_regions_mark(scene, object->nodes);
     eng_rebuild_note(scene, object->nodes);
     return ENG_OK;
@@ -214,6 +218,10 @@ int eng_plant_objects(struct eng_scene *scene)
         if (scene->objects[i].mesh && scene->objects[i].nodes.count == 0) {
             status = plant(scene, i);
         }
+    }
+    if (status == ENG_OK && (scene->framing.number != scene->tree_frames)) {
+        /* Those that had a hierarchy before have boxes in other frames. */
+        refit_where_they_stand(scene, 0, scene->object_capacity);
     }
     return status;
 }

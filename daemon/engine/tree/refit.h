@@ -13,6 +13,15 @@
 #include "refit_plan.h"
 #include "team.h"
 
+/* The frame that the boxes of a vertex of a binary hierarchy are measured in, or NULL. */
+static inline const struct eng_frame *eng_frame_of_vertex(const struct eng_scene *scene,
+                                                          uint32_t vertex)
+{
+    return scene->framing.number > 0
+               ? &scene->objects[scene->vertices[vertex].object].frame
+               : NULL;
+}
+
 /* Boxes from x[1 - now] (t = 0), x[now] (t = 1): vertices from positions; edges from
  * vertices; nodes from vertices or their children, the last of the range first. [any] */
 void eng_refit_vertices(struct eng_scene *scene, struct eng_range range);

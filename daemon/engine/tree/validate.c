@@ -7,6 +7,7 @@
  */
 #include "build.h"
 #include "rebuild.h"
+#include "refit.h"
 
 static bool contains(const struct eng_node *outer, const struct eng_node *inner)
 {
@@ -26,9 +27,11 @@ static bool leaf_contains_triangle(const struct eng_scene *scene,
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
     for (int corner = 0; corner < 3; corner++) {
         uint32_t v = scene->triangles[leaf->right].v[corner];
+        struct eng_box point = {.word0 = 0};
+        eng_box_of_point(&point, eng_frame_of_vertex(scene, v), x0[v], x1[v]);
         for (int k = 0; k < 3; k++) {
-            if (!((double)leaf->lo0[k] <= x0[v][k] && x0[v][k] <= (double)leaf->hi0[k] &&
-                  (double)leaf->lo1[k] <= x1[v][k] && x1[v][k] <= (double)leaf->hi1[k])) {
+            if (!(leaf->lo0[k] <= point.lo0[k] && point.hi0[k] <= leaf->hi0[k] &&
+                  leaf->lo1[k] <= point.lo1[k] && point.hi1[k] <= leaf->hi1[k])) {
                 return false;
             }
         }

@@ -6,7 +6,6 @@
  */
 #include "wide.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "memory.h"
@@ -24,6 +23,7 @@ void eng_wide_init(struct eng_wide *wide)
     atomic_init(&wide->left_grid, false);
     atomic_init(&wide->left_narrow, false);
     atomic_init(&wide->farthest, 0);
+    wide->frame_scale = 1;
     wide->is_stale = true;
 }
 
@@ -93,24 +93,15 @@ uint32_t eng_wide_first_slot(uint32_t end, uint32_t count)
     return round_up(end, alignment(count));
 }
 
-/* The centre of an object's box where it stands; the box goes into that of the scene. */
-static struct eng_split_item item_of(struct eng_wide *wide, const struct eng_scene *scene,
-                                     uint32_t object_idx)
+/* Twice the centre of an object where it stands: only the order matters. */
+static struct eng_split_item item_of(const struct eng_scene *scene, uint32_t object_idx)
 {
     const struct eng_object *object = &scene->objects[object_idx];
-    const double(*x)[3] =
-        (const double(*)[3])scene->x[scene->now] + object->vertices.first;
+    const struct eng_bounds *bounds = &object->bounds[scene->now];
     struct eng_split_item item = {.id = object_idx};
     for (int k = 0; k < 3; k++) {
-        double lo = x[0][k];
-        double hi = x[0][k];
-        for (uint32_t i = 1; i < object->vertices.count; i++) {
-            lo = x[i][k] < lo ? x[i][k] : lo;
-            hi = x[i][k] > hi ? x[i][k] : hi;
-        }
-        item.centroid[k] = (float)(lo + hi);
-        wide->low[k] = lo < wide->low[k] ? lo : wide->low[k];
-        wide->high[k] = hi > wide->high[k] ? hi : wide->high[k];
+        item.centroid[k] = (float)(eng_frame_at(&object->frame, bounds->low[k], k) +
+                                   eng_frame_at(&object->frame, bounds->high[k], k));
     }
     return item;
 }
@@ -127,13 +118,9 @@ static int order_objects(struct eng_wide *wide, const struct eng_scene *scene)
         wide->item_capacity = capacity;
     }
     uint32_t count = 0;
-    for (int k = 0; k < 3; k++) {
-        wide->low[k] = INFINITY;
-        wide->high[k] = -INFINITY;
-    }
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
-            wide->items[count++] = item_of(wide, scene, i);
+            wide->items[count++] = item_of(scene, i);
         }
     }
     if (count > 1) {
@@ -256,9 +243,10 @@ static void clear(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t first
 }
 
 /* The features of one object into its slots. */
-static void fill(struct eng_wide *wide, const struct eng_object *object,
-                 enum eng_wide_kind kind, uint32_t first)
+static void fill(struct eng_wide *wide, const struct eng_scene *scene,
+                 uint32_t object_idx, enum eng_wide_kind kind, uint32_t first)
 {
+    const struct eng_object *object = &scene->objects[object_idx];
     struct eng_wide_tree *tree = &wide->trees[kind];
     const struct eng_mesh *mesh = object->mesh;
     const uint32_t *slot_of = wide->slot_of + object->vertices.first;
@@ -273,7 +261,7 @@ static void fill(struct eng_wide *wide, const struct eng_object *object,
         if (kind == ENG_WIDE_VERTICES) {
             uint32_t vertex = object->vertices.first + feature;
             memset(&wide->points[slot], 0, sizeof wide->points[slot]);
-            wide->points[slot].word0 = vertex;
+            wide->points[slot].word0 = (uint64_t)object_idx << 32 | vertex;
             wide->points[slot].word1 = key;
             wide->slot_of[vertex] = slot;
             continue;
@@ -308,7 +296,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             uint32_t count = object->order->count[kind];
             uint32_t first = eng_wide_first_slot(end, count);
             clear(wide, kind, end, first);
-            fill(wide, object, kind, first);
+            fill(wide, scene, wide->items[i].id, kind, first);
             end = first + count;
         }
         clear(wide, kind, end, tree->slot_count);

@@ -56,8 +56,8 @@ struct eng_wide {
     const struct eng_kernels *kernels; /* of refit and traversal; the step's */
     struct eng_wide_tree trees[ENG_WIDE_KINDS];
     uint32_t level_count; /* of each tree */
-    /* Vertices, by slot: word0 is the vertex's index in the scene's arrays, or
-     * ENG_WIDE_NOBODY, word1 its key. */
+    /* Vertices, by slot: word0 is its object's index << 32 | its own in the scene's
+     * arrays, or ENG_WIDE_NOBODY; word1 its key. */
     struct eng_point *points;
     struct eng_extents *point_boxes;
     struct eng_mark *marks; /* of the vertices, on the grid */
@@ -74,8 +74,8 @@ struct eng_wide {
     atomic_bool left_narrow;
     atomic_uint farthest; /* the most that one of their numbers grows by; as left_grid */
     bool boxes_are_old;   /* not made since the trees were put together */
-    double low[3];        /* when they were: around all vertices */
-    double high[3];
+    uint64_t frames;      /* of the last step: as in the scene */
+    double frame_scale;
     uint32_t *slot_of; /* [slot_of_capacity] of the vertices in the scene's arrays */
     uint32_t slot_of_capacity;
     struct eng_split_item *items; /* [item_capacity] the objects in their order */

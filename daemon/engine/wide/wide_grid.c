@@ -8,6 +8,8 @@
 
 #include <math.h>
 
+#include "world.h"
+
 /* Half a side of the grid is at least twice what the scene needs when it is made, and
  * that is at most an eighth of it when it is kept. */
 #define ROOM       2.0
@@ -17,20 +19,17 @@
 /* Exponents of half a side, so that neither it nor the scale leaves the numbers. */
 #define EXPONENT_MIN (-900)
 
-/* Around all vertices at both ends of the last step; right after the trees were put
- * together: where they stand. False: there are none. */
-static bool extent_of(const struct eng_wide *wide, double low[3], double high[3])
+bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
+                     double low[3], double high[3])
 {
     const struct eng_wide_tree *tree = &wide->trees[ENG_WIDE_VERTICES];
     const struct eng_extents *box = eng_wide_boxes(tree, wide->level_count - 1);
+    if (wide->boxes_are_old || scene->framing.number != wide->frames) {
+        return eng_frames_extent(scene, low, high);
+    }
     for (int k = 0; k < 3; k++) {
-        if (wide->boxes_are_old) {
-            low[k] = wide->low[k];
-            high[k] = wide->high[k];
-        } else {
-            low[k] = -fmax(box->side[ENG_LOW0][k], box->side[ENG_LOW1][k]);
-            high[k] = fmax(box->side[ENG_HIGH0][k], box->side[ENG_HIGH1][k]);
-        }
+        low[k] = -fmax(box->side[ENG_LOW0][k], box->side[ENG_LOW1][k]);
+        high[k] = fmax(box->side[ENG_HIGH0][k], box->side[ENG_HIGH1][k]);
     }
     return low[0] <= high[0];
 }
@@ -61,14 +60,14 @@ struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum eng_kind kind)
                               .t_end = 1};
 }
 
-void eng_wide_grid_choose(struct eng_wide *wide)
+void eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene)
 {
     struct eng_grid *grid = &wide->grid;
     bool was_left = atomic_load_explicit(&wide->left_grid, memory_order_relaxed);
     double low[3];
     double high[3];
     double half = 0;
-    if (!extent_of(wide, low, high)) {
+    if (!eng_wide_extent(wide, scene, low, high)) {
         grid->scale = 0;
         return;
     }

@@ -11,9 +11,15 @@
 
 #include "wide.h"
 
-/* Before the refit of a step; keeps the grid that it had where that still fits. O(1).
- * [compute] */
-void eng_wide_grid_choose(struct eng_wide *wide);
+/* Before the refit of a step, when objects have their frames; keeps the grid that it had
+ * where that still fits. O(1), with frames O(objects). [compute] */
+void eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene);
+
+/* Around all vertices, as their boxes are measured in the step to come: as known from
+ * both ends of the last step, or exactly if there was none or it had other frames. False:
+ * there are none. [compute] */
+bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
+                     double low[3], double high[3]);
 
 /* For all pairs of a kind over the whole step. [any] */
 struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum eng_kind kind);

@@ -207,11 +207,13 @@ static void flush(struct eng_worker *worker)
 
 static int prepare(struct eng_team *team, const struct eng_step_settings *settings)
 {
+    (void)settings;
     struct eng_scene *scene = team->scene;
     int status = ENG_OK;
     bool has_changed = false;
     eng_wide_resort_prepare(&scene->wide.resort, scene);
     if (scene->wide.is_stale) {
+        eng_frames_choose(scene, scene->now, scene->now);
         status = eng_wide_assemble(&scene->wide, scene);
     }
     if (status == ENG_OK) {
@@ -219,11 +221,6 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
     }
     if (has_changed) {
         eng_wide_resort_unlearn(&scene->wide.resort);
-    }
-    if (status == ENG_OK) {
-        /* Pairs that are answered are those of the boxes themselves. */
-        eng_wide_narrow_choose(&scene->wide, settings->mode != ENG_MODE_PAIRS);
-        eng_wide_grid_choose(&scene->wide);
     }
     for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
         status = eng_wide_work_reserve(scene->memory->workers[i]);
@@ -233,7 +230,12 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
 
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
-    (void)settings;
+    struct eng_wide *wide = &team->scene->wide;
+    /* What is counted as a candidate in mode pairs is a pair of the boxes themselves. */
+    eng_wide_narrow_choose(wide, team->scene, settings->mode != ENG_MODE_PAIRS);
+    eng_wide_grid_choose(wide, team->scene);
+    wide->frames = team->scene->framing.number;
+    wide->frame_scale = team->scene->framing.scale;
     for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
         uint32_t chunks = eng_wide_refit_chunks(&team->scene->wide, kind);
         for (uint32_t i = 0; i < team->count; i++) {

@@ -9,6 +9,9 @@
 #include <float.h>
 #include <math.h>
 
+#include "wide_grid.h"
+#include "world.h"
+
 /* Half of what the numbers span along an axis holds half of the scene this many times,
  * and of its longest side the part beside it: a flat scene moves, too. */
 #define ROOM      1.25
@@ -39,17 +42,19 @@ void eng_wide_narrow_set(struct eng_narrowing *narrowing, int axis, double scale
 
 /* Powers of two that bring the scene into reach, and what is added for its middle. False:
  * there is nothing in the scene, or it is too far from the numbers that floats hold. */
-static bool narrowing_of(const struct eng_extents *box, struct eng_narrowing *narrowing)
+static bool narrowing_of(const struct eng_wide *wide, const struct eng_scene *scene,
+                         struct eng_narrowing *narrowing)
 {
     double low[3];
     double high[3];
     double side = 0;
+    if (!eng_wide_extent(wide, scene, low, high)) {
+        return false;
+    }
     for (int k = 0; k < 3; k++) {
-        low[k] = -fmax((double)box->side[ENG_LOW0][k], (double)box->side[ENG_LOW1][k]);
-        high[k] = fmax((double)box->side[ENG_HIGH0][k], (double)box->side[ENG_HIGH1][k]);
         side = fmax(side, 0.5 * (high[k] - low[k]));
     }
-    if (!(low[0] <= high[0]) || !(side > 0)) {
+    if (!(side > 0)) {
         return false;
     }
     for (int k = 0; k < 3; k++) {
@@ -94,14 +99,21 @@ static bool features_are_large(const struct eng_wide_tree *tree,
     return seen > 0 && sum >= CELLS_MIN * seen;
 }
 
-void eng_wide_narrow_choose(struct eng_wide *wide, bool may)
+/* Did the boxes of the last step have the scale that those of this one get? Then their
+ * sizes tell how large features are. */
+static bool has_kept_scale(const struct eng_wide *wide, const struct eng_scene *scene)
 {
-    const struct eng_wide_tree *vertices = &wide->trees[ENG_WIDE_VERTICES];
-    const struct eng_extents *box = eng_wide_boxes(vertices, wide->level_count - 1);
+    return !wide->boxes_are_old && wide->frame_scale == scene->framing.scale;
+}
+
+void eng_wide_narrow_choose(struct eng_wide *wide, const struct eng_scene *scene,
+                            bool may)
+{
     struct eng_narrowing narrowing = {{0}, {0}, {0}};
     atomic_store_explicit(&wide->left_narrow, false, memory_order_relaxed);
     atomic_store_explicit(&wide->farthest, 0, memory_order_relaxed);
-    wide->makes_narrow = may && !wide->boxes_are_old && narrowing_of(box, &narrowing) &&
+    wide->makes_narrow = may && has_kept_scale(wide, scene) &&
+                         narrowing_of(wide, scene, &narrowing) &&
                          features_are_large(&wide->trees[ENG_WIDE_EDGES], &narrowing);
     wide->narrowing = narrowing;
 }

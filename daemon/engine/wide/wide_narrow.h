@@ -10,10 +10,11 @@
 
 #include "wide.h"
 
-/* Before the refit of a step, which `may` do so. A step that goes farther than the last
- * one let expect, and a scene whose features are small in cells, do without. O(1).
- * [compute] */
-void eng_wide_narrow_choose(struct eng_wide *wide, bool may);
+/* Before the refit of a step, which `may` do so, when objects have their frames. A step
+ * that goes farther than the last one let expect, and a scene whose features are small in
+ * cells, do without. O(1), with frames O(objects). [compute] */
+void eng_wide_narrow_choose(struct eng_wide *wide, const struct eng_scene *scene,
+                            bool may);
 
 /* Cells of 1 / scale, a power of two, 2^-60 .. 2^60, around `middle` along an axis: what
  * is added for it is rounded, together never to less than ENG_NARROW_ROUND. [any] */

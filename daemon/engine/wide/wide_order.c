@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "boxes.h"
+#include "frames.h"
 #include "memory.h"
 #include "topology.h"
 #include "wide_pieces.h"
@@ -159,14 +160,15 @@ static void sort_parts(struct eng_split_item *items, struct eng_wide_range *part
 }
 
 /* The centroid of `count` vertices times their number: the order is the same. */
-static struct eng_split_item item_of(const double (*x)[3], const uint32_t *vertices,
-                                     uint32_t count, uint32_t id)
+static struct eng_split_item item_of(struct eng_wide_places places,
+                                     const uint32_t *vertices, uint32_t count,
+                                     uint32_t id)
 {
     struct eng_split_item item = {.id = id};
     for (int k = 0; k < 3; k++) {
         double sum = 0;
         for (uint32_t i = 0; i < count; i++) {
-            sum += x[vertices[i]][k];
+            sum += eng_frame_at(places.frame, places.x[vertices[i]][k], k);
         }
         item.centroid[k] = (float)sum;
     }
@@ -178,13 +180,14 @@ uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind 
     return kind == ENG_WIDE_EDGES ? mesh->info.edge_count : mesh->info.triangle_count;
 }
 
-void eng_wide_order_sum(const struct eng_wide_order *order, const double (*x)[3],
+void eng_wide_order_sum(const struct eng_wide_order *order, struct eng_wide_places places,
                         uint32_t first, uint32_t count, struct eng_split_item *pieces)
 {
     for (uint32_t i = first; order->piece_of && i < first + count; i++) {
         uint32_t piece = order->piece_of[i];
         for (int k = 0; k < 3 && piece != ENG_WIDE_NO_PIECE; k++) {
-            pieces[piece].centroid[k] += (float)x[i][k];
+            pieces[piece].centroid[k] +=
+                (float)eng_frame_at(places.frame, places.x[i][k], k);
         }
     }
 }
@@ -224,8 +227,9 @@ void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind
 }
 
 void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
-                         const double (*x)[3], enum eng_wide_kind kind, uint32_t first,
-                         uint32_t count, struct eng_split_item *items, uint32_t *next)
+                         struct eng_wide_places places, enum eng_wide_kind kind,
+                         uint32_t first, uint32_t count, struct eng_split_item *items,
+                         uint32_t *next)
 {
     const uint32_t *piece_of = order->piece_of;
     for (uint32_t i = first; i < first + count; i++) {
@@ -233,12 +237,12 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
             kind == ENG_WIDE_EDGES ? mesh->edges[i] : mesh->triangles[i].v;
         uint32_t *place = &next[piece_of ? piece_of[v[0]] : 0];
         if (kind != ENG_WIDE_VERTICES) {
-            items[(*place)++] = item_of(x, v, kind == ENG_WIDE_EDGES ? 2 : 3, i);
+            items[(*place)++] = item_of(places, v, kind == ENG_WIDE_EDGES ? 2 : 3, i);
             continue;
         }
         for (unsigned k = 0; k < 3; k++) {
             if (mesh->triangles[i].owns & ENG_OWNS_VERTEX(k)) {
-                items[(*place)++] = item_of(x, &v[k], 1, v[k]);
+                items[(*place)++] = item_of(places, &v[k], 1, v[k]);
             }
         }
     }
@@ -396,7 +400,9 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     if (!made) {
         return ENG_E_NOMEM;
     }
-    eng_wide_order_sum(made, x, 0, mesh->info.vertex_count, making.pieces);
+    struct eng_frame frame = eng_frame_alone(mesh, x);
+    struct eng_wide_places places = {x, &frame};
+    eng_wide_order_sum(made, places, 0, mesh->info.vertex_count, making.pieces);
     eng_wide_order_sequence(made, making.pieces);
     size_t first = 0;
     uint32_t parts = 0;
@@ -407,8 +413,8 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
             making.parts[parts++] = (struct eng_wide_range){
                 first + making.next[i], making.next[i], made->piece_size[kind][i]};
         }
-        eng_wide_order_list(made, mesh, x, kind, 0, eng_wide_order_sources(mesh, kind),
-                            items, making.next);
+        eng_wide_order_list(made, mesh, places, kind, 0,
+                            eng_wide_order_sources(mesh, kind), items, making.next);
         first += made->count[kind];
     }
     sort_parts(making.items, making.parts, parts, threads_for(first, threads));

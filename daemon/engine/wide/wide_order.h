@@ -1,6 +1,6 @@
 /* daemon/engine/wide/wide_order.h - the order in which an object's features are stored.
  *
- * Room:     engine. May include: median.h, mesh.h.
+ * Room:     engine. May include: frame.h, median.h, mesh.h.
  * Does:     put features that are near each other next to each other, so that every
  *           aligned group of 16, 256, .. of them has a tight box.
  * Threads:  [any]; one caller for one order.
@@ -17,6 +17,7 @@
 
 #include <stddef.h>
 
+#include "frame.h"
 #include "median.h"
 #include "mesh.h"
 
@@ -45,11 +46,17 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
 /* Edges or, for the two other trees, triangles of a mesh. */
 uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind kind);
 
+/* Where the vertices of a mesh are, and the frame in which they are compared. */
+struct eng_wide_places {
+    const double (*x)[3];
+    const struct eng_frame *frame;
+};
+
 /* What it takes to put the features of a mesh in order, some at a time:
  *
- *   Add vertices first .. first + count - 1, at x of the mesh's, to the sums of their
+ *   Add vertices first .. first + count - 1 of the mesh's to the sums of their
  *   pieces, pieces[piece_count], which were 0. */
-void eng_wide_order_sum(const struct eng_wide_order *order, const double (*x)[3],
+void eng_wide_order_sum(const struct eng_wide_order *order, struct eng_wide_places places,
                         uint32_t first, uint32_t count, struct eng_split_item *pieces);
 
 /*   After all of them: the pieces, by id, so that neighbours are near. */
@@ -66,12 +73,13 @@ void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind
                           const struct eng_split_item *pieces,
                           struct eng_split_item *items, uint32_t *next);
 
-/*   The features of one tree that edges or triangles first .. first + count - 1 own, with
- *   vertices at `x`, to the next slots of their pieces, which go on: item ids are local
+/*   The features of one tree that edges or triangles first .. first + count - 1 own, to
+ *   the next slots of their pieces, which go on: item ids are local
  *   indices. After all of them each piece's are to be sorted. */
 void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
-                         const double (*x)[3], enum eng_wide_kind kind, uint32_t first,
-                         uint32_t count, struct eng_split_item *items, uint32_t *next);
+                         struct eng_wide_places places, enum eng_wide_kind kind,
+                         uint32_t first, uint32_t count, struct eng_split_item *items,
+                         uint32_t *next);
 
 /* Items first .. first + count - 1 of a list; the first goes to a slot. */
 struct eng_wide_range {

@@ -26,6 +26,21 @@ uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind k
     return (wide->trees[kind].block_count[0] + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
 }
 
+/* Slots first .. behind which a slot is nobody's or, where objects have frames, another
+ * object's. */
+static uint32_t end_of_run(const struct eng_wide *wide, const struct eng_scene *scene,
+                           uint32_t first, uint32_t end)
+{
+    uint64_t object = wide->points[first].word0 >> 32;
+    uint32_t slot = first;
+    for (; slot < end && wide->points[slot].word0 != ENG_WIDE_NOBODY; slot++) {
+        if (scene->framing.number > 0 && wide->points[slot].word0 >> 32 != object) {
+            break;
+        }
+    }
+    return slot;
+}
+
 /* Positions, boxes and, unless `swept`, marks of the vertices in slots first .. end - 1;
  * those of nobody are nowhere since the trees were put together. */
 static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
@@ -34,19 +49,26 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
     for (uint32_t slot = first; slot < end;) {
-        uint32_t run = slot; /* of vertices without a gap */
-        for (; slot < end && wide->points[slot].word0 != ENG_WIDE_NOBODY; slot++) {
-            struct eng_point *point = &wide->points[slot];
-            memcpy(point->x0, x0[point->word0], sizeof point->x0);
-            memcpy(point->x1, x1[point->word0], sizeof point->x1);
+        if (wide->points[slot].word0 == ENG_WIDE_NOBODY) {
+            slot++;
+            continue;
         }
-        wide->kernels->box_points(wide->points + run, slot - run, swept,
+        uint32_t run = slot;
+        const struct eng_frame *frame =
+            scene->framing.number > 0
+                ? &scene->objects[wide->points[run].word0 >> 32].frame
+                : NULL;
+        uint32_t run_end = end_of_run(wide, scene, run, end);
+        for (; slot < run_end; slot++) {
+            struct eng_point *point = &wide->points[slot];
+            memcpy(point->x0, x0[(uint32_t)point->word0], sizeof point->x0);
+            memcpy(point->x1, x1[(uint32_t)point->word0], sizeof point->x1);
+        }
+        wide->kernels->box_points(wide->points + run, slot - run, frame, swept,
                                   wide->point_boxes + run);
-        if (!swept && !wide->kernels->place_points(wide->points + run, slot - run,
+        if (!swept && !wide->kernels->place_points(wide->points + run, slot - run, frame,
                                                    &wide->grid, wide->marks + run)) {
             atomic_store_explicit(&wide->left_grid, true, memory_order_relaxed);
-        }
-        for (; slot < end && wide->points[slot].word0 == ENG_WIDE_NOBODY; slot++) {
         }
     }
 }

@@ -128,10 +128,12 @@ static bool make_room(struct eng_wide_resort *resort, const struct eng_scene *sc
 }
 
 /* The first part of an object. */
-static void begin_object(struct eng_wide_resort *resort, uint32_t object)
+static void begin_object(struct eng_wide_resort *resort, const struct eng_scene *scene,
+                         uint32_t object)
 {
     memset(resort->pieces, 0, resort->piece_capacity * sizeof *resort->pieces);
     resort->object = object;
+    resort->frame = scene->objects[object].frame;
     resort->kind = ENG_WIDE_VERTICES;
     resort->summed = 0;
     resort->is_sequenced = false;
@@ -153,7 +155,7 @@ static void begin(struct eng_wide_resort *resort, const struct eng_scene *scene)
         return;
     }
     resort->first = 0;
-    begin_object(resort, 0);
+    begin_object(resort, scene, 0);
     begin_part(resort);
     resort->state = ENG_WIDE_SORTING;
 }
@@ -205,7 +207,7 @@ static void go_on(struct eng_wide_resort *resort, const struct eng_scene *scene)
     if (object->mesh && resort->kind + 1 < ENG_WIDE_KINDS) {
         resort->kind++;
     } else if (resort->object + 1 < scene->object_capacity) {
-        begin_object(resort, resort->object + 1);
+        begin_object(resort, scene, resort->object + 1);
     } else {
         resort->state = ENG_WIDE_SORTED;
     }
@@ -213,11 +215,11 @@ static void go_on(struct eng_wide_resort *resort, const struct eng_scene *scene)
 
 /* See where some more vertices are; the pieces are in order with the last of them. */
 static void sum_more(struct eng_wide_resort *resort, const struct eng_object *object,
-                     const double (*x)[3])
+                     struct eng_wide_places places)
 {
     uint32_t left = object->mesh->info.vertex_count - resort->summed;
     uint32_t count = left < PIECE_SOURCES ? left : PIECE_SOURCES;
-    eng_wide_order_sum(object->order, x, resort->summed, count, resort->pieces);
+    eng_wide_order_sum(object->order, places, resort->summed, count, resort->pieces);
     resort->summed += count;
     if (count == left) {
         eng_wide_order_sequence(object->order, resort->pieces);
@@ -227,7 +229,7 @@ static void sum_more(struct eng_wide_resort *resort, const struct eng_object *ob
 
 /* List some more features of the part at hand. */
 static void list_more(struct eng_wide_resort *resort, const struct eng_object *object,
-                      const double (*x)[3], uint32_t left)
+                      struct eng_wide_places places, uint32_t left)
 {
     struct eng_split_item *items = resort->items + resort->first;
     uint32_t count = left < PIECE_SOURCES ? left : PIECE_SOURCES;
@@ -235,8 +237,8 @@ static void list_more(struct eng_wide_resort *resort, const struct eng_object *o
         eng_wide_order_place(object->order, resort->kind, resort->pieces, items,
                              resort->next);
     }
-    eng_wide_order_list(object->order, object->mesh, x, resort->kind, resort->sources,
-                        count, items, resort->next);
+    eng_wide_order_list(object->order, object->mesh, places, resort->kind,
+                        resort->sources, count, items, resort->next);
     resort->sources += count;
 }
 
@@ -258,13 +260,14 @@ static void advance(struct eng_wide_resort *resort, const struct eng_scene *scen
         go_on(resort, scene);
         return;
     }
-    const double(*x)[3] =
-        (const double(*)[3])scene->x[scene->now] + object->vertices.first;
+    struct eng_wide_places places = {(const double(*)[3])scene->x[scene->now] +
+                                         object->vertices.first,
+                                     &resort->frame};
     uint32_t left = eng_wide_order_sources(object->mesh, resort->kind) - resort->sources;
     if (!resort->is_sequenced) {
-        sum_more(resort, object, x);
+        sum_more(resort, object, places);
     } else if (left > 0) {
-        list_more(resort, object, x, left);
+        list_more(resort, object, places, left);
     } else if (!eng_wide_sorter_advance(&resort->sorter, resort->items + resort->first,
                                         PIECE_ITEMS)) {
         if (resort->sorted < object->order->piece_count) {

@@ -56,7 +56,8 @@ struct eng_wide_resort {
     struct eng_split_item *pieces; /* [piece_capacity] of the object at hand, .. */
     uint32_t *next; /* [piece_capacity] .. and the slot of each one's next feature */
     uint32_t piece_capacity;
-    uint32_t object; /* the part at hand: its object's index, .. */
+    struct eng_frame frame; /* of that object when it was begun */
+    uint32_t object;        /* the part at hand: its object's index, .. */
     enum eng_wide_kind kind;
     size_t first;      /* .. and its first item */
     uint32_t summed;   /* vertices whose places are in those of the pieces, .. */

@@ -175,6 +175,7 @@ int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit vis
     struct tasks tasks = {0};
     struct sweeper *sweepers = eng_alloc(threads, sizeof *sweepers);
     int status = sweepers ? ENG_OK : ENG_E_NOMEM;
+    eng_frames_choose(scene, 1 - scene->now, scene->now);
     if (status == ENG_OK && wide->is_stale) {
         status = eng_wide_assemble(wide, scene);
     }
