@@ -57,7 +57,7 @@ enum pccd_mode {
     PCCD_MODE_ALL = 0,   /* every contact */
     PCCD_MODE_FIRST = 1, /* the contacts that may attain the scene's earliest time */
     PCCD_MODE_ANY = 2,   /* yes, no or possible; no records */
-    PCCD_MODE_PAIRS = 3, /* the candidate pairs after box tests, for tests of one's own */
+    PCCD_MODE_PAIRS = 3, /* the pairs that no axis separates, for tests of one's own */
     PCCD_MODE_COUNT = 4
 };
 

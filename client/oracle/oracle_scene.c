@@ -174,6 +174,31 @@ void oracle_ee_points(const struct oracle_object *a, const uint32_t edge_a[2],
     }
 }
 
+/* Is point i above point j along an axis at both ends? */
+static bool is_above(const double p[8][3], int i, int j, int axis)
+{
+    return p[i][axis] > p[j][axis] && p[4 + i][axis] > p[4 + j][axis];
+}
+
+bool oracle_is_apart(enum oracle_kind kind, const double p[8][3])
+{
+    int first_count = kind == ORACLE_VF ? 1 : 2;
+    for (int axis = 0; axis < 3; axis++) {
+        bool above = true;
+        bool below = true;
+        for (int i = 0; i < first_count; i++) {
+            for (int j = first_count; j < 4; j++) {
+                above &= is_above(p, i, j, axis);
+                below &= is_above(p, j, i, axis);
+            }
+        }
+        if (above || below) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void try_pair(const struct oracle_object *objects, enum oracle_kind kind,
                      const struct feature *a, const struct feature *b,
                      struct oracle_contacts *contacts)
@@ -190,6 +215,7 @@ static void try_pair(const struct oracle_object *objects, enum oracle_kind kind,
         oracle_ee_points(&objects[a->object], a->v, &objects[b->object], b->v, p);
     }
     contacts->queries++;
+    contacts->beside += !oracle_is_apart(kind, (const double(*)[3])p);
     if (!oracle_hits(kind, (const double(*)[3])p)) {
         return;
     }

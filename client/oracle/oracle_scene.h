@@ -39,6 +39,7 @@ struct oracle_contacts {
     struct oracle_pair *pairs; /* sorted by the five words in their order */
     size_t count;
     uint64_t queries; /* put to the oracle */
+    uint64_t beside;  /* pairs that no axis separates: oracle_is_apart says no */
 };
 
 /* Ends the process where memory ends. The caller frees *contacts with the function
@@ -57,6 +58,10 @@ int oracle_pair_compare(const void *a, const void *b);
 
 /* Edges of an object's triangles, numbered as above. Freed by the caller. */
 uint32_t (*oracle_edges(const struct oracle_object *object, uint32_t *count))[2];
+
+/* Does an axis separate the features of a pair: do all points of the one lie above all
+ * points of the other along it, at both ends of the motion? */
+bool oracle_is_apart(enum oracle_kind kind, const double p[8][3]);
 
 /* The eight points of a pair. `edges` of each object as oracle_edges gives them. */
 void oracle_vf_points(const struct oracle_object *a, uint32_t vertex,

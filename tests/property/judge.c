@@ -519,10 +519,15 @@ void judge_check_pairs(const struct judge *judge, const struct eng_step_result *
                                     0};
         double p[8][3];
         points_of(judge, &named, p);
+        must(judge,
+             !oracle_is_apart((enum oracle_kind)pairs[i].kind, (const double(*)[3])p),
+             "mode pairs: an axis separates a pair", &named);
         vf += pairs[i].kind == ENG_VF;
     }
     must(judge, result->vf == vf && result->ee == result->count - vf,
          "mode pairs: counts and pairs differ", NULL);
+    must(judge, result->count == truth->beside,
+         "mode pairs: another number of pairs than no axis separates", NULL);
     for (size_t i = 0; i < truth->count; i++) {
         must(judge, holds(result, &truth->pairs[i]), "mode pairs: a contact is missing",
              NULL);

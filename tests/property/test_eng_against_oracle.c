@@ -276,6 +276,66 @@ static void engine__does_not_depend_on_objects(void **state)
     }
 }
 
+/* Where a group of objects is at both ends of a step. */
+struct somewhere {
+    double at[2][3];
+};
+
+static struct somewhere somewhere(struct prng *prng)
+{
+    static const double distances[] = {0, 0x1p10, 0x1p30, 0x1p40, -0x1p30, 3e7};
+    struct somewhere place;
+    bool jumps = prng_below(prng, 3) == 0;
+    for (int k = 0; k < 3; k++) {
+        place.at[0][k] = distances[prng_below(prng, 6)];
+        place.at[1][k] = jumps ? distances[prng_below(prng, 6)] : place.at[0][k];
+    }
+    return place;
+}
+
+static void move_there(struct scenes_mesh *mesh, const struct somewhere *place,
+                       double scale)
+{
+    for (uint32_t i = 0; i < 3 * mesh->vertex_count; i++) {
+        mesh->x0[i / 3][i % 3] = scale * (mesh->x0[i / 3][i % 3] + place->at[0][i % 3]);
+        mesh->x1[i / 3][i % 3] = scale * (mesh->x1[i / 3][i % 3] + place->at[1][i % 3]);
+    }
+}
+
+/* If this failed, objects that are far from the origin or from each other, that jump, or
+ * whose coordinates are tiny would be measured so that a contact is missed. */
+static void engine__answers_exactly_for_objects_far_apart(void **state)
+{
+    static const double scales[] = {1, 1, 0x1p-300, 0x1p-30, 0x1p15};
+    struct rounds rounds = rounds_begin();
+    (void)state;
+    while (rounds_next(&rounds, ROUNDS)) {
+        for (unsigned i = 0; i < 40; i++) {
+            struct recipe recipe = {i % 2 ? SCENES_SOUP : SCENES_TWO_SPHERES, 40, false,
+                                    prng_next(&rounds.prng)};
+            struct scenes_mesh mesh;
+            struct scenes_mesh parts[JUDGE_OBJECTS_MAX];
+            struct judge judge;
+            struct somewhere places[2] = {somewhere(&rounds.prng),
+                                          somewhere(&rounds.prng)};
+            make(&mesh, &recipe);
+            begin_judge(&judge, &recipe, 1e-6);
+            uint32_t count =
+                scenes_split(&mesh, 2 + (uint32_t)prng_below(&rounds.prng, 6), parts);
+            for (uint32_t k = 0; k < count; k++) {
+                move_there(&parts[k], &places[prng_below(&rounds.prng, 2)],
+                           scales[i % 5]);
+                judge_add(&judge, &parts[k], k);
+                scenes_deinit(&parts[k]);
+            }
+            judge_stage_whole(&judge);
+            judge_everything(&judge);
+            judge_deinit(&judge);
+            scenes_deinit(&mesh);
+        }
+    }
+}
+
 static void *to_floats(const double (*x)[3], uint32_t count)
 {
     float(*floats)[3] = malloc((size_t)count * sizeof *floats);
@@ -487,6 +547,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(engine__answers_exactly_for_one_object),
         cmocka_unit_test(engine__does_not_depend_on_objects),
+        cmocka_unit_test(engine__answers_exactly_for_objects_far_apart),
         cmocka_unit_test(engine__keeps_answering_exactly_over_steps),
         cmocka_unit_test(engine__gives_the_same_bytes_again),
     };

@@ -61,7 +61,7 @@ struct check_options {
 static const struct argp_option option_list[] = {
     {"mode", OPTION_MODE, "all|first|any|pairs", 0,
      "all (every contact, the default), first (the earliest), any (yes or no), pairs "
-     "(candidates after box tests)",
+     "(the pairs that no axis separates)",
      0},
     {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
     {"contacts", OPTION_CONTACTS, "FILE", 0,

@@ -49,7 +49,7 @@ class Mode(enum.IntEnum):
     ALL = 0  # every contact
     FIRST = 1  # the contacts that may attain the scene's earliest time
     ANY = 2  # yes, no or possible; no records
-    PAIRS = 3  # the candidate pairs after box tests
+    PAIRS = 3  # the pairs that no axis separates
 
 
 class Method(enum.IntEnum):

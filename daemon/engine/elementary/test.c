@@ -78,15 +78,6 @@ void eng_test_keep(struct eng_worker *worker, const struct eng_pair *name,
     contact->reserved = 0;
 }
 
-static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
-                            const struct eng_chunk *chunk)
-{
-    for (uint32_t i = 0; i < chunk->count; i++) {
-        struct eng_pair name = name_of(worker->scene, kind, chunk->a[i], chunk->b[i]);
-        eng_found_add(&worker->found, &name); /* a full list says so itself */
-    }
-}
-
 static void load_pair(const struct eng_scene *scene, enum eng_kind kind, uint32_t a,
                       uint32_t b, struct eng_point points[4])
 {
@@ -101,25 +92,57 @@ static void load_pair(const struct eng_scene *scene, enum eng_kind kind, uint32_
 /* Pairs whose points are copied at a time: 8 KiB. */
 #define GROUP 32u
 
+struct group {
+    struct eng_point points[4 * GROUP];
+    uint32_t quads[GROUP][4];
+    uint32_t count;
+};
+
+/* The points of candidates first .. first + GROUP - 1. */
+static void load_group(const struct eng_scene *scene, enum eng_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first, struct group *group)
+{
+    memset(group, 0, sizeof *group);
+    group->count = chunk->count - first < GROUP ? chunk->count - first : GROUP;
+    for (uint32_t i = 0; i < group->count; i++) {
+        load_pair(scene, kind, chunk->a[first + i], chunk->b[first + i],
+                  &group->points[4 * (size_t)i]);
+        for (uint32_t k = 0; k < 4; k++) {
+            group->quads[i][k] = 4 * i + k;
+        }
+    }
+}
+
+/* Keep those of candidates first .. first + GROUP - 1 that no axis separates: by the
+ * coordinates themselves, so that it does not matter how boxes were rounded. */
+static void keep_group(struct eng_worker *worker, enum eng_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first)
+{
+    struct group group;
+    uint32_t kept[GROUP];
+    load_group(worker->scene, kind, chunk, first, &group);
+    uint32_t count = worker->kernels->apart(
+        kind, group.points, (const uint32_t(*)[4])group.quads, group.count, kept);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t pair = first + kept[i];
+        struct eng_pair name =
+            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
+        eng_found_add(&worker->found, &name); /* a full list says so itself */
+    }
+}
+
 /* Test candidates first .. first + GROUP - 1. */
 static void test_group(struct eng_worker *worker, enum eng_kind kind,
                        const struct eng_chunk *chunk, uint32_t first)
 {
-    struct eng_point points[4 * GROUP] = {0};
-    uint32_t quads[GROUP][4];
+    struct group group;
     struct eng_batch *batch = &worker->batch;
-    uint32_t count = chunk->count - first < GROUP ? chunk->count - first : GROUP;
-    for (uint32_t i = 0; i < count; i++) {
-        load_pair(worker->scene, kind, chunk->a[first + i], chunk->b[first + i],
-                  &points[4 * (size_t)i]);
-        for (uint32_t k = 0; k < 4; k++) {
-            quads[i][k] = 4 * i + k;
-        }
-    }
-    uint32_t hits = eng_batch_test(
-        worker->kernels, kind, points, (const uint32_t(*)[4])quads, count,
-        worker->settings->tolerance, worker->time_bound, &worker->exact, batch);
-    worker->record.tests += count;
+    load_group(worker->scene, kind, chunk, first, &group);
+    uint32_t hits = eng_batch_test(worker->kernels, kind, group.points,
+                                   (const uint32_t(*)[4])group.quads, group.count,
+                                   worker->settings->tolerance, worker->time_bound,
+                                   &worker->exact, batch);
+    worker->record.tests += group.count;
     worker->tally.survivors += batch->survivors;
     for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
         uint32_t pair = first + batch->index[i];
@@ -155,11 +178,10 @@ void eng_test_chunk(struct eng_worker *worker, enum eng_kind kind)
     struct eng_chunk *chunk = kind == ENG_VF ? &worker->vf : &worker->ee;
     uint32_t count = chunk->count;
     eng_test_count(worker, kind, count);
-    if (worker->settings->mode == ENG_MODE_PAIRS) {
-        keep_candidates(worker, kind, chunk);
-    } else {
-        for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop);
-             i += GROUP) {
+    for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i += GROUP) {
+        if (worker->settings->mode == ENG_MODE_PAIRS) {
+            keep_group(worker, kind, chunk, i);
+        } else {
             test_group(worker, kind, chunk, i);
         }
     }

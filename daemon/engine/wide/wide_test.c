@@ -56,16 +56,6 @@ static struct eng_pair name_of(const struct eng_wide *wide, enum eng_kind kind,
                              (uint32_t)(key_b >> 32), (uint32_t)key_b};
 }
 
-static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
-                            const struct eng_wide_chunk *chunk)
-{
-    for (uint32_t i = 0; i < chunk->count; i++) {
-        struct eng_pair name =
-            name_of(&worker->scene->wide, kind, chunk->a[i], chunk->b[i]);
-        eng_found_add(&worker->found, &name); /* a full list says so itself */
-    }
-}
-
 static void make_quads(const struct eng_wide *wide, enum eng_kind kind,
                        const struct eng_wide_chunk *chunk, uint32_t (*quads)[4])
 {
@@ -90,6 +80,24 @@ static void make_quads(const struct eng_wide *wide, enum eng_kind kind,
         quads[i][1] = corner[1][a];
         quads[i][2] = corner[0][b];
         quads[i][3] = corner[1][b];
+    }
+}
+
+/* Those pairs of a chunk that no axis separates: by the coordinates themselves, so that
+ * it does not matter how boxes were rounded. */
+static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
+                            const struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide *wide = &worker->scene->wide;
+    struct eng_wide_work *work = worker->wide;
+    uint32_t *left = work->batch.left;
+    make_quads(wide, kind, chunk, work->quads);
+    uint32_t count = work->join.kernels->apart(
+        kind, wide->points, (const uint32_t(*)[4])work->quads, chunk->count, left);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t pair = left[i];
+        struct eng_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
+        eng_found_add(&worker->found, &name); /* a full list says so itself */
     }
 }
 
