@@ -14,12 +14,21 @@
 
 #include "pccd_types.h"
 
+/* Of a segment. */
+enum record_flag {
+    RECORD_HAS_RECORDS = 1, /* RECORDS are kept */
+    /* Mode pairs answers the pairs that no axis separates, by the coordinates as they
+     * are. Without: by boxes in single precision around them, which is the same for
+     * coordinates that are floats, and a few pairs more for others. */
+    RECORD_EXACT_PAIRS = 2
+};
+
 struct record_begin {
     uint64_t unix_ns; /* when this segment began */
     uint32_t pid;     /* of the program that records, and of its daemon */
     uint32_t daemon_pid;
     uint32_t segment; /* 0, 1, ... of this recording */
-    uint32_t flags;   /* 1: RECORDS are kept */
+    uint32_t flags;   /* enum record_flag */
     char library[16]; /* "0.1.0" */
     char cpu[16];     /* instruction set of the daemon */
 };

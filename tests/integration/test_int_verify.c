@@ -83,7 +83,9 @@ enum forgery {
     FORGE_MASK,   /* the object was to meet nothing */
     FORGE_PAIR,   /* and not the floor */
     FORGE_COUNT,
-    FORGE_NAMES = FORGE_COUNT /* of library and processor, which a terminal would obey */
+    FORGE_NAMES = FORGE_COUNT, /* of library and processor, which a terminal would obey */
+    FORGE_PAIRS,               /* the hash of an answer in mode pairs, */
+    FORGE_OLD_PAIRS            /* and as recorded when mode pairs compared boxes */
 };
 
 /* The answer is written after its records have been forged, so it waits here. */
@@ -116,6 +118,29 @@ static void put_answer(struct forger *forger)
             sizeof(forger->answer), NULL, 0);
     }
     forger->has_answer = false;
+}
+
+/* A chunk that no other function forges. */
+static void put_rest(struct forger *forger, const struct record_view *view)
+{
+    struct record_begin begin;
+
+    if (view->kind != RECORD_BEGIN ||
+        (forger->forgery != FORGE_NAMES && forger->forgery != FORGE_OLD_PAIRS)) {
+        put(forger, view->kind, view->time_ns, view->payload, view->bytes, NULL, 0);
+        return;
+    }
+    assert_int_equal(view->bytes, sizeof(begin));
+    memcpy(&begin, view->payload, sizeof(begin));
+    if (forger->forgery == FORGE_NAMES) {
+        memcpy(begin.library, "\033[2J\233\a", 7);
+        memset(begin.cpu, '\033', sizeof(begin.cpu)); /* and no NUL */
+        forger->is_done = true;
+    } else {
+        assert_true((begin.flags & RECORD_EXACT_PAIRS) != 0);
+        begin.flags &= ~(uint32_t)RECORD_EXACT_PAIRS;
+    }
+    put(forger, RECORD_BEGIN, view->time_ns, &begin, sizeof(begin), NULL, 0);
 }
 
 static void note_object(struct forger *forger, const struct record_view *view)
@@ -271,7 +296,10 @@ static void forge(enum forgery forgery)
             memcpy(&forger.answer, view.payload, sizeof(forger.answer));
             forger.answer_ns = view.time_ns;
             forger.has_answer = true;
-            if (forgery == FORGE_HASH && !forger.is_done) {
+            bool is_chosen = forger.answer.mode == PCCD_MODE_PAIRS
+                                 ? forgery >= FORGE_PAIRS
+                                 : forgery == FORGE_HASH;
+            if (is_chosen && !forger.is_done) {
                 forger.answer.hash[1] ^= 1;
                 forger.is_done = true;
             }
@@ -282,19 +310,9 @@ static void forge(enum forgery forgery)
             forge_filter(&forger, &view);
             forge_frame(&forger, &view);
         } else {
-            struct record_begin begin;
-
             note_object(&forger, &view);
             put_answer(&forger);
-            if (view.kind == RECORD_BEGIN && forgery == FORGE_NAMES) {
-                assert_int_equal(view.bytes, sizeof(begin));
-                memcpy(&begin, view.payload, sizeof(begin));
-                memcpy(begin.library, "\033[2J\233\a", 7);
-                memset(begin.cpu, '\033', sizeof(begin.cpu)); /* and no NUL */
-                view.payload = &begin;
-                forger.is_done = true;
-            }
-            put(&forger, view.kind, view.time_ns, view.payload, view.bytes, NULL, 0);
+            put_rest(&forger, &view);
         }
     }
     assert_int_equal(got, 0);
@@ -405,6 +423,25 @@ static void replay__shows_what_a_recording_says_as_text(void **state)
     assert_null(strchr(said, '\233'));
 }
 
+/* If this failed, a recording made when mode pairs had another definition would make a
+ * right daemon look wrong, or nothing in mode pairs would be compared any more. */
+static void replay__knows_by_which_rule_pairs_were_recorded(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    forge(FORGE_PAIRS);
+    assert_int_equal(run_ctl("replay", "--keep-going --json", forged, said), 1);
+    assert_non_null(strstr(said, "\"differ\": 1"));
+    forge(FORGE_OLD_PAIRS);
+    assert_int_equal(run_ctl("replay", "--json", forged, said), 0);
+    assert_non_null(strstr(said, "\"other_pairs\": 3"));
+    assert_non_null(strstr(said, "\"same\": 3"));
+    assert_int_equal(run_ctl("replay", "", forged, said), 0);
+    assert_non_null(strstr(said, "3 in mode pairs, recorded when it compared boxes"));
+    assert_int_equal(run_ctl("verify", "--repeat", forged, said), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -413,6 +450,7 @@ int main(void)
         cmocka_unit_test(verify__names_the_features_and_where_they_are),
         cmocka_unit_test(replay__shows_the_first_difference),
         cmocka_unit_test(replay__shows_what_a_recording_says_as_text),
+        cmocka_unit_test(replay__knows_by_which_rule_pairs_were_recorded),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -155,6 +155,8 @@ static int show_step(struct player *player, const struct record_view *view,
                              .time_ns = view->time_ns,
                              .frame = frame,
                              .recorded = answers_find(&player->answers, frame->step)};
+    step.has_other_pairs = asks_daemon && frame->mode == PCCD_MODE_PAIRS &&
+                           (player->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
     int status = asks_daemon ? repeat(player, view, frame, slot, &step, error)
                              : recall(player, &step, error);
     int result = step.answer != NULL     ? step.answer->status
@@ -177,8 +179,8 @@ static int follow_frame(struct player *player, const struct record_view *view,
     struct record_frame frame;
     memcpy(&frame, view->payload, sizeof(frame));
     const struct record_answer *recorded = answers_find(&player->answers, frame.step);
-    bool asks_daemon =
-        player->settings.source == PLAY_DAEMON || (player->answers.begin.flags & 1u) == 0;
+    bool asks_daemon = player->settings.source == PLAY_DAEMON ||
+                       (player->answers.begin.flags & RECORD_HAS_RECORDS) == 0;
     int status = PCCD_OK;
     progress_update(&player->progress, frame.step);
     player->wanted += is_shown(player, frame.step);

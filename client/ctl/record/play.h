@@ -31,6 +31,9 @@ struct play_step {
     const struct pccd_pair *pairs;       /* [count] */
     uint64_t count;
     bool is_whole; /* count is the answer's total */
+    /* Mode pairs was recorded by another rule than the daemon's (RECORD_EXACT_PAIRS): the
+     * two answers may differ. */
+    bool has_other_pairs;
     struct pccd_client
         *client; /* the daemon's, this being its last step; NULL: not asked */
     const struct step_trace *trace; /* what its threads did; NULL: not asked for */
