@@ -63,6 +63,7 @@ libctl_la_SOURCES = \
     client/ctl/observe/sessions.c client/ctl/observe/sessions.h \
     client/ctl/observe/stats_threads.c client/ctl/observe/stats_threads.h \
     client/ctl/observe/trace_file.c client/ctl/observe/trace_file.h \
+    client/ctl/picture/cloth_hold.c client/ctl/picture/cloth_hold.h \
     client/ctl/picture/cloth_scene.c client/ctl/picture/cloth_scene.h \
     client/ctl/picture/crease.c client/ctl/picture/crease.h \
     client/ctl/picture/demo_picture.c client/ctl/picture/demo_picture.h \

@@ -28,7 +28,7 @@ tests_unit_test_ctl_malformed_LDADD = libctlkit.la $(CTL_TEST_LDADD)
 
 tests_unit_test_ctl_cloth_SOURCES = tests/unit/test_ctl_cloth.c
 tests_unit_test_ctl_cloth_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
-tests_unit_test_ctl_cloth_LDADD = $(CTL_TEST_LDADD)
+tests_unit_test_ctl_cloth_LDADD = libctl.la libpccd.la $(CMOCKA_LIBS) $(LIBM)
 
 tests_unit_test_ctl_output_SOURCES = tests/unit/test_ctl_output.c
 tests_unit_test_ctl_output_CPPFLAGS = $(CTL_TEST_CPPFLAGS) $(PNG_CFLAGS) $(JANSSON_CFLAGS)

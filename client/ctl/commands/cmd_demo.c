@@ -1,11 +1,10 @@
 /* client/ctl/commands/cmd_demo.c - pccdctl demo.
  *
  * Room:     client/ctl.
- * Does:     streams a falling cloth through the upload ring of a daemon, several steps in
- *           flight; ends with a table and a picture.
- * Does not: use the contacts to push the cloth: it only shows that they are found.
+ * Does:     lets a cloth fall over a ball, held by the contacts that a daemon finds; ends
+ *           with a table and a picture.
  * Threads:  one.
- * Source:   cloth_scene.h, demo_picture.h.
+ * Source:   cloth_hold.h, demo_picture.h.
  */
 #include <inttypes.h>
 #include <jansson.h>
@@ -14,13 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cloth_hold.h"
 #include "cloth_scene.h"
 #include "ctl.h"
 #include "demo_picture.h"
 #include "json_text.h"
 #include "link.h"
 #include "output.h"
-#include "picture.h"
 #include "plural.h"
 #include "progress.h"
 #include "report.h"
@@ -29,10 +28,7 @@
 
 #define STEPS_DEFAULT 300u
 #define STEPS_MAX     100000u
-#define IN_FLIGHT                                                                        \
-    3u /* one less than the ring's slots: the next step is written meanwhile */
 #define OUTPUT_DEFAULT "./pccd-demo.png"
-#define RIGID_BYTES    (2 * 12 * sizeof(double)) /* payload of a rigid segment */
 
 enum { OPTION_STEPS = 256 + 64, OPTION_THREADS };
 
@@ -78,244 +74,185 @@ const struct argp ctl_argp_demo = {
     .options = option_list,
     .parser = parse,
     .doc =
-        "Let a cloth fall over a turning ball, stream every step through a daemon, and "
-        "show what was found, how long it took and where.\v"
+        "Let a cloth fall over a turning ball. A daemon finds what it would meet on its "
+        "way, and only a way on which nothing is met is taken. Show what was found, how "
+        "long it took and where.\v"
         "Without --url and --socket a private daemon is started. The picture shows the "
-        "contacts of the last step.",
+        "cloth after the last step, and where it had been about to pass through the ball "
+        "or itself.",
     .children = children};
 
 struct demo {
     const struct demo_options *options;
-    struct pccd_client *client;
-    struct cloth_scene *cloth;
-    uint32_t scene;
-    struct demo_object objects[2]; /* cloth, ball */
-    struct pccd_edge *edges[2];    /* ours */
-    float cloth_x[CLOTH_VERTICES][3];
-    float ball_x[CLOTH_BALL_VERTICES][3];
-    uint64_t waiting[IN_FLIGHT]; /* steps in flight, oldest at `answered` % IN_FLIGHT */
-    uint32_t submitted, answered;
-    struct pccd_answer last;             /* the newest answer; holds its records */
-    double *step_ms;                     /* ours: [steps] */
+    struct cloth_hold hold;
+    float x[2][CLOTH_BALL_VERTICES > CLOTH_VERTICES ? CLOTH_BALL_VERTICES
+                                                    : CLOTH_VERTICES][3];
+    uint32_t taken;
+    uint64_t asked;
+    double *step_ms; /* of each that was asked; ours */
+    size_t capacity;
     double phase_ms[REPORT_PHASE_COUNT]; /* sums */
     uint64_t contacts, vf, ee, possible, incomplete;
+    uint64_t left; /* contacts on the ways that were taken */
+    uint32_t threads;
+    /* The last answer that had contacts. */
+    struct pccd_contact *met;
+    struct demo_met last;
+    uint64_t hash[2];
     struct progress progress;
+    bool has_memory;
 };
 
-static int fail(const struct demo *demo, int status, const char *what,
-                struct ctl_error *error)
+/* Keep the records of the last answer that has any, for the picture. */
+static void keep_records(struct demo *demo, const struct pccd_answer *answer)
 {
-    const char *text = pccd_error_text(demo->client);
-    return ctl_error_set(error, status, "%s: %s", what,
-                         text[0] != '\0' ? text : pccd_status_text(status));
+    struct pccd_contact *met =
+        realloc(demo->met, ((size_t)answer->count + 1) * sizeof(*met));
+    if (met == NULL) {
+        demo->has_memory = false;
+        return;
+    }
+    memcpy(met, answer->contacts, (size_t)answer->count * sizeof(*met));
+    demo->met = met;
+    demo->last = (struct demo_met){.contacts = met,
+                                   .count = answer->count,
+                                   .vf = answer->vf,
+                                   .ee = answer->ee,
+                                   .frame = demo->taken + 1u};
+    memcpy(demo->hash, answer->hash, sizeof(demo->hash));
 }
 
-/* Register one mesh and place it; the picture needs its edges. */
-static int add_object(struct demo *demo, uint32_t index, const float (*start)[3],
-                      struct ctl_error *error)
+static void note_answer(void *context, const struct pccd_answer *answer, bool is_taken)
 {
-    struct demo_object *object = &demo->objects[index];
-    struct pccd_mesh_info info;
-    uint32_t mesh;
-    int status =
-        pccd_mesh_create(demo->client, start, PCCD_FORMAT_F32, object->vertex_count,
-                         object->triangles, object->triangle_count, &mesh, &info);
-    if (status != PCCD_OK) {
-        return fail(demo, status, "a mesh was not accepted", error);
-    }
-    demo->edges[index] = malloc(info.edge_count * sizeof(*demo->edges[index]));
-    if (demo->edges[index] == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the edges");
-    }
-    object->edges = demo->edges[index];
-    status = pccd_mesh_edges(demo->client, mesh, demo->edges[index], info.edge_count);
-    if (status == PCCD_OK) {
-        status = pccd_scene_add(demo->client, demo->scene, mesh, &object->object);
-    }
-    return status == PCCD_OK ? PCCD_OK
-                             : fail(demo, status, "a mesh was not placed", error);
-}
-
-static int set_up(struct demo *demo, struct ctl_error *error)
-{
-    int status = cloth_scene_new(&demo->cloth, error);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    const struct cloth_scene *cloth = demo->cloth;
-    demo->objects[0] =
-        (struct demo_object){.vertex_count = CLOTH_VERTICES,
-                             .triangle_count = CLOTH_TRIANGLES,
-                             .x = (const float(*)[3])demo->cloth_x,
-                             .triangles = (const uint32_t(*)[3])cloth->cloth_triangles};
-    demo->objects[1] =
-        (struct demo_object){.vertex_count = CLOTH_BALL_VERTICES,
-                             .triangle_count = CLOTH_BALL_TRIANGLES,
-                             .x = (const float(*)[3])demo->ball_x,
-                             .triangles = (const uint32_t(*)[3])cloth->ball_triangles};
-    demo->step_ms = malloc(demo->options->steps * sizeof(*demo->step_ms));
-    if (demo->step_ms == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
-    }
-    status = pccd_scene_create(demo->client, NULL, &demo->scene);
-    if (status != PCCD_OK) {
-        return fail(demo, status, "no scene", error);
-    }
-    status = add_object(demo, 0, (const float(*)[3])cloth->cloth_start, error);
-    if (status == PCCD_OK) {
-        status = add_object(demo, 1, (const float(*)[3])cloth->ball_start, error);
-    }
-    return status;
-}
-
-/* Move the cloth by a frame, straight into a slot, and submit it. */
-static int submit(struct demo *demo, struct ctl_error *error)
-{
-    const uint64_t payload_bytes = sizeof(demo->cloth_x) + RIGID_BYTES;
-    struct pccd_step_settings settings = {.threads = demo->options->threads};
-    struct pccd_frame frame;
-    double pose0[12], pose1[12];
-    void *x1;
-    cloth_scene_ball_pose(demo->cloth, pose0);
-    cloth_scene_advance(demo->cloth);
-    cloth_scene_ball_pose(demo->cloth, pose1);
-    int status = pccd_frame_begin(demo->client, demo->scene, 2, payload_bytes, &frame);
-    if (status != PCCD_OK) {
-        return fail(demo, status, "no slot for a step", error);
-    }
-    status = pccd_frame_x1(&frame, demo->objects[0].object, PCCD_FORMAT_F32, 0,
-                           CLOTH_VERTICES, &x1);
-    if (status == PCCD_OK) {
-        status = pccd_frame_rigid(&frame, demo->objects[1].object, 0, CLOTH_BALL_VERTICES,
-                                  pose0, pose1);
-    }
-    if (status != PCCD_OK) {
-        pccd_frame_abort(&frame);
-        return fail(demo, status, "a step could not be written", error);
-    }
-    cloth_scene_positions(demo->cloth, x1);
-    status =
-        pccd_frame_commit(&frame, &settings, &demo->waiting[demo->submitted % IN_FLIGHT]);
-    if (status != PCCD_OK) {
-        return fail(demo, status, "a step could not be submitted", error);
-    }
-    demo->submitted++;
-    return PCCD_OK;
-}
-
-/* Wait for the oldest step. The newest answer is kept, the one before given back. */
-static int collect(struct demo *demo, struct ctl_error *error)
-{
-    struct pccd_answer answer;
+    struct demo *demo = context;
     double ms[REPORT_PHASE_COUNT];
-    uint64_t step = demo->waiting[demo->answered % IN_FLIGHT];
-    int status = pccd_wait(demo->client, step, -1, &answer);
-    if (status != PCCD_OK) {
-        return fail(demo, status, "a step failed", error);
+    if (demo->asked == demo->capacity) {
+        size_t capacity = 2 * demo->capacity + 1024;
+        double *grown = realloc(demo->step_ms, capacity * sizeof(*grown));
+        if (grown == NULL) {
+            demo->has_memory = false;
+            return;
+        }
+        demo->step_ms = grown;
+        demo->capacity = capacity;
     }
-    if (demo->answered > 0) {
-        pccd_answer_release(demo->client, &demo->last);
-    }
-    demo->last = answer;
-    report_phases(&answer.times, ms);
+    report_phases(&answer->times, ms);
     for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         demo->phase_ms[phase] += ms[phase];
     }
-    demo->step_ms[demo->answered] = ms[REPORT_step];
-    demo->contacts += answer.total;
-    demo->vf += answer.vf;
-    demo->ee += answer.ee;
-    demo->possible += answer.possible;
-    demo->incomplete += answer.incomplete != PCCD_COMPLETE;
-    demo->answered++;
-    return PCCD_OK;
+    demo->step_ms[demo->asked++] = ms[REPORT_step];
+    demo->contacts += answer->total;
+    demo->vf += answer->vf;
+    demo->ee += answer->ee;
+    demo->possible += answer->possible;
+    demo->incomplete += answer->incomplete != PCCD_COMPLETE;
+    demo->left += is_taken ? answer->total : 0;
+    demo->threads = answer->threads;
+    /* What is met first in a frame is what holds the cloth. */
+    if (answer->total > 0 && demo->last.frame != demo->taken + 1u) {
+        keep_records(demo, answer);
+    }
 }
 
-static int stream(struct demo *demo, struct ctl_error *error)
+static int play(struct demo *demo, struct ctl_error *error)
 {
     const uint32_t steps = demo->options->steps;
     int status = PCCD_OK;
     progress_begin(&demo->progress, "steps", steps);
-    while (demo->answered < steps && status == PCCD_OK) {
-        bool is_full = demo->submitted - demo->answered == IN_FLIGHT;
-        if (demo->submitted < steps && !is_full) {
-            status = submit(demo, error);
-        } else {
-            status = collect(demo, error);
+    while (demo->taken < steps && status == PCCD_OK) {
+        status = cloth_hold_frame(&demo->hold, note_answer, demo, error);
+        if (status == PCCD_OK && !demo->has_memory) {
+            status = ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
         }
-        progress_update(&demo->progress, demo->answered);
+        demo->taken += status == PCCD_OK;
+        progress_update(&demo->progress, demo->taken);
     }
     progress_clear(&demo->progress);
     return status;
 }
 
-/* Where the meshes are at the end of the last step. */
-static void place_last(struct demo *demo)
+/* The meshes as they are now, and what is known of them. */
+static void place_last(struct demo *demo, struct demo_object objects[2])
 {
+    const struct cloth_scene *cloth = demo->hold.cloth;
     double pose[12];
-    cloth_scene_positions(demo->cloth, demo->cloth_x);
-    cloth_scene_ball_pose(demo->cloth, pose);
+    cloth_scene_positions(cloth, 0, demo->x[0]);
+    cloth_scene_ball_pose(cloth, 0, pose);
     for (uint32_t i = 0; i < CLOTH_BALL_VERTICES; i++) {
-        const float *x = demo->cloth->ball_start[i];
+        const float *x = cloth->ball_start[i];
         for (uint32_t k = 0; k < 3; k++) {
             const double *row = pose + (size_t)k * 4;
-            demo->ball_x[i][k] = (float)(row[0] * (double)x[0] + row[1] * (double)x[1] +
-                                         row[2] * (double)x[2] + row[3]);
+            demo->x[1][i][k] = (float)(row[0] * (double)x[0] + row[1] * (double)x[1] +
+                                       row[2] * (double)x[2] + row[3]);
         }
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        const struct cloth_object *object = &demo->hold.objects[i];
+        objects[i] = (struct demo_object){.object = object->object,
+                                          .vertex_count = object->vertex_count,
+                                          .triangle_count = object->triangle_count,
+                                          .x = (const float(*)[3])demo->x[i],
+                                          .triangles = object->triangles,
+                                          .edges = object->edges};
     }
 }
 
 static void print_table(const struct demo *demo)
 {
-    const uint32_t steps = demo->options->steps;
-    const struct pccd_answer *last = &demo->last;
     double whole = demo->phase_ms[REPORT_step], other = 100.0;
-    printf("steps       %" PRIu32 ", up to %u in flight\n", steps, IN_FLIGHT);
-    printf("triangles   %d: cloth %d, ball %d\n", CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES,
-           CLOTH_TRIANGLES, CLOTH_BALL_TRIANGLES);
-    printf("contacts    %" PRIu64 ": %" PRIu64 " vertex-face, %" PRIu64
-           " edge-edge; %" PRIu64 " only possible\n",
-           demo->contacts, demo->vf, demo->ee, demo->possible);
-    printf("last step   %" PRIu64 ": %" PRIu64 " vertex-face, %" PRIu64 " edge-edge\n",
-           last->total, last->vf, last->ee);
+    printf("steps       %" PRIu32 " taken, %" PRIu64 " asked for", demo->taken,
+           demo->asked);
+    if (demo->hold.cut > 0) {
+        printf("; %" PRIu64 " ended before their time", demo->hold.cut);
+    }
+    printf("\ntriangles   %d: cloth %d, ball %d\n",
+           CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES, CLOTH_TRIANGLES, CLOTH_BALL_TRIANGLES);
+    printf("contacts    %" PRIu64 " pushed apart: %" PRIu64 " vertex-face, %" PRIu64
+           " edge-edge\n",
+           demo->contacts, demo->vf, demo->ee);
+    printf("left        %" PRIu64 " %s on the way of what was taken\n", demo->left,
+           proto_plural(demo->left, "contact", "contacts"));
     if (demo->incomplete > 0) {
         printf("INCOMPLETE  %" PRIu64 " %s\n", demo->incomplete,
                proto_plural(demo->incomplete, "answer", "answers"));
     }
     printf("per step    p50 %.3f ms, p99 %.3f ms, max %.3f ms; %" PRIu32 " %s\n",
-           statistics_median(demo->step_ms, steps),
-           statistics_quantile(demo->step_ms, steps, 0.99), demo->step_ms[steps - 1],
-           last->threads, proto_plural(last->threads, "thread", "threads"));
+           statistics_median(demo->step_ms, demo->asked),
+           statistics_quantile(demo->step_ms, demo->asked, 0.99),
+           demo->step_ms[demo->asked - 1], demo->threads,
+           proto_plural(demo->threads, "thread", "threads"));
     for (uint32_t phase = 0; phase < REPORT_step; phase++) {
         double share = whole > 0 ? 100.0 * demo->phase_ms[phase] / whole : 0.0;
         printf("  %-10s%5.1f %%\n", report_phase_names[phase], share);
         other -= share;
     }
     printf("  %-10s%5.1f %%\n", "other", fmax(other, 0.0));
-    printf("hash        %016" PRIx64 "%016" PRIx64 " of the last answer\n", last->hash[0],
-           last->hash[1]);
+    printf("hash        %016" PRIx64 "%016" PRIx64 " of the last answer with contacts\n",
+           demo->hash[0], demo->hash[1]);
 }
 
 static void print_json(const struct demo *demo)
 {
-    const uint32_t steps = demo->options->steps;
     char hash[33];
-    snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, demo->last.hash[0],
-             demo->last.hash[1]);
+    snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, demo->hash[0],
+             demo->hash[1]);
     json_t *phases = json_object();
     for (uint32_t phase = 0; phase <= REPORT_step; phase++) {
         json_object_set_new(phases, report_phase_names[phase],
-                            json_real(demo->phase_ms[phase] / steps));
+                            json_real(demo->phase_ms[phase] / (double)demo->asked));
     }
     json_t *object = json_pack(
-        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:I, s:o, s:s, s:o}", "steps",
-        (json_int_t)steps, "triangles",
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:I, s:o, "
+        "s:s, s:o}",
+        "steps", (json_int_t)demo->taken, "asked", (json_int_t)demo->asked, "cut",
+        (json_int_t)demo->hold.cut, "triangles",
         (json_int_t)(CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES), "contacts",
         (json_int_t)demo->contacts, "vf", (json_int_t)demo->vf, "ee",
-        (json_int_t)demo->ee, "possible", (json_int_t)demo->possible, "incomplete",
-        (json_int_t)demo->incomplete, "p50_ms", statistics_median(demo->step_ms, steps),
-        "p99_ms", statistics_quantile(demo->step_ms, steps, 0.99), "max_ms",
-        demo->step_ms[steps - 1], "threads", (json_int_t)demo->last.threads, "mean_ms",
+        (json_int_t)demo->ee, "possible", (json_int_t)demo->possible, "left",
+        (json_int_t)demo->left, "incomplete", (json_int_t)demo->incomplete, "p50_ms",
+        statistics_median(demo->step_ms, demo->asked), "p99_ms",
+        statistics_quantile(demo->step_ms, demo->asked, 0.99), "max_ms",
+        demo->step_ms[demo->asked - 1], "threads", (json_int_t)demo->threads, "mean_ms",
         phases, "hash", hash, "picture", json_text(demo->options->output));
     json_dumpf(object, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
@@ -324,11 +261,10 @@ static void print_json(const struct demo *demo)
 
 static void tear_down(struct demo *demo)
 {
-    pccd_close(demo->client);
-    cloth_scene_free(demo->cloth);
-    free(demo->edges[0]);
-    free(demo->edges[1]);
+    pccd_close(demo->hold.client);
+    cloth_hold_deinit(&demo->hold);
     free(demo->step_ms);
+    free(demo->met);
     free(demo);
 }
 
@@ -336,31 +272,33 @@ static int run_demo(const struct demo_options *options)
 {
     struct ctl_error error = {.text = ""};
     struct whole_file file = {.to = NULL};
+    struct pccd_client *client = NULL;
+    struct demo_object objects[2];
     struct demo *demo = calloc(1, sizeof(*demo));
     if (demo == NULL) {
         return ctl_complain("out of memory");
     }
     demo->options = options;
+    demo->has_memory = true;
     int status = output_open(&file, options->output, false, &error);
-    if (status == PCCD_OK &&
-        ctl_link_open(&options->query.link, &demo->client) != CTL_DONE) {
+    if (status == PCCD_OK && ctl_link_open(&options->query.link, &client) != CTL_DONE) {
         status = PCCD_E_NODAEMON; /* and has been told */
     }
     if (status == PCCD_OK) {
-        status = set_up(demo, &error);
+        status = cloth_hold_init(&demo->hold, client, &error);
+        demo->hold.threads = options->threads;
     }
     if (status == PCCD_OK) {
-        status = stream(demo, &error);
+        status = play(demo, &error);
     }
     if (status == PCCD_OK) {
-        place_last(demo);
-        statistics_sort(demo->step_ms, options->steps);
+        place_last(demo, objects);
+        statistics_sort(demo->step_ms, demo->asked);
         if (!options->query.is_json) {
             print_table(demo);
         }
-        status = demo_picture_write(demo->objects, &demo->last, file.to, options->output,
-                                    &error);
-        pccd_answer_release(demo->client, &demo->last);
+        status =
+            demo_picture_write(objects, &demo->last, file.to, options->output, &error);
     }
     if (status == PCCD_OK) {
         status = output_finish(&file, options->output, &error);
@@ -374,6 +312,7 @@ static int run_demo(const struct demo_options *options)
     if (status != PCCD_OK && error.text[0] != '\0') {
         ctl_complain("%s", error.text);
     }
+    demo->hold.client = client;
     tear_down(demo);
     if (status == PCCD_E_NODAEMON) {
         return CTL_NO_DAEMON;

@@ -1,8 +1,8 @@
 /* client/ctl/picture/cloth_scene.c - the demo: a cloth falls over a turning ball.
  *
  * Room:     client/ctl.
- * Does:     builds the meshes and integrates the springs.
- * Does not: detect collisions between triangles.
+ * Does:     builds the meshes, integrates the springs, pushes what meets apart.
+ * Does not: detect collisions.
  * Threads:  one at a time; nothing is shared.
  * Source:   extended position-based dynamics with small steps (Macklin et al. 2019).
  */
@@ -23,7 +23,8 @@
 #define FRAME_SECONDS       0.01
 #define SMALL_STEPS         10  /* per frame */
 #define AIR_DRAG            0.6 /* share of the speed lost per second */
-#define FRICTION            0.3 /* tangential over normal displacement on the ball */
+#define FRICTION            0.3 /* tangential over normal displacement */
+#define GAP                 1e-3 /* to which features are pushed apart that meet */
 #define SHEAR_COMPLIANCE    2e-4
 #define BEND_COMPLIANCE     4e-2
 #define ROUGHNESS           1e-3 /* unevenness of the start, so that it folds */
@@ -227,8 +228,8 @@ static void fall(struct cloth_scene *scene, double dt)
     for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
         scene->v[i][1] -= GRAVITY * dt;
         for (uint32_t axis = 0; axis < 3; axis++) {
-            scene->start[i][axis] = scene->x[i][axis];
-            scene->x[i][axis] += scene->v[i][axis] * keep * dt;
+            scene->start[i][axis] = scene->end[i][axis];
+            scene->end[i][axis] += scene->v[i][axis] * keep * dt;
         }
     }
 }
@@ -238,8 +239,8 @@ static void pull(struct cloth_scene *scene, double dt)
     const double inverse_mass = 1.0 / VERTEX_MASS;
     for (uint32_t i = 0; i < scene->spring_count; i++) {
         const struct cloth_spring *spring = &scene->springs[i];
-        double *a = scene->x[spring->a];
-        double *b = scene->x[spring->b];
+        double *a = scene->end[spring->a];
+        double *b = scene->end[spring->b];
         double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
         double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         if (length <= 0.0) {
@@ -254,82 +255,174 @@ static void pull(struct cloth_scene *scene, double dt)
     }
 }
 
-/* Push what is inside the ball to its surface, and let friction take it along. */
-static void meet_ball(struct cloth_scene *scene, double dt)
-{
-    double turn = spin(scene) * dt;
-    for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
-        double *x = scene->x[i];
-        double distance = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-        double depth = CLOTH_BALL_RADIUS - distance;
-        if (depth <= 0.0 || distance <= 0.0) {
-            continue;
-        }
-        double normal[3] = {x[0] / distance, x[1] / distance, x[2] / distance};
-        /* How the surface moves below the vertex: about the y axis. */
-        double surface[3] = {turn * x[2], 0.0, -turn * x[0]};
-        double slide[3], along = 0.0;
-        for (uint32_t axis = 0; axis < 3; axis++) {
-            slide[axis] = x[axis] - scene->start[i][axis] - surface[axis];
-            along += slide[axis] * normal[axis];
-        }
-        double slip_squared = 0.0;
-        for (uint32_t axis = 0; axis < 3; axis++) {
-            slide[axis] -= along * normal[axis];
-            slip_squared += slide[axis] * slide[axis];
-        }
-        double slip = sqrt(slip_squared);
-        double hold = FRICTION * depth >= slip ? 1.0 : FRICTION * depth / slip;
-        for (uint32_t axis = 0; axis < 3; axis++) {
-            x[axis] += depth * normal[axis] - hold * slide[axis];
-        }
-    }
-}
-
-static void turn_ball(struct cloth_scene *scene)
+/* The ball turned by `share` of a frame from where it is. */
+static void turn_ball(struct cloth_scene *scene, double share)
 {
     /* Rational rotation: tan(angle / 2) is close enough to angle / 2 for a small angle,
      * and the result is a rotation for any value. */
-    double half = spin(scene) * FRAME_SECONDS / 2.0;
+    double half = share * spin(scene) * FRAME_SECONDS / 2.0;
     double norm = 1.0 + half * half;
     double c = (1.0 - half * half) / norm;
     double s = 2.0 * half / norm;
-    double turned_cos = scene->turn_cos * c - scene->turn_sin * s;
-    double turned_sin = scene->turn_sin * c + scene->turn_cos * s;
+    double turned_cos = scene->turn[0][0] * c - scene->turn[0][1] * s;
+    double turned_sin = scene->turn[0][1] * c + scene->turn[0][0] * s;
     double length = sqrt(turned_cos * turned_cos + turned_sin * turned_sin);
-    scene->turn_cos = turned_cos / length;
-    scene->turn_sin = turned_sin / length;
+    scene->turn[1][0] = turned_cos / length;
+    scene->turn[1][1] = turned_sin / length;
 }
 
-void cloth_scene_advance(struct cloth_scene *scene)
+void cloth_scene_predict(struct cloth_scene *scene)
 {
     const double dt = FRAME_SECONDS / SMALL_STEPS;
+    memcpy(scene->end, scene->x, sizeof(scene->end));
+    memset(scene->push, 0, sizeof(scene->push));
     for (uint32_t step = 0; step < SMALL_STEPS; step++) {
         fall(scene, dt);
         pull(scene, dt);
-        meet_ball(scene, dt);
         for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
             for (uint32_t axis = 0; axis < 3; axis++) {
-                scene->v[i][axis] = (scene->x[i][axis] - scene->start[i][axis]) / dt;
+                scene->v[i][axis] = (scene->end[i][axis] - scene->start[i][axis]) / dt;
             }
         }
     }
-    turn_ball(scene);
-    scene->frame++;
+    scene->share = 1.0;
+    turn_ball(scene, scene->share);
 }
 
-void cloth_scene_positions(const struct cloth_scene *scene, float (*x)[3])
+void cloth_scene_shorten(struct cloth_scene *scene, double share)
 {
     for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
         for (uint32_t axis = 0; axis < 3; axis++) {
-            x[i][axis] = (float)scene->x[i][axis];
+            double way = scene->end[i][axis] - scene->x[i][axis];
+            scene->end[i][axis] = scene->x[i][axis] + share * way;
+            scene->v[i][axis] *= share;
+        }
+    }
+    scene->share *= share;
+    turn_ball(scene, scene->share);
+}
+
+void cloth_scene_take(struct cloth_scene *scene)
+{
+    for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
+        double out = 0.0, size = 0.0;
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            scene->v[i][axis] += scene->push[i][axis] / FRAME_SECONDS;
+            scene->x[i][axis] = (double)(float)scene->end[i][axis];
+            out += scene->v[i][axis] * scene->push[i][axis];
+            size += scene->push[i][axis] * scene->push[i][axis];
+        }
+        /* What was pushed aside does not fly off: nothing is elastic here. */
+        for (uint32_t axis = 0; axis < 3 && out > 0.0; axis++) {
+            scene->v[i][axis] -= out / size * scene->push[i][axis];
+        }
+    }
+    memcpy(scene->turn[0], scene->turn[1], sizeof(scene->turn[0]));
+    scene->frame++;
+}
+
+/* ---- contacts -----------------------------------------------------------------------
+ */
+
+/* A vertex of a contact: where it is at both ends of the frame, and what part it has in
+ * the distance of the two features. */
+struct corner {
+    double weight;
+    double inverse_mass; /* of vertices of the cloth; 0: the ball gives way to nothing */
+    double from[3], to[3];
+    uint32_t vertex;
+};
+
+static struct corner corner_of(const struct cloth_scene *scene, bool is_cloth,
+                               uint32_t vertex, double weight)
+{
+    struct corner corner = {
+        .weight = weight, .inverse_mass = is_cloth ? 1.0 : 0.0, .vertex = vertex};
+    if (is_cloth) {
+        memcpy(corner.from, scene->x[vertex], sizeof(corner.from));
+        memcpy(corner.to, scene->end[vertex], sizeof(corner.to));
+        return corner;
+    }
+    const float *x = scene->ball_start[vertex];
+    for (uint32_t end = 0; end < 2; end++) {
+        double c = scene->turn[end][0], s = scene->turn[end][1];
+        double *to = end == 0 ? corner.from : corner.to;
+        to[0] = c * (double)x[0] + s * (double)x[2];
+        to[1] = (double)x[1];
+        to[2] = c * (double)x[2] - s * (double)x[0];
+    }
+    return corner;
+}
+
+static void find_corners(const struct cloth_scene *scene,
+                         const struct cloth_contact *contact, struct corner corners[4])
+{
+    double p = contact->param[0], q = contact->param[1];
+    if (contact->is_vf) {
+        const uint32_t *face = contact->b;
+        corners[0] = corner_of(scene, contact->a_is_cloth, contact->a[0], 1.0);
+        corners[1] = corner_of(scene, contact->b_is_cloth, face[0], p + q - 1.0);
+        corners[2] = corner_of(scene, contact->b_is_cloth, face[1], -p);
+        corners[3] = corner_of(scene, contact->b_is_cloth, face[2], -q);
+        return;
+    }
+    corners[0] = corner_of(scene, contact->a_is_cloth, contact->a[0], 1.0 - p);
+    corners[1] = corner_of(scene, contact->a_is_cloth, contact->a[1], p);
+    corners[2] = corner_of(scene, contact->b_is_cloth, contact->b[0], q - 1.0);
+    corners[3] = corner_of(scene, contact->b_is_cloth, contact->b[1], -q);
+}
+
+void cloth_scene_push(struct cloth_scene *scene, const struct cloth_contact *contact)
+{
+    struct corner corners[4];
+    double gap = 0.0, sum = 0.0, along = 0.0, slip = 0.0, slide[3] = {0, 0, 0};
+    find_corners(scene, contact, corners);
+    for (uint32_t i = 0; i < 4; i++) {
+        sum += corners[i].weight * corners[i].weight * corners[i].inverse_mass;
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            gap += corners[i].weight * corners[i].to[axis] * contact->normal[axis];
+            slide[axis] +=
+                corners[i].weight * (corners[i].to[axis] - corners[i].from[axis]);
+        }
+    }
+    double depth = GAP - gap;
+    if (depth <= 0.0 || sum <= 0.0) {
+        return; /* an earlier push has done it */
+    }
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        along += slide[axis] * contact->normal[axis];
+    }
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        slide[axis] -= along * contact->normal[axis];
+        slip += slide[axis] * slide[axis];
+    }
+    slip = sqrt(slip);
+    double hold = FRICTION * depth >= slip ? 1.0 : FRICTION * depth / slip;
+    for (uint32_t i = 0; i < 4; i++) {
+        double share = corners[i].weight * corners[i].inverse_mass / sum;
+        for (uint32_t axis = 0; axis < 3 && share != 0.0; axis++) {
+            double push = share * (depth * contact->normal[axis] - hold * slide[axis]);
+            scene->end[corners[i].vertex][axis] += push;
+            scene->push[corners[i].vertex][axis] += push;
         }
     }
 }
 
-void cloth_scene_ball_pose(const struct cloth_scene *scene, double pose[12])
+/* ---- what is told -------------------------------------------------------------------
+ */
+
+void cloth_scene_positions(const struct cloth_scene *scene, uint32_t end, float (*x)[3])
 {
-    const double c = scene->turn_cos, s = scene->turn_sin;
+    for (uint32_t i = 0; i < CLOTH_VERTICES; i++) {
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            x[i][axis] = (float)(end == 0 ? scene->x : scene->end)[i][axis];
+        }
+    }
+}
+
+void cloth_scene_ball_pose(const struct cloth_scene *scene, uint32_t end, double pose[12])
+{
+    const double c = scene->turn[end][0], s = scene->turn[end][1];
     const double rows[12] = {c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0};
     memcpy(pose, rows, sizeof(rows));
 }
@@ -345,10 +438,14 @@ int cloth_scene_new(struct cloth_scene **scene, struct ctl_error *error)
         status = build_springs(made, error);
     }
     if (status == PCCD_OK) {
-        made->turn_cos = 1.0;
+        made->turn[0][0] = made->turn[1][0] = 1.0;
         build_cloth(made);
         build_ball(made, middles);
-        cloth_scene_positions(made, made->cloth_start);
+        cloth_scene_positions(made, 0, made->cloth_start);
+        for (uint32_t i = 0; i < CLOTH_VERTICES * 3; i++) {
+            made->x[i / 3][i % 3] = (double)made->cloth_start[i / 3][i % 3];
+        }
+        memcpy(made->end, made->x, sizeof(made->end));
         *scene = made;
         made = NULL;
     }

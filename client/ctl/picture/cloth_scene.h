@@ -1,15 +1,16 @@
 /* client/ctl/picture/cloth_scene.h - the demo: a cloth falls over a turning ball.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     moves a square cloth of springs by one frame at a time.
- * Does not: detect collisions between triangles: that is the daemon's part. The cloth
- *           meets the ball as a smooth sphere and never meets itself.
+ * Does:     moves a square cloth of springs by one frame at a time; pushes apart what is
+ *           said to meet, with friction, in the ball's way and its own.
+ * Does not: detect collisions: that is the daemon's part (cloth_hold.h).
  * Threads:  one at a time; nothing is shared.
  * Source:   extended position-based dynamics with small steps (Macklin et al. 2019).
  */
 #ifndef CTL_CLOTH_SCENE_H
 #define CTL_CLOTH_SCENE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "error.h"
@@ -30,15 +31,27 @@ struct cloth_spring {
     double compliance; /* metres per newton; 0 = stiff */
 };
 
+/* Two features that meet on the way from one end of a frame to the other. */
+struct cloth_contact {
+    bool is_vf;                  /* a vertex and a face; else two edges */
+    bool a_is_cloth, b_is_cloth; /* else the ball */
+    uint32_t a[2], b[3];         /* vertices */
+    double param[2];             /* as in struct pccd_contact */
+    double normal[3];            /* unit, from b to a */
+};
+
 /* Everything is computed with +, -, *, / and sqrt in a fixed order, so the same program
- * gives the same bytes wherever these are IEEE 754. About 1.5 MB. */
+ * gives the same bytes wherever these are IEEE 754. About 2 MB. */
 struct cloth_scene {
-    double x[CLOTH_VERTICES][3];
-    double v[CLOTH_VERTICES][3];
+    double x[CLOTH_VERTICES][3];     /* at the begin of the frame; exact in a float */
+    double end[CLOTH_VERTICES][3];   /* where it wants to be at its end */
+    double push[CLOTH_VERTICES][3];  /* how far contacts have pushed it from there */
+    double v[CLOTH_VERTICES][3];     /* without those pushes */
     double start[CLOTH_VERTICES][3]; /* positions before the small step at hand */
     struct cloth_spring *springs;
     uint32_t spring_count;
-    double turn_cos, turn_sin; /* how far the ball has turned about the y axis */
+    double turn[2][2]; /* cosine and sine of the ball's turn about y, at both ends */
+    double share;      /* of the frame's time that is left after cuts */
     uint64_t frame;
     float cloth_start[CLOTH_VERTICES][3];
     uint32_t cloth_triangles[CLOTH_TRIANGLES][3];
@@ -50,11 +63,19 @@ struct cloth_scene {
 int cloth_scene_new(struct cloth_scene **scene, struct ctl_error *error);
 void cloth_scene_free(struct cloth_scene *scene);
 
-/* Move cloth and ball by one frame. */
-void cloth_scene_advance(struct cloth_scene *scene);
-/* The cloth's positions now. */
-void cloth_scene_positions(const struct cloth_scene *scene, float (*x)[3]);
-/* The ball's pose now: rows of [R | t], to be applied to ball_start. */
-void cloth_scene_ball_pose(const struct cloth_scene *scene, double pose[12]);
+/* Where cloth and ball would be at the end of the frame if nothing were in the way. */
+void cloth_scene_predict(struct cloth_scene *scene);
+/* Push the vertices of a contact so far apart that they do not meet at the end. */
+void cloth_scene_push(struct cloth_scene *scene, const struct cloth_contact *contact);
+/* End the frame earlier: after `share` of its time, 0 .. 1. */
+void cloth_scene_shorten(struct cloth_scene *scene, double share);
+/* Go to its end; the next frame begins there. */
+void cloth_scene_take(struct cloth_scene *scene);
+
+/* The cloth at the begin (0) and at the end (1) of the frame, as floats. */
+void cloth_scene_positions(const struct cloth_scene *scene, uint32_t end, float (*x)[3]);
+/* The ball's pose there: rows of [R | t], to be applied to ball_start. */
+void cloth_scene_ball_pose(const struct cloth_scene *scene, uint32_t end,
+                           double pose[12]);
 
 #endif

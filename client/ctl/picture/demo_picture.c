@@ -56,9 +56,8 @@ static bool locate(const struct demo_object objects[2],
     return true;
 }
 
-int demo_picture_write(const struct demo_object objects[2],
-                       const struct pccd_answer *answer, FILE *file, const char *path,
-                       struct ctl_error *error)
+int demo_picture_write(const struct demo_object objects[2], const struct demo_met *met,
+                       FILE *file, const char *path, struct ctl_error *error)
 {
     const struct picture_mesh meshes[2] = {{.x = objects[0].x,
                                             .triangles = objects[0].triangles,
@@ -75,24 +74,24 @@ int demo_picture_write(const struct demo_object objects[2],
     struct picture_group groups[2] = {{.colour = {0.90f, 0.22f, 0.10f}},
                                       {.colour = {0.98f, 0.84f, 0.10f}}};
     char title[96];
-    struct picture_mark *marks = malloc(((size_t)answer->count + 1) * sizeof(*marks));
+    struct picture_mark *marks = malloc(((size_t)met->count + 1) * sizeof(*marks));
     uint32_t mark_count = 0;
     if (marks == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
     }
-    for (uint64_t i = 0; i < answer->count; i++) {
-        const struct pccd_contact *contact = &answer->contacts[i];
+    for (uint64_t i = 0; i < met->count; i++) {
+        const struct pccd_contact *contact = &met->contacts[i];
         marks[mark_count].group = contact->kind == PCCD_VF ? 0 : 1;
         if (locate(objects, contact, marks[mark_count].at)) {
             mark_count++;
         }
     }
     snprintf(title, sizeof(title), "pccd demo, step %" PRIu64 ", %" PRIu32 " triangles",
-             answer->step, objects[0].triangle_count + objects[1].triangle_count);
+             met->frame, objects[0].triangle_count + objects[1].triangle_count);
     snprintf(groups[0].label, sizeof(groups[0].label), "%" PRIu64 " vertex-face %s",
-             answer->vf, proto_plural(answer->vf, "contact", "contacts"));
+             met->vf, proto_plural(met->vf, "contact", "contacts"));
     snprintf(groups[1].label, sizeof(groups[1].label), "%" PRIu64 " edge-edge %s",
-             answer->ee, proto_plural(answer->ee, "contact", "contacts"));
+             met->ee, proto_plural(met->ee, "contact", "contacts"));
     struct picture picture = {.meshes = meshes,
                               .marks = marks,
                               .groups = groups,

@@ -25,10 +25,16 @@ struct demo_object {
     const struct pccd_edge *edges;
 };
 
+/* What was met in a frame. */
+struct demo_met {
+    const struct pccd_contact *contacts;
+    uint64_t count, vf, ee;
+    uint64_t frame; /* from 1; 0: nothing was met in any */
+};
+
 /* Cloth first, then ball. Writes to `file`, whose name is `path`. Errors: E_NOMEM,
  * E_SYSTEM. */
-int demo_picture_write(const struct demo_object objects[2],
-                       const struct pccd_answer *answer, FILE *file, const char *path,
-                       struct ctl_error *error);
+int demo_picture_write(const struct demo_object objects[2], const struct demo_met *met,
+                       FILE *file, const char *path, struct ctl_error *error);
 
 #endif
