@@ -23,6 +23,7 @@
     X(mesh)                                                                              \
     X(reader)                                                                            \
     X(query)                                                                             \
+    X(travel)                                                                            \
     X(record)
 
 #define FUZZ_DECLARE(name) void fuzz_##name(const uint8_t *data, size_t bytes);

@@ -56,6 +56,7 @@ target_sources = \
     tests/fuzz/target_mesh.c \
     tests/fuzz/target_query.c \
     tests/fuzz/target_slot.c \
+    tests/fuzz/target_travel.c \
     tests/fuzz/visitor.c tests/fuzz/visitor.h \
     tests/fault/life.c tests/fault/life.h
 check_LTLIBRARIES += libfuzztargets.la
@@ -127,6 +128,12 @@ tests_fuzz_fuzz_query_SOURCES = tests/fuzz/entry.c
 tests_fuzz_fuzz_query_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_query
 tests_fuzz_fuzz_query_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
 tests_fuzz_fuzz_query_LDADD = $(target_ldadd)
+fuzz_programs += tests/fuzz/fuzz_travel
+EXTRA_PROGRAMS += tests/fuzz/fuzz_travel
+tests_fuzz_fuzz_travel_SOURCES = tests/fuzz/entry.c
+tests_fuzz_fuzz_travel_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fuzz -DFUZZ_TARGET=fuzz_travel
+tests_fuzz_fuzz_travel_LDFLAGS = $(target_ldflags) -fsanitize=fuzzer
+tests_fuzz_fuzz_travel_LDADD = $(target_ldadd)
 fuzz_programs += tests/fuzz/fuzz_record
 EXTRA_PROGRAMS += tests/fuzz/fuzz_record
 tests_fuzz_fuzz_record_SOURCES = tests/fuzz/entry.c

@@ -9,7 +9,7 @@ seconds=$1
 build=$2
 corpus=$3
 found=$build/fuzz-found
-only=${FUZZ_TARGETS:-decoder reader record query mesh slot dispatch}
+only=${FUZZ_TARGETS:-decoder reader record query mesh travel slot dispatch}
 failed=0
 
 mkdir -p "$found"

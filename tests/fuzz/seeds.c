@@ -419,6 +419,23 @@ static void make_mesh_seeds(void)
     }
 }
 
+/* Objects at rest, moved by a little, by far, and some of their vertices alone. */
+static void make_travel_seeds(void)
+{
+    char name[32];
+    for (unsigned choices = 0; choices < 16; choices++) {
+        begin();
+        put_u8(choices * 17);
+        put_u8(choices % 4 == 3 ? 0x100 - 8 * choices : 0); /* the scale's exponent / 4 */
+        put_noise(choices, 15 * 5);
+        for (unsigned moves = 0; moves < 20; moves++) {
+            put_u8((moves + choices) % 4);
+            put_noise(choices + moves, 3 + 15);
+        }
+        save("travel", (snprintf(name, sizeof(name), "noise%u", choices), name));
+    }
+}
+
 static void make_query_seeds(void)
 {
     char name[32];
@@ -550,6 +567,7 @@ int main(int argc, char **argv)
     make_slot_seeds();
     make_mesh_seeds();
     make_query_seeds();
+    make_travel_seeds();
     make_reader_seeds();
     make_record_seeds();
     return 0;

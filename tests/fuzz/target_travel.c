@@ -1,0 +1,215 @@
+/* target_travel.c - small objects that drive, jump and shrink, anywhere.
+ *
+ * Room:     tests/fuzz. May include: fuzz_target.h, engine headers, client/oracle.
+ * Does:     keep a scene over some steps in which its objects go as the input says, at any
+ *           distance from the origin and from each other, at any scale. Each answer is
+ *           compared with a scene made anew, by the other method, and with brute force in
+ *           exact arithmetic.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "fuzz_target.h"
+#include "memory.h"
+#include "oracle_scene.h"
+#include "step.h"
+
+#define OBJECTS_MAX 5u
+#define VERTICES    5u /* of a strip of three triangles */
+#define TRIANGLES   3u
+#define STEPS_MAX   4u
+
+static const uint32_t strip[TRIANGLES][3] = {{0, 1, 2}, {1, 2, 3}, {2, 3, 4}};
+
+struct tour {
+    struct eng_scene *scene;
+    uint32_t objects[OBJECTS_MAX];
+    uint32_t count;
+    double scale;
+    double x0[OBJECTS_MAX][VERTICES][3];
+    double x1[OBJECTS_MAX][VERTICES][3];
+};
+
+static bool is_refusal(int status)
+{
+    FUZZ_CHECK(status == ENG_OK || fuzz_scarcity_hits() > 0);
+    return status != ENG_OK;
+}
+
+/* 0, or a power of two up to 2^59 of either sign. */
+static double take_distance(struct fuzz_input *input)
+{
+    uint8_t byte = fuzz_take_u8(input);
+    double distance = ldexp(1, byte % 64 < 60 ? byte % 64 : 0);
+    return byte % 64 == 63 ? 0 : byte >= 128 ? -distance : distance;
+}
+
+static void take_shape(struct fuzz_input *input, double scale, double (*x)[3])
+{
+    for (uint32_t i = 0; i < 3 * VERTICES; i++) {
+        x[i / 3][i % 3] = scale * ((int8_t)fuzz_take_u8(input) / 16.0);
+    }
+}
+
+static int add_object(struct eng_scene *scene, const double (*x)[3], uint32_t id,
+                      uint32_t *object)
+{
+    struct eng_mesh *mesh = NULL;
+    uint32_t bad;
+    int status = eng_mesh_new(VERTICES, TRIANGLES, &mesh);
+    if (status == ENG_OK) {
+        status = eng_mesh_write_vertices(mesh, ENG_F64, 0, VERTICES, x);
+    }
+    if (status == ENG_OK) {
+        status = eng_mesh_write_triangles(mesh, 0, TRIANGLES, strip, &bad);
+    }
+    if (status == ENG_OK) {
+        status = eng_mesh_commit(mesh);
+    }
+    if (status == ENG_OK) {
+        status = eng_scene_add(scene, mesh, id, object);
+    }
+    eng_mesh_release(mesh);
+    return status;
+}
+
+/* Where an object is at the end of the next step; some of its vertices may stay. */
+static void move_object(struct fuzz_input *input, struct tour *tour, uint32_t i,
+                        uint32_t *first, uint32_t *count)
+{
+    uint8_t how = fuzz_take_u8(input);
+    double by[3] = {0, 0, 0};
+    *first = how % 4 == 3 ? how / 4 % VERTICES : 0;
+    *count = how % 4 == 0 ? 0 : how % 4 == 3 ? 1 : VERTICES;
+    for (int k = 0; k < 3 && how % 4 == 2; k++) {
+        by[k] = tour->scale * take_distance(input);
+    }
+    for (uint32_t v = *first; v < *first + *count; v++) {
+        for (int k = 0; k < 3; k++) {
+            double shake = (int8_t)fuzz_take_u8(input) / 16.0;
+            double x = tour->x0[i][v][k] + by[k] + tour->scale * shake;
+            tour->x1[i][v][k] = fabs(x) <= ENG_COORDINATE_MAX ? x : tour->x0[i][v][k];
+        }
+    }
+}
+
+static int step(struct eng_scene *scene, enum eng_method method, enum eng_mode mode,
+                struct eng_step_result *result)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = method;
+    settings.mode = mode;
+    return eng_step(scene, &settings, result);
+}
+
+/* The same step of a scene made anew. */
+static int step_fresh(const struct tour *tour, enum eng_method method, enum eng_mode mode,
+                      struct eng_scene **scene, struct eng_step_result *result)
+{
+    int status = eng_scene_new(NULL, scene);
+    uint32_t objects[OBJECTS_MAX];
+    for (uint32_t i = 0; i < tour->count && status == ENG_OK; i++) {
+        status = add_object(*scene, (const double(*)[3])tour->x0[i], i, &objects[i]);
+    }
+    if (status == ENG_OK) {
+        eng_stage_begin(*scene);
+    }
+    for (uint32_t i = 0; i < tour->count && status == ENG_OK; i++) {
+        status = eng_stage_x1(*scene, objects[i], ENG_F64, 0, VERTICES, tour->x1[i]);
+    }
+    return status == ENG_OK ? step(*scene, method, mode, result) : status;
+}
+
+static void check_contacts(const struct eng_step_result *result,
+                           const struct oracle_contacts *truth)
+{
+    const struct eng_contact *found = result->records;
+    FUZZ_CHECK(result->count == truth->count);
+    for (size_t i = 0; i < truth->count; i++) {
+        const struct oracle_pair *pair = &truth->pairs[i];
+        FUZZ_CHECK(found[i].kind == pair->kind && found[i].object_a == pair->object_a &&
+                   found[i].feature_a == pair->feature_a &&
+                   found[i].object_b == pair->object_b &&
+                   found[i].feature_b == pair->feature_b);
+    }
+}
+
+static void find(const struct tour *tour, struct oracle_contacts *truth)
+{
+    struct oracle_object objects[OBJECTS_MAX];
+    for (uint32_t i = 0; i < tour->count; i++) {
+        objects[i] = (struct oracle_object){i,
+                                            VERTICES,
+                                            TRIANGLES,
+                                            (const double(*)[3])tour->x0[i],
+                                            (const double(*)[3])tour->x1[i],
+                                            strip};
+    }
+    oracle_scene(objects, tour->count, truth);
+}
+
+/* One step of the scene that stays; returns whether it was answered. */
+static bool drive(struct fuzz_input *input, struct tour *tour, enum eng_method method)
+{
+    struct eng_step_result resident;
+    struct eng_step_result fresh;
+    struct eng_scene *scene = NULL;
+    struct oracle_contacts truth;
+    enum eng_method other =
+        method == ENG_METHOD_WIDE ? ENG_METHOD_PAPER : ENG_METHOD_WIDE;
+    int status = ENG_OK;
+    eng_stage_begin(tour->scene);
+    memcpy(tour->x1, tour->x0, sizeof tour->x1);
+    for (uint32_t i = 0; i < tour->count && status == ENG_OK; i++) {
+        uint32_t first;
+        uint32_t count;
+        move_object(input, tour, i, &first, &count);
+        if (count > 0) {
+            status = eng_stage_x1(tour->scene, tour->objects[i], ENG_F64, first, count,
+                                  tour->x1[i] + first);
+        }
+    }
+    if (is_refusal(status) ||
+        is_refusal(step(tour->scene, method, ENG_MODE_ALL, &resident)) ||
+        resident.incomplete != ENG_COMPLETE) {
+        return false;
+    }
+    fuzz_scarcity_pause();
+    find(tour, &truth);
+    check_contacts(&resident, &truth);
+    FUZZ_CHECK(step_fresh(tour, other, ENG_MODE_PAIRS, &scene, &fresh) == ENG_OK);
+    FUZZ_CHECK(fresh.count == truth.beside);
+    eng_scene_free(scene);
+    FUZZ_CHECK(step_fresh(tour, other, ENG_MODE_ALL, &scene, &fresh) == ENG_OK);
+    FUZZ_CHECK(fresh.hash_hi == resident.hash_hi && fresh.hash_lo == resident.hash_lo);
+    eng_scene_free(scene);
+    oracle_contacts_deinit(&truth);
+    fuzz_scarcity_resume();
+    memcpy(tour->x0, tour->x1, sizeof tour->x0);
+    return true;
+}
+
+void fuzz_travel(const uint8_t *data, size_t bytes)
+{
+    static struct tour tour;
+    struct fuzz_input input = {data, bytes};
+    uint64_t bytes_before = eng_alloc_bytes();
+    uint8_t choices = fuzz_take_u8(&input);
+    int exponent = (int8_t)fuzz_take_u8(&input) * 4;
+    memset(&tour, 0, sizeof tour);
+    tour.count = choices % (OBJECTS_MAX - 1) + 2;
+    tour.scale = ldexp(1, exponent < 50 ? exponent : 0); /* 2^-512 and more */
+    bool goes_on = !is_refusal(eng_scene_new(NULL, &tour.scene));
+    for (uint32_t i = 0; i < tour.count && goes_on; i++) {
+        take_shape(&input, tour.scale, tour.x0[i]);
+        goes_on = !is_refusal(
+            add_object(tour.scene, (const double(*)[3])tour.x0[i], i, &tour.objects[i]));
+    }
+    for (uint32_t i = 0; i < choices / 4 % STEPS_MAX + 1 && goes_on; i++) {
+        goes_on = drive(&input, &tour,
+                        choices / 16 >> i & 1 ? ENG_METHOD_PAPER : ENG_METHOD_WIDE);
+    }
+    eng_scene_free(tour.scene);
+    FUZZ_CHECK(eng_alloc_bytes() == bytes_before);
+}
