@@ -398,12 +398,13 @@ static int serve(struct srv_reactor *reactor)
         srv_compute_stop(&reactor->loop.pages);
         close_handles(reactor);
     } else {
-        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %s, %u %s%s", (long)getpid(),
-                reactor->loop.options->socket_path, eng_kernels()->name,
+        srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %s, %u %s%s%s",
+                (long)getpid(), reactor->loop.options->socket_path, eng_kernels()->name,
                 reactor->loop.options->threads_max,
                 proto_plural((uint64_t)reactor->loop.options->threads_max, "thread",
                              "threads"),
-                reactor->loop.is_pinned ? ", each bound to a processor" : "");
+                reactor->loop.is_pinned ? ", each bound to a processor" : "",
+                srv_sandbox_text());
         if (reactor->loop.options->listen_fd < 0) { /* else it listened before us */
             srv_listener_tell_ready(reactor->loop.options->ready_fd);
         }
@@ -419,6 +420,7 @@ static int serve(struct srv_reactor *reactor)
 int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lockfile)
 {
     srv_thread_enter(SRV_THREAD_LOOP);
+    srv_sandbox_keep_files(options);
     struct srv_reactor *reactor = calloc(1, sizeof *reactor);
     if (reactor == NULL || uv_loop_init(&reactor->uv) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "no memory for the event loop");

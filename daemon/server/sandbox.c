@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "landlock.h"
 #include "log.h"
 #include "pccd_types.h"
 
@@ -173,14 +174,37 @@ bool srv_sandbox_is_default(void)
 
 #endif
 
+static int landlock_version; /* 0: not in use */
+static bool is_filtered;
+
+static bool is_wanted(const struct srv_options *options)
+{
+    return options->sandbox == SRV_SANDBOX_ON ||
+           (options->sandbox == SRV_SANDBOX_AUTO && srv_sandbox_is_default());
+}
+
+void srv_sandbox_keep_files(const struct srv_options *options)
+{
+    if (is_wanted(options)) {
+        landlock_version = srv_landlock_enter(options);
+    }
+}
+
+const char *srv_sandbox_text(void)
+{
+    return !is_filtered            ? ""
+           : landlock_version == 0 ? ", sandbox: seccomp (no Landlock here)"
+                                   : ", sandbox: seccomp, Landlock";
+}
+
 int srv_sandbox_enter(const struct srv_options *options)
 {
-    if (options->sandbox == SRV_SANDBOX_OFF ||
-        (options->sandbox == SRV_SANDBOX_AUTO && !srv_sandbox_is_default())) {
+    if (!is_wanted(options)) {
         return 0;
     }
     int status = enter(options);
     if (status == 0) {
+        is_filtered = true;
         srv_log(SRV_LOG_DEBUG, 0, "in the sandbox");
         return 0;
     }

@@ -1,17 +1,26 @@
 /* sandbox.h - give up what a daemon that serves has no use for.
  *
  * Room:     server. May include: options.h.
- * Does:     no new privileges, and a list of system calls: no files are opened, no
- *           programs or processes started, no memory made executable, no sockets made but
- *           of the kind that listens, by whom has bound it.
+ * Does:     no new privileges, no change of files but its own, and a list of system
+ *           calls: no files are opened, no programs or processes started, no memory made
+ *           executable, no sockets made but of the kind that listens, by whom has bound
+ *           it.
  * Does not: protect clients from each other: that is what checks and quotas are for.
- * Threads:  [loop]; holds for all threads, those to come too.
+ * Threads:  [loop]; holds for all threads, those to come too, but for the first step.
  * Source:   seccomp(2), libseccomp.
  */
 #ifndef SRV_SANDBOX_H
 #define SRV_SANDBOX_H
 
 #include "options.h"
+
+/* The first step, before there is a second thread: from here on no file but the socket
+ * and its lock is made, written or removed, where the kernel has Landlock. Unless
+ * options->sandbox says otherwise. */
+void srv_sandbox_keep_files(const struct srv_options *options);
+
+/* Of which parts it is made, for the log: "" or words that begin with a comma. */
+const char *srv_sandbox_text(void);
 
 /* Enter it as options->sandbox says, when everything is open. Returns 0, or
  * PCCD_E_SYSTEM where it is wanted and cannot be had: why is logged. */

@@ -2,11 +2,13 @@
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
  * Does:     look at every thread of a daemon in the sandbox, and use all that a client
- *           can: rings, meshes, steps by a team, recordings, the orderly end.
- * Does not: try forbidden calls from inside.
- * Threads:  one.
+ *           can: rings, meshes, steps by a team, recordings, the orderly end. Have each
+ *           thread try to remove a file, as whoever takes one over would.
+ * Threads:  one; a child for a system without Landlock.
  */
 #include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -15,10 +17,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
+
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 
 #include "daemon.h"
 #include "grid.h"
@@ -80,6 +88,129 @@ static void sandbox__holds_every_thread(void **state)
     assert_in_range(count, 2, 16); /* the loop, the compute thread, its team */
 }
 
+/* ---- files ------------------------------------------------------------------------- */
+
+#define CREATE_RULESET   444 /* of Landlock */
+#define HAS_VERSION_ONLY 1
+
+static bool kernel_has_landlock(void)
+{
+    return syscall(CREATE_RULESET, NULL, 0, HAS_VERSION_ONLY) > 0;
+}
+
+#if defined __x86_64__
+#include <sys/user.h>
+
+static void put_string(pid_t thread, unsigned long long at, const char *text)
+{
+    size_t bytes = strlen(text) + 1;
+    for (size_t i = 0; i < bytes; i += sizeof(long)) {
+        long word = 0;
+        memcpy(&word, text + i, bytes - i < sizeof word ? bytes - i : sizeof word);
+        assert_int_equal(ptrace(PTRACE_POKEDATA, thread, at + i, word), 0);
+    }
+}
+
+/* Have a thread, which sleeps in a system call, call unlink. Returns what that did. */
+static long unlink_in(pid_t thread, const char *path)
+{
+    struct user_regs_struct before;
+    int status = 0;
+    assert_int_equal(ptrace(PTRACE_SEIZE, thread, 0, 0), 0);
+    assert_int_equal(ptrace(PTRACE_INTERRUPT, thread, 0, 0), 0);
+    assert_int_equal(waitpid(thread, &status, __WALL), thread);
+    assert_int_equal(ptrace(PTRACE_GETREGS, thread, 0, &before), 0);
+    long code = ptrace(PTRACE_PEEKTEXT, thread, before.rip - 2, 0);
+    assert_int_equal(code & 0xffff, 0x050f); /* syscall */
+    struct user_regs_struct regs = before;
+    regs.rsp = (before.rsp - 1024) & ~15ull;
+    regs.rip = before.rip - 2;
+    regs.rax = SYS_unlink;
+    regs.orig_rax = ~0ull;
+    regs.rdi = regs.rsp;
+    put_string(thread, regs.rsp, path);
+    assert_int_equal(ptrace(PTRACE_SETREGS, thread, 0, &regs), 0);
+    assert_int_equal(ptrace(PTRACE_SINGLESTEP, thread, 0, 0), 0);
+    assert_int_equal(waitpid(thread, &status, __WALL), thread);
+    assert_int_equal(ptrace(PTRACE_GETREGS, thread, 0, &regs), 0);
+    assert_int_equal(ptrace(PTRACE_SETREGS, thread, 0, &before), 0);
+    assert_int_equal(ptrace(PTRACE_DETACH, thread, 0, 0), 0);
+    return (long)regs.rax;
+}
+
+/* If it failed, whoever takes over a thread could remove any file of the daemon's user,
+ * as root every one. */
+static void sandbox__lets_no_file_be_removed(void **state)
+{
+    const struct test_daemon *daemon = *state;
+    char path[64];
+    char precious[64] = "/tmp/pccd-precious-XXXXXX";
+    int count = 0;
+    if (!kernel_has_landlock()) {
+        skip();
+    }
+    int fd = mkstemp(precious);
+    assert_true(fd >= 0);
+    snprintf(path, sizeof path, "/proc/%ld/task", (long)daemon->pid);
+    DIR *threads = opendir(path);
+    assert_non_null(threads);
+    for (const struct dirent *entry = readdir(threads); entry != NULL;
+         entry = readdir(threads)) {
+        if (entry->d_name[0] != '.') {
+            assert_int_equal(unlink_in(atoi(entry->d_name), precious), -EACCES);
+            count++;
+        }
+    }
+    closedir(threads);
+    assert_true(count > 1);
+    assert_int_equal(access(precious, F_OK), 0);
+    close(fd);
+    assert_int_equal(unlink(precious), 0);
+    assert_true(test_daemon_logged(daemon, "sandbox: seccomp, Landlock"));
+}
+#else
+/* Registers are those of another processor. */
+static void sandbox__lets_no_file_be_removed(void **state)
+{
+    (void)state;
+    skip();
+}
+#endif
+
+/* From here on this process, and what it starts, has no Landlock. */
+static bool forget_landlock(void)
+{
+    struct sock_filter code[] = {
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, nr)),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, CREATE_RULESET, 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+    };
+    struct sock_fprog program = {.len = sizeof code / sizeof code[0], .filter = code};
+    return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+           prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0 &&
+           !kernel_has_landlock();
+}
+
+/* If it failed, a daemon on an older kernel would not start, or be silent about what it
+ * lacks. */
+static void sandbox__does_without_landlock(void **state)
+{
+    int status = 0;
+    (void)state;
+    pid_t child = fork();
+    if (child == 0) {
+        static struct test_daemon daemon;
+        test_end_with_parent();
+        bool is_right =
+            forget_landlock() && test_daemon_start(&daemon, boxed) &&
+            test_daemon_logged(&daemon, "sandbox: seccomp (no Landlock here)");
+        _exit(test_daemon_finish(&daemon) && is_right ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+}
+
 /* If a call were missing in the list, a client would see a step or an attach fail. */
 static void sandbox__leaves_all_that_clients_use(void **state)
 {
@@ -113,11 +244,15 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sandbox__holds_every_thread),
+        cmocka_unit_test(sandbox__lets_no_file_be_removed),
+        cmocka_unit_test(sandbox__does_without_landlock),
         cmocka_unit_test(sandbox__leaves_all_that_clients_use),
     };
     if (!HAS_SANDBOX) {
-        puts("1..2\nok 1 - sandbox__holds_every_thread # SKIP no sandbox in this build\n"
-             "ok 2 - sandbox__leaves_all_that_clients_use # SKIP no sandbox in this "
+        puts("1..4\nok 1 - sandbox__holds_every_thread # SKIP no sandbox in this build\n"
+             "ok 2 - sandbox__lets_no_file_be_removed # SKIP no sandbox in this build\n"
+             "ok 3 - sandbox__does_without_landlock # SKIP no sandbox in this build\n"
+             "ok 4 - sandbox__leaves_all_that_clients_use # SKIP no sandbox in this "
              "build");
         return 0;
     }

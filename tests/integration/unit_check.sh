@@ -120,7 +120,7 @@ check_calls() {
     {
         sed -n 's/.*SCMP_SYS(\([a-z0-9_]*\)).*/\1/p' "$top_srcdir/daemon/server/sandbox.c"
         printf '%s\n' seccomp execve openat prlimit64 pipe2 eventfd2 epoll_create1 umask clone3 \
-            socket
+            socket inotify_init1 landlock_create_ruleset landlock_add_rule landlock_restrict_self
     } | sort -u >"$work/needed"
     comm -23 "$work/needed" "$work/left" >"$work/log"
     [ -s "$work/needed" ] && [ -s "$work/left" ] && [ ! -s "$work/log" ]

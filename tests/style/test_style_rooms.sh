@@ -73,12 +73,13 @@ tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 '
 
 c_library='argp.h assert.h ctype.h dirent.h dlfcn.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
-    arm_neon.h glob.h grp.h immintrin.h inttypes.h limits.h linux/futex.h locale.h malloc.h math.h netinet/in.h
+    arm_neon.h glob.h grp.h immintrin.h inttypes.h limits.h linux/filter.h linux/futex.h
+    linux/seccomp.h locale.h malloc.h math.h netinet/in.h
     poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h sys/epoll.h sys/eventfd.h sys/file.h sys/inotify.h
     sys/ioctl.h sys/mman.h sys/prctl.h sys/ptrace.h sys/random.h sys/resource.h sys/signalfd.h sys/socket.h sys/stat.h sys/syscall.h
     sys/time.h sys/timerfd.h
-    sys/types.h sys/uio.h sys/un.h sys/wait.h time.h unistd.h'
+    sys/types.h sys/uio.h sys/un.h sys/user.h sys/wait.h time.h unistd.h'
 
 # Not for the engine: it computes, and talks to nobody.
 engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eventfd.h sys/inotify.h sys/mman.h sys/socket.h sys/un.h

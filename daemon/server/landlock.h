@@ -1,0 +1,22 @@
+/* landlock.h - which files a process may still change.
+ *
+ * Room:     server. May include: options.h.
+ * Does:     ask the kernel to let this process make, write and remove nothing but the
+ *           socket and its lock in their folder.
+ * Does not: keep it from reading: no file is opened once the filter of system calls is in
+ *           force (sandbox.h).
+ * Threads:  [main], before there is a second thread: it holds for those that are made
+ *           afterwards.
+ * Source:   landlock(7). Neither the C library nor the headers of every supported system
+ *           know it: the numbers here are those of the kernel's <linux/landlock.h>.
+ */
+#ifndef SRV_LANDLOCK_H
+#define SRV_LANDLOCK_H
+
+#include "options.h"
+
+/* Returns the version of the kernel's Landlock, from 1, or 0: it has none, or lets nobody
+ * use it, and nothing has changed. */
+int srv_landlock_enter(const struct srv_options *options);
+
+#endif
