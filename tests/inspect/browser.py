@@ -88,6 +88,12 @@ class Browser:
         except urllib.error.HTTPError as error:
             raise RuntimeError(json.load(error)["value"]["message"]) from None
 
+    def resize(self, width, height):
+        """The page's room in pixels: also less than a window can have, as phones do."""
+        room = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": True}
+        self._ask("POST", self.session + "/goog/cdp/execute",
+                  {"cmd": "Emulation.setDeviceMetricsOverride", "params": room})
+
     def open_blank(self):
         self._ask("POST", self.session + "/url", {"url": "about:blank"})
 

@@ -274,6 +274,59 @@ class Opened(InBrowser):
         self.assertGreater(os.path.getsize(path), 20000)
 
 
+# What reaches beyond the sides of the page, or lies over its neighbour below.
+BEYOND = """
+    const wide = document.documentElement.clientWidth;
+    return [...document.querySelectorAll("body *")].filter((one) => {
+      const {left, right, width, height} = one.getBoundingClientRect();
+      return width > 0 && height > 0 && (left < -1 || right > wide + 1)
+        && !one.closest("h1, .list, .lane-room");
+    }).map((one) => `${one.tagName} ${one.id} ${one.className}`);"""
+OVERLAPS = """
+    const parts = [...document.querySelector("aside").children];
+    const bottom = (part) => Math.max(0,
+      ...[...part.querySelectorAll(".bar, .list, table, .facts")]
+        .map((child) => child.getBoundingClientRect().bottom));
+    return parts.filter((one, i) => i > 0
+      && one.getBoundingClientRect().top + 1 < bottom(parts[i - 1]))
+      .map((one) => one.className);"""
+SMALL = """
+    return [...document.querySelectorAll("button, select")].filter((one) => {
+      const {width, height} = one.getBoundingClientRect();
+      return width > 0 && (width < 32 || height < 36);
+    }).map((one) => one.id);"""
+
+
+class Phone(InBrowser):
+    # If it failed, the page would be shrunk on a phone until its sides fit, with buttons
+    # that no finger hits, or what is under the view could not be reached.
+    def test_page__fits_a_phone(self):
+        for wide, high in ((400, 800), (320, 568), (600, 400)):
+            with self.subTest(wide=wide), Browser(self.made.name) as browser:
+                browser.resize(wide, high)
+                self.open(browser)
+                self.assertEqual(
+                    browser.run("return document.documentElement.scrollWidth"), wide)
+                for script in (BEYOND, OVERLAPS, SMALL):
+                    self.assertEqual(browser.run(script), [])
+                stage = browser.run(
+                    "return document.querySelector('.stage').clientHeight")
+                self.assertTrue(high / 3 < stage < 0.7 * high, stage)
+                # The sliders stay in sight, and the view goes out of it.
+                browser.run("document.getElementById('lanes').scrollIntoView()")
+                step = browser.run("return document.getElementById('step')"
+                                   ".getBoundingClientRect().bottom")
+                self.assertTrue(0 < step <= high, step)
+                folder = os.environ.get("PCCD_PICTURES")
+                if folder:
+                    browser.run("scrollTo(0, 0)")
+                    browser.picture(os.path.join(folder, f"inspect-{wide}.png"))
+                browser.run(SET, "step", "0")
+                browser.frames()
+                self.assertEqual(browser.run("return pccd.state.values.index"), 0)
+                self.assertEqual(browser.said(), [])
+
+
 class Lean(InBrowser):
     # If it failed, a browser without a graphics card would show nothing, and not say why.
     def test_page__says_that_there_is_no_webgl_and_shows_the_rest(self):
