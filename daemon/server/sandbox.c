@@ -119,9 +119,9 @@ static int allow_binding(scmp_filter_ctx filter)
     static const int calls[] = {SCMP_SYS(bind), SCMP_SYS(listen), SCMP_SYS(umask),
                                 SCMP_SYS(inotify_add_watch)};
     const uint64_t type = SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK;
-    int status = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(socket), 3,
-                                  SCMP_A0(SCMP_CMP_EQ, AF_UNIX),
-                                  SCMP_A1(SCMP_CMP_EQ, type), SCMP_A2(SCMP_CMP_EQ, 0));
+    int status = seccomp_rule_add(
+        filter, SCMP_ACT_ALLOW, SCMP_SYS(socket), 3, SCMP_A0(SCMP_CMP_EQ, AF_UNIX, 0),
+        SCMP_A1(SCMP_CMP_EQ, type, 0), SCMP_A2(SCMP_CMP_EQ, 0, 0));
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, calls[i], 0);
     }

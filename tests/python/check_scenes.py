@@ -176,6 +176,22 @@ class Shared(Case):
         self.fails(pccd.Status.E_STATE, reader.scene_read, scene, news.number - 1)
         self.fails(pccd.Status.E_INVAL, reader.scene_read, scene, 0)
 
+    # If this failed, a name would not say whose scene is meant.
+    def test_scenes__are_asked_for_by_their_owner(self):
+        a, b = self.connect(), self.connect()
+        cloth = Member(a, UPPER, "mine")
+        scene = b.scene_create(name="mine", share=pccd.Share.ATTACH, owner=os.geteuid())
+        listed, = b.list_scenes()
+        self.assertEqual((listed["name"], listed.get("uid", 0), listed["seats"]),
+                         ("mine", os.geteuid(), 2))
+        b.scene_destroy(scene)
+        self.fails(pccd.Status.E_AGAIN, b.scene_create, name="mine",
+                   share=pccd.Share.ATTACH, owner=os.geteuid() + 1)
+        self.fails(pccd.Status.E_INVAL, b.scene_create, name="mine",
+                   share=pccd.Share.OPEN, owner=os.geteuid())
+        self.fails(pccd.Status.E_INVAL, b.scene_create, owner=os.geteuid())
+        a.scene_destroy(cloth.scene)
+
     # If this failed, anybody could move anything, or take a scene for another one.
     def test_scenes__have_names_rights_and_writers(self):
         a, b = self.connect(), self.connect()
