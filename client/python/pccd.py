@@ -428,7 +428,8 @@ def connect(url: Optional[str] = None, *, private: bool = False,
 
     url           "unix:PATH"; None: $PCCD_URL, else the user's own socket, where a daemon
                   is started when nobody listens
-    private       start a daemon of our own on a socket of our own, gone with us
+    private       start a daemon of our own on a socket of our own, gone with us, whatever
+                  PCCD_URL says
     daemon        program to start; None: $PCCD_DAEMON, else pccdd installed or in $PATH
     autostart     whether to start one at all
     name          of this client, for the daemon's log; None: the program's
