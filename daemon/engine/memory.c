@@ -6,11 +6,10 @@
  *           aligned_alloc cuts pieces off a larger block on both sides, and up to version
  *           2.37 seldom finds a freed one again (its bug 14581), so that the memory of a
  *           daemon whose clients come and go crept up.
- * Threads:  [any]; counters and limit are atomics.
+ * Threads:  [any]; counters and limits are atomics.
  */
 #include "memory.h"
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,11 +32,20 @@ _Static_assert(sizeof(struct header) <= HEADER_BYTES, "it stands before the bloc
 
 static atomic_uint_fast64_t alloc_count;
 static atomic_uint_fast64_t alloc_bytes;
-static atomic_uint_fast64_t byte_limit = UINT64_MAX;
 static atomic_uint_fast64_t byte_ceiling = UINT64_MAX;
-static atomic_uint_fast64_t refused_count;
-static atomic_uint_fast64_t ceiling_hits;
-static atomic_uint_fast64_t ceiling_asked; /* by the last of these */
+
+static _Thread_local struct eng_payer own_payer;
+static _Thread_local struct eng_payer *joined_payer; /* NULL: its own */
+
+struct eng_payer *eng_payer(void)
+{
+    return joined_payer ? joined_payer : &own_payer;
+}
+
+void eng_payer_join(struct eng_payer *payer)
+{
+    joined_payer = payer;
+}
 
 /* The first aligned place of a block of malloc. */
 static unsigned char *align(void *origin)
@@ -46,24 +54,41 @@ static unsigned char *align(void *origin)
     return (unsigned char *)origin + (-place & (ALIGNMENT - 1));
 }
 
-/* Count a block before it is made: together the threads of a team keep the limit. */
+/* Relaxed, here and below: the counters order nothing. */
+static void uncharge(size_t total)
+{
+    struct eng_account *account = eng_payer()->account;
+    atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
+    if (account) {
+        atomic_fetch_sub_explicit(&account->bytes, (int64_t)total, memory_order_relaxed);
+    }
+}
+
+/* Count a block before it is made: together all threads keep the limit. */
 static bool charge(size_t total)
 {
-    /* Relaxed: the counters order nothing. */
-    uint64_t before =
-        atomic_fetch_add_explicit(&alloc_bytes, total, memory_order_relaxed);
+    struct eng_payer *payer = eng_payer();
+    struct eng_account *account = payer->account;
+    uint64_t all = atomic_fetch_add_explicit(&alloc_bytes, total, memory_order_relaxed);
+    int64_t held = 0;
+    int64_t limit = INT64_MAX;
+    if (account) {
+        held = atomic_fetch_add_explicit(&account->bytes, (int64_t)total,
+                                         memory_order_relaxed);
+        limit = atomic_load_explicit(&account->limit, memory_order_relaxed);
+    }
     bool is_too_high =
-        before + total > atomic_load_explicit(&byte_ceiling, memory_order_relaxed);
-    if (!is_too_high &&
-        before + total <= atomic_load_explicit(&byte_limit, memory_order_relaxed)) {
+        all + total > atomic_load_explicit(&byte_ceiling, memory_order_relaxed);
+    if (!is_too_high && held + (int64_t)total <= limit) {
         return true;
     }
+    uncharge(total);
     if (is_too_high) {
-        atomic_store_explicit(&ceiling_asked, total, memory_order_relaxed);
-        atomic_fetch_add_explicit(&ceiling_hits, 1, memory_order_relaxed);
+        atomic_store_explicit(&payer->ceiling_asked, total, memory_order_relaxed);
+        atomic_fetch_add_explicit(&payer->ceiling_hits, 1, memory_order_relaxed);
+    } else {
+        atomic_fetch_add_explicit(&account->refused, 1, memory_order_relaxed);
     }
-    atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
-    atomic_fetch_add_explicit(&refused_count, 1, memory_order_relaxed);
     return false;
 }
 
@@ -75,18 +100,19 @@ void *eng_alloc(size_t count, size_t bytes)
         return NULL;
     }
     total = ((total - BESIDES) & ~(size_t)(ALIGNMENT - 1)) + BESIDES;
-    if (!charge(total)) {
+    if (total > INT64_MAX || !charge(total)) {
         return NULL;
     }
     void *origin = malloc(total);
     if (!origin) {
-        atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
+        uncharge(total);
         return NULL;
     }
     unsigned char *base = align(origin);
     struct header header = {.total = total, .origin = origin};
     memcpy(base, &header, sizeof header);
     atomic_fetch_add_explicit(&alloc_count, 1, memory_order_relaxed);
+    atomic_fetch_add_explicit(&eng_payer()->allocs, 1, memory_order_relaxed);
     return base + HEADER_BYTES;
 }
 
@@ -116,7 +142,7 @@ void eng_free(void *block)
         return;
     }
     struct header header = header_of(block);
-    atomic_fetch_sub_explicit(&alloc_bytes, header.total, memory_order_relaxed);
+    uncharge(header.total);
     free(header.origin);
 }
 
@@ -130,19 +156,7 @@ uint64_t eng_alloc_bytes(void)
     return atomic_load_explicit(&alloc_bytes, memory_order_relaxed);
 }
 
-uint64_t eng_alloc_limit(uint64_t bytes)
-{
-    atomic_store_explicit(&byte_limit, bytes, memory_order_relaxed);
-    return atomic_load_explicit(&refused_count, memory_order_relaxed);
-}
-
 void eng_alloc_ceiling(uint64_t bytes)
 {
     atomic_store_explicit(&byte_ceiling, bytes, memory_order_relaxed);
-}
-
-uint64_t eng_alloc_ceiling_hits(uint64_t *asked)
-{
-    *asked = atomic_load_explicit(&ceiling_asked, memory_order_relaxed);
-    return atomic_load_explicit(&ceiling_hits, memory_order_relaxed);
 }

@@ -2,14 +2,40 @@
  *
  * Room:     engine. May include: the C library.
  * Does:     malloc, realloc and free of 128-byte aligned blocks, with process-wide
- *           counts, so that "a warm step allocates nothing" is a number in `stats`.
+ *           counts, so that "a warm step allocates nothing" is a number in `stats`; and
+ *           charge them to whom they are for, as several teams compute at once.
  * Threads:  [any].
  */
 #ifndef ENG_MEMORY_H
 #define ENG_MEMORY_H
 
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* Somebody's share of the engine's memory. Several threads may charge it at once. */
+struct eng_account {
+    atomic_int_fast64_t bytes;    /* held now; what others freed of theirs is below 0 */
+    atomic_int_fast64_t limit;    /* allocations that would bring `bytes` above it fail */
+    atomic_uint_fast64_t refused; /* that have failed so */
+};
+
+/* Who pays for what a thread allocates and frees. A thread that computes has one of its
+ * own; the threads of its team use the same. */
+struct eng_payer {
+    struct eng_account *account; /* NULL: nobody's, without a limit */
+    uint32_t number; /* of the thread that computes; what for, its owner knows */
+    atomic_uint_fast64_t allocs; /* made by all who use it; a realloc is one */
+    /* Allocations that eng_alloc_ceiling has refused, and what the last one wanted. */
+    atomic_uint_fast64_t ceiling_hits;
+    atomic_uint_fast64_t ceiling_asked;
+};
+
+/* The one that the calling thread uses: its own unless it has joined another. */
+struct eng_payer *eng_payer(void);
+/* Use that of the thread that opened the parallel region. Every region that allocates, or
+ * in which a crash is to be reported with its request, begins with it. [team] */
+void eng_payer_join(struct eng_payer *payer);
 
 /* `count` items of `bytes` each, aligned to 128 bytes (two cache lines, which are fetched
  * in pairs), not cleared. NULL: no memory, also when count * bytes overflows. */
@@ -24,15 +50,8 @@ void eng_free(void *block); /* NULL is allowed */
 uint64_t eng_alloc_count(void);
 uint64_t eng_alloc_bytes(void);
 
-/* From now on allocations that would bring the bytes held above `bytes` fail;
- * UINT64_MAX: none. Returns how many have failed for that since the start. */
-uint64_t eng_alloc_limit(uint64_t bytes);
-
-/* A second bound of the same bytes, besides that limit, which another thread may lower
- * and raise at any time. */
+/* From now on no allocation may bring the bytes held above that, whoever pays; another
+ * thread may say so at any time. UINT64_MAX: no ceiling. */
 void eng_alloc_ceiling(uint64_t bytes);
-/* How many have failed for that since the start, which count as failed for the limit, and
- * the bytes that the last of them asked for. */
-uint64_t eng_alloc_ceiling_hits(uint64_t *asked);
 
 #endif

@@ -158,8 +158,10 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
     const struct eng_method_calls *method = team->method;
     uint64_t begin_ns = eng_now_ns();
     bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
+    struct eng_payer *payer = eng_payer();
 #pragma omp parallel num_threads((int)team->count)
     {
+        eng_payer_join(payer);
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
         eng_place_thread(worker->settings->places, worker->thread,
                          (uint32_t)omp_get_num_threads());
@@ -261,7 +263,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result)
 {
     uint64_t begin_ns = eng_now_ns();
-    uint64_t allocs = eng_alloc_count();
+    uint64_t allocs = atomic_load(&eng_payer()->allocs);
     uint64_t builds = scene->builds;
     struct eng_stop stop;
     struct eng_team team;
@@ -305,7 +307,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     r.times.step = eng_now_ns() - begin_ns + staged_ns;
     team.method->end(&team, &r, r.times.step - staged_ns);
     r.counters.builds = scene->builds - builds;
-    r.counters.allocs = eng_alloc_count() - allocs;
+    r.counters.allocs = atomic_load(&eng_payer()->allocs) - allocs;
     *result = r;
     return ENG_OK;
 }

@@ -4,8 +4,7 @@
  * Does:     around everything that allocates or frees in the engine for a session:
  *           meshes, hierarchies, scratch of steps, records of answers. Beyond the user's
  *           quota the engine gets no memory.
- * Threads:  [compute]: one user at a time is served, so what the engine's count changes
- *           by is that user's.
+ * Threads:  [compute]; several, for one user or for more.
  */
 #ifndef SRV_ENGINEMEM_H
 #define SRV_ENGINEMEM_H
@@ -17,10 +16,9 @@
 
 struct srv_enginemem {
     struct srv_quota_user *user;
-    uint64_t limit; /* bytes of one user */
-    uint64_t before;
-    uint64_t refused;
-    uint64_t ceiling_hits;
+    uint64_t limit;        /* bytes of one user */
+    uint64_t refused;      /* allocations of the user's, before */
+    uint64_t ceiling_hits; /* for all users' bound, likewise */
 };
 
 void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *user,

@@ -155,8 +155,9 @@ bool srv_linger_is_tight(const struct srv_session *session, uint64_t triangles)
     uint64_t limit = loop->options->engine_bytes_max;
     uint64_t wanted =
         triangles < limit / TRIANGLE_BYTES ? triangles * TRIANGLE_BYTES : limit;
-    uint64_t used = atomic_load_explicit(&user->engine_bytes, memory_order_relaxed);
-    return used > limit - wanted && (user->leaving > 0 || one_waits(loop, user));
+    int64_t used = atomic_load_explicit(&user->engine.bytes, memory_order_relaxed);
+    return used > 0 && (uint64_t)used > limit - wanted &&
+           (user->leaving > 0 || one_waits(loop, user));
 }
 
 void srv_linger_end_all(struct srv_loop *loop)

@@ -111,7 +111,7 @@ void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user)
     for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
         PCCD_ASSERT(user->used[kind] == 0);
     }
-    PCCD_ASSERT(user->leaving == 0 && user->engine_bytes == 0);
+    PCCD_ASSERT(user->leaving == 0 && atomic_load(&user->engine.bytes) == 0);
     struct srv_quota_user **link = &quota->users;
     while (*link != user) {
         link = &(*link)->next;

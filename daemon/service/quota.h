@@ -19,6 +19,7 @@
 
 #include "codec.h"
 #include "compute.h"
+#include "memory.h"
 
 enum srv_quota_kind {
     SRV_QUOTA_CLIENTS = 0,
@@ -40,9 +41,9 @@ struct srv_quota_user {
     uint64_t used[SRV_QUOTA_COUNT];
     struct srv_group jobs;      /* of the user's sessions; the compute queue's */
     struct srv_group page_jobs; /* likewise, the pages queue's */
-    /* That the engine holds for the user's sessions. Written on [compute]; the loop may
-     * read an older value. Relaxed, for nothing else is read because of it. */
-    _Atomic uint64_t engine_bytes;
+    /* That the engine holds for the user's sessions. Charged on [compute]; the loop may
+     * read an older value. */
+    struct eng_account engine;
 };
 
 struct srv_quota {

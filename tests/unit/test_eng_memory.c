@@ -239,20 +239,80 @@ static void memory__threads_lose_no_counts(void **state)
  * one refusal would refuse what fits afterwards. */
 static void memory__limit_refuses_what_goes_beyond_it(void **state)
 {
-    uint64_t before = eng_alloc_bytes();
-    uint64_t refused = eng_alloc_limit(before + 10000);
-    void *small = eng_alloc(1, 5000);
+    struct eng_account account = {.limit = 10000};
     (void)state;
+    eng_payer()->account = &account;
+    void *small = eng_alloc(1, 5000);
     assert_non_null(small);
     assert_null(eng_alloc(1, 5000)); /* the header counts */
     assert_null(eng_realloc(small, 1, 6000));
-    assert_int_equal(eng_alloc_limit(before + 20000), refused + 2);
+    assert_int_equal(account.refused, 2);
+    account.limit = 20000;
     void *second = eng_alloc(1, 5000);
     assert_non_null(second);
     eng_free(small);
     eng_free(second);
-    assert_int_equal(eng_alloc_bytes(), before);
-    assert_int_equal(eng_alloc_limit(UINT64_MAX), refused + 2);
+    assert_int_equal(account.bytes, 0);
+    assert_int_equal(account.refused, 2);
+    eng_payer()->account = NULL;
+}
+
+struct customer {
+    struct eng_account account;
+    uint64_t blocks;
+    uint64_t allocs; /* that it saw itself make */
+};
+
+#define HELPED 20000u
+
+/* A thread of a team. */
+static void *help(void *payer)
+{
+    eng_payer_join(payer);
+    for (uint64_t i = 0; i < HELPED; i++) {
+        eng_free(eng_alloc(1, 1000));
+    }
+    assert_null(eng_alloc(1, 100000));
+    return NULL;
+}
+
+static void *buy(void *context)
+{
+    struct customer *customer = context;
+    struct eng_payer *payer = eng_payer();
+    uint64_t before = payer->allocs;
+    pthread_t mate;
+    payer->account = &customer->account;
+    for (uint64_t i = 0; i < customer->blocks; i++) {
+        eng_free(eng_alloc(1, 1000));
+    }
+    assert_int_equal(pthread_create(&mate, NULL, help, payer), 0);
+    for (uint64_t i = 0; i < HELPED; i++) {
+        eng_free(eng_alloc(1, 1000));
+    }
+    assert_null(eng_alloc(1, 100000));
+    assert_int_equal(pthread_join(mate, NULL), 0);
+    customer->allocs = payer->allocs - before;
+    return NULL;
+}
+
+/* If it failed, a user would be charged for what a step of another user takes that runs
+ * at the same time, and be refused memory for it. */
+static void memory__those_who_compute_at_once_pay_each_for_itself(void **state)
+{
+    struct customer customers[2] = {{.account = {.limit = 50000}, .blocks = 20000},
+                                    {.account = {.limit = 50000}, .blocks = 30000}};
+    pthread_t threads[2];
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pthread_create(&threads[i], NULL, buy, &customers[i]), 0);
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pthread_join(threads[i], NULL), 0);
+        assert_int_equal(customers[i].account.bytes, 0);
+        assert_int_equal(customers[i].account.refused, 2);
+        assert_int_equal(customers[i].allocs, customers[i].blocks + 2 * HELPED);
+    }
 }
 
 int main(void)
@@ -267,6 +327,7 @@ int main(void)
         cmocka_unit_test(memory__freed_blocks_are_found_again),
         cmocka_unit_test(memory__threads_lose_no_counts),
         cmocka_unit_test(memory__limit_refuses_what_goes_beyond_it),
+        cmocka_unit_test(memory__those_who_compute_at_once_pay_each_for_itself),
     };
     return cmocka_run_group_tests_name("eng_memory", tests, NULL, NULL);
 }

@@ -95,16 +95,17 @@ static void pairset__stays_as_it_was_without_memory(void **state)
     struct eng_pairset pairs = {.capacity = 0};
     uint64_t before = eng_alloc_bytes();
     uint32_t a = 1;
-    eng_alloc_limit(before);
+    struct eng_account account = {.limit = 0};
+    eng_payer()->account = &account;
     assert_int_equal(eng_pairset_add(&pairs, 0, 1), ENG_E_NOMEM);
-    eng_alloc_limit(UINT64_MAX);
+    account.limit = INT64_MAX;
     assert_int_equal(pairs.count, 0);
     assert_int_equal(eng_pairset_add(&pairs, 0, 1), ENG_OK);
-    eng_alloc_limit(eng_alloc_bytes());
+    account.limit = account.bytes;
     do {
         a++;
     } while (eng_pairset_add(&pairs, a, 0) == ENG_OK);
-    eng_alloc_limit(UINT64_MAX);
+    eng_payer()->account = NULL;
     assert_int_equal(pairs.count, a - 1);
     assert_true(eng_pairset_has(&pairs, 0, a - 1));
     assert_false(eng_pairset_has(&pairs, 0, a));

@@ -11,6 +11,7 @@
 #include <stdatomic.h>
 #include <stddef.h>
 
+#include "memory.h"
 #include "seat.h"
 
 /* KEPT_OFF - n: bound to all but the n-th. */
@@ -24,6 +25,7 @@ void eng_places_init(struct eng_places *places)
 {
     cpu_set_t set;
     places->count = 0;
+    places->team = 0;
     places->is_guest = false;
     places->first_on = 0;
     (void)omp_get_max_threads();
@@ -34,6 +36,16 @@ void eng_places_init(struct eng_places *places)
         if (CPU_ISSET(cpu, &set)) {
             places->cpu[places->count++] = (uint16_t)cpu;
         }
+    }
+}
+
+void eng_places_for_team(const struct eng_places *first, uint32_t team,
+                         struct eng_places *places)
+{
+    *places = *first;
+    places->team = team;
+    for (uint32_t i = 0; i < first->count; i++) {
+        places->cpu[i] = first->cpu[(i + team) % first->count];
     }
 }
 
@@ -99,8 +111,10 @@ uint32_t eng_places_processors(const struct eng_places *places)
 
 void eng_places_warm_up(const struct eng_places *places, uint32_t threads)
 {
+    struct eng_payer *payer = eng_payer();
 #pragma omp parallel num_threads((int)threads)
     {
+        eng_payer_join(payer);
         eng_place_thread(places, (uint32_t)omp_get_thread_num(),
                          (uint32_t)omp_get_num_threads());
     }

@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #define ENG_PLACES_MAX 1024u
+#define ENG_TEAMS_MAX  8u /* of a process, that share its processors */
 
 /* In a process that is not ours the first thread is somebody's who asks for a step: it
  * stays as it is. The others may be anywhere but where it is, for the kernel wakes them
@@ -22,6 +23,7 @@
 struct eng_places {
     uint32_t count; /* processors the process may use; 0: unknown, nobody is placed */
     uint16_t cpu[ENG_PLACES_MAX];
+    uint32_t team; /* number of the team, as several may step at once; 0: the first */
     bool is_guest; /* in a process that is not ours */
     int first_on;  /* then: where the first thread is; set by it before each step */
 };
@@ -30,6 +32,11 @@ struct eng_places {
  * itself up, too: libomp opens files at its first call, which a sandbox would forbid
  * later. [any] */
 void eng_places_init(struct eng_places *places);
+
+/* The same processors for another team of the process, in another order: where each team
+ * has work for one thread only, these are not on one processor. [any] */
+void eng_places_for_team(const struct eng_places *first, uint32_t team,
+                         struct eng_places *places);
 
 /* Bind the calling thread, the `thread`-th of a team, to a processor of its own, unless
  * it is bound there already; in a team larger than `places`, to all of them. NULL:

@@ -2,9 +2,9 @@
  *
  * Room:     engine.
  * Does:     see seat.h.
- * Threads:  seat.h. There is one table for the process: a runtime may end its threads
- *           after everything else of theirs is gone. Teams of several places would take
- *           each other's seats, and lend nothing.
+ * Threads:  seat.h. There is one table for the process, with a row for each team: a
+ *           runtime may end its threads after everything else of theirs is gone. Teams
+ *           with the same number would take each other's seats, and lend nothing.
  */
 #include "seat.h"
 
@@ -29,7 +29,7 @@ struct seat {
     pthread_t thread;    /* alive while the seat is not empty and the lock is held */
 };
 
-static struct seat seats[SEATS_MAX];
+static struct seat seats[ENG_TEAMS_MAX][SEATS_MAX];
 static pthread_mutex_t seats_lock =
     PTHREAD_MUTEX_INITIALIZER; /* who sits; the last lock */
 static pthread_once_t seats_once = PTHREAD_ONCE_INIT;
@@ -77,7 +77,7 @@ static struct seat *seat_of(const struct eng_places *places, uint32_t thread,
                             uint32_t team_count)
 {
     bool has_own = places && !places->is_guest && team_count <= places->count;
-    return has_own && thread < SEATS_MAX ? &seats[thread] : NULL;
+    return has_own && thread < SEATS_MAX ? &seats[places->team][thread] : NULL;
 }
 
 void eng_seat_take(const struct eng_places *places, uint32_t thread, uint32_t team_count)
@@ -104,7 +104,7 @@ void eng_seat_set_waiting(const struct eng_places *places, uint32_t thread,
                           bool is_waiting)
 {
     if (places && thread < SEATS_MAX) {
-        atomic_store_explicit(&seats[thread].is_waiting, is_waiting,
+        atomic_store_explicit(&seats[places->team][thread].is_waiting, is_waiting,
                               memory_order_relaxed);
     }
 }

@@ -162,8 +162,12 @@ static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,
     }
     int status = divide(tasks, &sweepers[0].join, top);
     if (status == ENG_OK) {
+        struct eng_payer *payer = eng_payer();
 #pragma omp parallel num_threads((int)threads)
-        perform(&sweepers[omp_get_thread_num()], tasks);
+        {
+            eng_payer_join(payer);
+            perform(&sweepers[omp_get_thread_num()], tasks);
+        }
     }
     return status;
 }
