@@ -55,6 +55,7 @@
 #define PROTO_SCENES_PER_CLIENT 64u
 #define PROTO_OBJECTS_PER_SCENE 65536u
 #define PROTO_IGNORED_PER_SCENE (1u << 18) /* pairs of objects that ignore each other */
+#define PROTO_STEP_MAX_MS       86400000u   /* that a step may be let compute: a day */
 #define PROTO_CONTACTS_PER_STEP (16u << 20) /* records the daemon keeps for one answer */
 
 #endif

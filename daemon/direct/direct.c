@@ -152,6 +152,12 @@ void srv_host_client_left(struct srv_loop *loop)
     loop->client_count--;
 }
 
+int srv_host_start_runner(struct srv_loop *loop)
+{
+    (void)loop;
+    return PCCD_E_STATE; /* who asks for something computes it */
+}
+
 void srv_host_limit_changed(struct srv_loop *loop)
 {
     (void)loop; /* whoever comes is taken or refused at once */
@@ -320,7 +326,7 @@ static struct srv_loop *make_service(void)
         return NULL;
     }
     loop->is_pinned = true;
-    loop->places.is_guest = true;
+    loop->desks[0].places.is_guest = true;
     loop->start_ns = srv_now_ns();
     return loop;
 }
@@ -330,7 +336,7 @@ static void work_off(struct srv_loop *loop)
 {
     bool ran = true;
     int cpu = sched_getcpu();
-    loop->places.first_on = cpu < 0 ? 0 : cpu;
+    loop->desks[0].places.first_on = cpu < 0 ? 0 : cpu;
     while (ran) {
         srv_thread_enter(SRV_THREAD_COMPUTE);
         ran = srv_compute_run_next(&loop->compute) || srv_compute_run_next(&loop->pages);

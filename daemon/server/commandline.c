@@ -40,6 +40,7 @@ enum {
     OPT_MEMORY_TOTAL,
     OPT_ALLOW_UID,
     OPT_ALLOW_GID,
+    OPT_STEP_MAX,
     OPT_CONTACTS,
     OPT_INFLIGHT,
     OPT_QUEUE,
@@ -82,6 +83,10 @@ static const struct argp_option option_table[] = {
     {"pin", OPT_PIN, "WHEN", 0,
      "bind each thread of a step to a processor of its own: on, off, or auto (default: "
      "when --threads is the number of processors that may be used)",
+     2},
+    {"step-max-ms", OPT_STEP_MAX, "MS", 0,
+     "answer a step that has computed for so long as one whose deadline has come; 0 = "
+     "let it compute (default)",
      2},
     {"contacts-max", OPT_CONTACTS, "N", 0,
      "records kept for one answer (default 16777216)", 2},
@@ -167,6 +172,10 @@ static error_t parse_limit(int key, const char *text, const struct argp_state *s
     case OPT_MEMORY_TOTAL:
         options->memory_total_max = number(state, "memory-total-mib", text, 1, 1u << 24)
                                     << 20;
+        return 0;
+    case OPT_STEP_MAX:
+        options->step_max_ms =
+            (uint32_t)number(state, "step-max-ms", text, 0, PROTO_STEP_MAX_MS);
         return 0;
     case OPT_CONTACTS:
         options->contacts_max = number(state, "contacts-max", text, 1, 1ull << 32);

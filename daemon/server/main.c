@@ -151,7 +151,7 @@ int main(int argc, char **argv)
     }
     if (options.listen_fd >= 0 || !options.supervise) { /* we serve */
         srv_listener_make_room(&options);
-        options.threads_max = srv_threads_granted(options.threads_max);
+        options.threads_max = srv_threads_granted(options.threads_max, SRV_OWN_THREADS);
     }
     if (options.listen_fd >= 0) {
         int exit_status = srv_reactor_run(&options, NULL);

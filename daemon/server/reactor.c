@@ -38,6 +38,7 @@
 #include "proto_limits.h"
 #include "sandbox.h"
 #include "session.h"
+#include "threads.h"
 
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
 #define LAST_TURNS      16     /* for what has come before a connection is closed */
@@ -57,6 +58,7 @@ static void close_if_open(uv_handle_t *handle)
 static void close_timers(struct srv_reactor *reactor)
 {
     srv_linger_deinit(&reactor->loop);
+    srv_relief_deinit(&reactor->loop);
     srv_overdue_deinit(&reactor->loop.overdue);
 }
 
@@ -269,19 +271,31 @@ static void on_notify(void *context)
 }
 
 /* Make the team before the first step wants it. [compute] */
-static void on_enter(void *context)
+static void on_enter(void *context, uint32_t number)
 {
     const struct srv_reactor *reactor = context;
+    const struct srv_loop *loop = &reactor->loop;
+    eng_payer()->number = number;
     srv_crash_thread();
-    eng_places_warm_up(reactor->loop.is_pinned ? &reactor->loop.places : NULL,
-                       reactor->loop.options->threads_max);
+    eng_places_warm_up(loop->is_pinned ? &loop->desks[number].places : NULL,
+                       loop->start_options->threads_max);
+}
+
+/* The runtime ends the process when it is refused a thread of a team. */
+int srv_host_start_runner(struct srv_loop *loop)
+{
+    uint32_t threads = loop->start_options->threads_max;
+    return srv_threads_granted(threads, 1) < threads
+               ? PCCD_E_SYSTEM
+               : srv_compute_add_runner(&loop->compute);
 }
 
 /* Clients that come and go without end kept a processor busy with their rings, and the
  * team of the steps shared it. [pages] */
-static void on_enter_pages(void *context)
+static void on_enter_pages(void *context, uint32_t number)
 {
     (void)context;
+    (void)number;
     srv_crash_thread();
     srv_priority_behind();
 }
@@ -290,9 +304,10 @@ static void on_enter_pages(void *context)
 static void choose_places(struct srv_reactor *reactor)
 {
     const struct srv_options *options = reactor->loop.options;
-    reactor->loop.is_pinned = options->pin == SRV_PIN_ON ||
-                              (options->pin == SRV_PIN_AUTO &&
-                               options->threads_max == reactor->loop.places.count);
+    reactor->loop.is_pinned =
+        options->pin == SRV_PIN_ON ||
+        (options->pin == SRV_PIN_AUTO &&
+         options->threads_max == reactor->loop.desks[0].places.count);
     reactor->loop.metrics.counters.threads_bound = reactor->loop.is_pinned;
 }
 
@@ -357,6 +372,19 @@ static int init_handles(struct srv_reactor *reactor)
     return 0;
 }
 
+static int start_queues(struct srv_reactor *reactor)
+{
+    struct srv_loop *loop = &reactor->loop;
+    int status = srv_compute_start(&loop->compute, loop->options->queue_max,
+                                   SRV_RUNNERS_MAX, on_enter, on_notify, reactor);
+    if (status == 0) {
+        srv_relief_begin(loop);
+        status = srv_compute_start(&loop->pages, loop->options->queue_max, 1,
+                                   on_enter_pages, on_notify, reactor);
+    }
+    return status;
+}
+
 /* With everything allocated: serve. */
 static int serve(struct srv_reactor *reactor)
 {
@@ -367,12 +395,7 @@ static int serve(struct srv_reactor *reactor)
         uv_run(&reactor->uv, UV_RUN_DEFAULT); /* close what there is */
         return status;
     }
-    status = srv_compute_start(&reactor->loop.compute, reactor->loop.options->queue_max,
-                               on_enter, on_notify, reactor);
-    if (status == 0) {
-        status = srv_compute_start(&reactor->loop.pages, reactor->loop.options->queue_max,
-                                   on_enter_pages, on_notify, reactor);
-    }
+    status = start_queues(reactor);
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "the threads that compute cannot be started");
     } else {

@@ -16,8 +16,6 @@
 #include "plural.h"
 #include "worker.h"
 
-#define OWN_COUNT 3u /* the compute thread, that of pages and that of descriptors */
-
 /* Live until the gate opens. */
 static void *await(void *gate)
 {
@@ -26,15 +24,15 @@ static void *await(void *gate)
     return NULL;
 }
 
-uint32_t srv_threads_granted(uint32_t wanted)
+uint32_t srv_threads_granted(uint32_t wanted, uint32_t own)
 {
-    static pthread_t threads[ENG_THREADS_MAX + OWN_COUNT];
+    static pthread_t threads[ENG_THREADS_MAX + SRV_OWN_THREADS];
     pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
-    PCCD_ASSERT(wanted >= 1);
+    PCCD_ASSERT(wanted >= 1 && own >= 1 && own <= SRV_OWN_THREADS);
     if (wanted > ENG_THREADS_MAX) {
         wanted = ENG_THREADS_MAX; /* more the engine does not use */
     }
-    uint32_t all = wanted - 1 + OWN_COUNT; /* the compute thread is one of the team */
+    uint32_t all = wanted - 1 + own; /* the compute thread is one of the team */
     uint32_t count = 0;
     int failed = 0;
     pthread_mutex_lock(&gate);
@@ -49,7 +47,7 @@ uint32_t srv_threads_granted(uint32_t wanted)
     if (count == all) {
         return wanted;
     }
-    uint32_t granted = count > OWN_COUNT ? count - OWN_COUNT + 1 : 1;
+    uint32_t granted = count > own ? count - own + 1 : 1;
     srv_log(SRV_LOG_WARN, 0, "%u %s instead of %u: %s", granted,
             proto_plural(granted, "thread", "threads"), wanted, strerror(failed));
     return granted;

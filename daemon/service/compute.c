@@ -1,12 +1,11 @@
-/* compute.c - the one thread that computes.
+/* compute.c - the threads that compute.
  *
  * Room:     service. See compute.h.
- * Does:     a mutex, a condition, lanes that wait for their turn, and a list of finished
- *           jobs.
- * Does not: hold the lock while a job runs or while `done` or `notify` are called;
- *           `change` takes no other.
- * Threads:  [loop] and [compute]; the mutex is the only lock of the server, so there is
- *           no lock order to keep.
+ * Does:     a mutex, a condition for each runner, lanes that wait for their turn, and a
+ *           list of finished jobs.
+ * Does not: hold the lock while a job runs or while `done`, `notify` or `crowded` are
+ *           called; `change` takes no other.
+ * Threads:  [loop] and [compute]; no other lock of the server is taken under this one.
  */
 #include "compute.h"
 
@@ -31,17 +30,18 @@ static void unlock(struct srv_compute *compute)
 
 /* ---- turns ------------------------------------------------------------------------- */
 
-/* The lane waits if it has a job and none of them runs; its group likewise. Locked. */
+/* The lane waits if it has a job that could run and none of them does; its group if one
+ * of its lanes waits. Locked. */
 static void update(struct srv_compute *compute, struct srv_lane *lane)
 {
     struct srv_group *group = lane->group;
-    bool lane_waits = lane->first != NULL && !lane->serving;
+    bool lane_waits = lane->first != NULL && !lane->serving && !lane->is_aside;
     if (lane_waits && !lane->turn.queued) {
         srv_fair_push(&group->lanes, &lane->turn);
     } else if (!lane_waits && lane->turn.queued) {
         srv_fair_remove(&group->lanes, &lane->turn);
     }
-    bool group_waits = group->lanes.count > 0 && !group->serving;
+    bool group_waits = group->lanes.count > 0;
     if (group_waits && !group->turn.queued) {
         srv_fair_push(&compute->groups, &group->turn);
     } else if (!group_waits && group->turn.queued) {
@@ -49,41 +49,148 @@ static void update(struct srv_compute *compute, struct srv_lane *lane)
     }
 }
 
-/* The first job of the lane whose turn it is. Locked; a lane has a job. */
-static struct srv_job *take(struct srv_compute *compute)
+/* ---- lanes that wait for a claim --------------------------------------------------- */
+
+/* A lane that is taken out of its queue: its first job must wait. Locked. */
+static void put_aside(struct srv_compute *compute, struct srv_lane *lane)
 {
-    struct srv_group *group = (struct srv_group *)srv_fair_take(&compute->groups);
-    struct srv_lane *lane = (struct srv_lane *)srv_fair_take(&group->lanes);
+    lane->is_aside = true;
+    lane->next_aside = compute->aside;
+    compute->aside = lane;
+}
+
+/* Its first job is another one now. Locked; there are at most as many as sessions. */
+static void take_from_aside(struct srv_compute *compute, struct srv_lane *lane)
+{
+    struct srv_lane **at = &compute->aside;
+    while (*at != lane) {
+        at = &(*at)->next_aside;
+    }
+    *at = lane->next_aside;
+    lane->is_aside = false;
+}
+
+/* Claims were given back: all lanes try anew when it is their turn. Locked. */
+static void empty_aside(struct srv_compute *compute)
+{
+    struct srv_lane *lane = compute->aside;
+    compute->aside = NULL;
+    while (lane != NULL) {
+        struct srv_lane *next = lane->next_aside;
+        lane->is_aside = false;
+        update(compute, lane);
+        lane = next;
+    }
+}
+
+/* ---- taking ------------------------------------------------------------------------ */
+
+/* The lane of a group, taken out of the queue, whose turn it is; NULL: all have to wait
+ * for what they claim. Locked. */
+static struct srv_lane *choose_lane(struct srv_compute *compute, struct srv_group *group)
+{
+    while (group->lanes.count > 0) {
+        struct srv_lane *lane = (struct srv_lane *)srv_fair_take(&group->lanes);
+        PCCD_ASSERT(lane->first != NULL);
+        if (srv_claims_are_free(lane->first->claims, lane->first->claim_count)) {
+            return lane;
+        }
+        put_aside(compute, lane);
+    }
+    return NULL;
+}
+
+/* A user has no more runners than are left. */
+static bool has_its_share(const struct srv_compute *compute,
+                          const struct srv_group *group)
+{
+    return group->running > 0 && group->running >= compute->runner_max - compute->running;
+}
+
+/* Likewise of all groups. Those that have their share wait on: at most as many as jobs
+ * run. Locked. */
+static struct srv_lane *choose(struct srv_compute *compute)
+{
+    struct srv_group *served[SRV_RUNNERS_MAX];
+    uint32_t served_count = 0;
+    struct srv_lane *lane = NULL;
+    while (lane == NULL && compute->groups.count > 0) {
+        struct srv_group *group = (struct srv_group *)srv_fair_take(&compute->groups);
+        if (has_its_share(compute, group)) {
+            PCCD_ASSERT(served_count < SRV_RUNNERS_MAX);
+            served[served_count++] = group;
+        } else {
+            lane = choose_lane(compute, group);
+        }
+    }
+    while (served_count > 0) {
+        srv_fair_push(&compute->groups, &served[--served_count]->turn);
+    }
+    return lane;
+}
+
+/* Nothing may run beside a job that is not long. Locked. */
+static bool has_brief_one(const struct srv_compute *compute)
+{
+    return compute->running > compute->long_count;
+}
+
+/* Give the runner the job whose turn it is. False: there is none that may run now.
+ * Locked. */
+static bool take(struct srv_compute *compute, struct srv_runner *runner)
+{
+    struct srv_lane *lane = has_brief_one(compute) ? NULL : choose(compute);
+    if (lane == NULL) {
+        compute->has_no_taker = compute->groups.count > 0 && !has_brief_one(compute);
+        return false;
+    }
     struct srv_job *job = lane->first;
-    PCCD_ASSERT(job != NULL && job->state == SRV_JOB_QUEUED && compute->queued > 0);
-    group->serving = true;
+    PCCD_ASSERT(job->state == SRV_JOB_QUEUED && compute->queued > 0);
+    lane->group->running++;
     lane->serving = true;
     lane->first = job->next;
     if (lane->first == NULL) {
         lane->last = NULL;
     }
+    update(compute, lane); /* other lanes of the group may be next */
     compute->queued--;
+    compute->running++;
+    srv_claims_set(job->claims, job->claim_count, true);
     job->next = NULL;
     job->state = SRV_JOB_RUNNING;
-    return job;
+    runner->job = job;
+    runner->begin_ns = srv_now_ns();
+    runner->is_long = false;
+    return true;
 }
 
-/* The job took cost_ns: who waits for more of it waits behind those who have had less.
- * Locked. */
-static void settle(struct srv_compute *compute, const struct srv_job *job,
+/* The runner's job took cost_ns: who waits for more of it waits behind those who have had
+ * less. Locked. */
+static void settle(struct srv_compute *compute, struct srv_runner *runner,
                    uint64_t cost_ns)
 {
+    struct srv_job *job = runner->job;
     struct srv_lane *lane = job->lane;
     struct srv_group *group = lane->group;
-    PCCD_ASSERT(lane->serving && group->serving);
+    PCCD_ASSERT(lane->serving && group->running > 0 && compute->running > 0);
+    if (group->turn.queued) {
+        srv_fair_remove(&compute->groups, &group->turn);
+    }
     srv_fair_charge(&compute->groups, &group->turn, cost_ns);
     srv_fair_charge(&group->lanes, &lane->turn, cost_ns);
-    group->serving = false;
+    group->running--;
     lane->serving = false;
+    compute->running--;
+    compute->has_no_taker = false;
+    compute->long_count -= runner->is_long;
+    runner->is_long = false;
+    runner->job = NULL;
+    srv_claims_set(job->claims, job->claim_count, false);
     update(compute, lane);
+    empty_aside(compute);
 }
 
-/* ---- the thread -------------------------------------------------------------------- */
+/* ---- the threads ------------------------------------------------------------------- */
 
 /* Append to the finished jobs; true when the list was empty: the loop must be told. A
  * list that was not empty has a notification under way that will find this job too.
@@ -115,12 +222,11 @@ static void put_back(struct srv_compute *compute, struct srv_job *job)
     compute->queued++;
 }
 
-/* Run the job whose turn it is; there is one. True: the list of finished jobs is no
- * longer empty. Locked, but not while the job runs. */
-static bool run_one(struct srv_compute *compute)
+/* Run the job that the runner has taken. True: the list of finished jobs is no longer
+ * empty. Locked, but not while the job runs. */
+static bool run_one(struct srv_compute *compute, struct srv_runner *runner)
 {
-    struct srv_job *job = take(compute);
-    compute->is_running = true;
+    struct srv_job *job = runner->job;
     unlock(compute);
     job->goes_on = false;
     uint64_t begin_ns = srv_now_thread_ns();
@@ -131,27 +237,26 @@ static bool run_one(struct srv_compute *compute)
     if (goes_on) {
         put_back(compute, job);
     }
-    settle(compute, job, cost_ns);
-    compute->is_running = false;
+    settle(compute, runner, cost_ns);
     return !goes_on && finish(compute, job);
 }
 
-static void *compute_main(void *context)
+static void *runner_main(void *context)
 {
-    struct srv_compute *compute = context;
+    struct srv_runner *runner = context;
+    struct srv_compute *compute = runner->compute;
     srv_thread_enter(SRV_THREAD_COMPUTE);
     if (compute->enter != NULL) {
-        compute->enter(compute->context);
+        compute->enter(compute->context, runner->number);
     }
     lock(compute);
     for (;;) { /* ends when stopped and idle */
-        while (compute->queued == 0 && !compute->stop) {
-            pthread_cond_wait(&compute->wake, &compute->mutex);
-        }
-        if (compute->queued == 0) {
-            break;
-        }
-        if (run_one(compute)) {
+        if (!take(compute, runner)) {
+            if (compute->stop) {
+                break;
+            }
+            pthread_cond_wait(&runner->wake, &compute->mutex);
+        } else if (run_one(compute, runner)) {
             unlock(compute);
             compute->notify(compute->context);
             lock(compute);
@@ -163,83 +268,166 @@ static void *compute_main(void *context)
 
 int srv_compute_init(struct srv_compute *compute, uint32_t capacity)
 {
-    *compute = (struct srv_compute){.capacity = capacity};
-    if (pthread_mutex_init(&compute->mutex, NULL) != 0) {
-        return PCCD_E_NOMEM;
-    }
-    if (pthread_cond_init(&compute->wake, NULL) != 0) {
-        pthread_mutex_destroy(&compute->mutex);
-        return PCCD_E_NOMEM;
-    }
-    return 0;
+    *compute = (struct srv_compute){.capacity = capacity, .runner_max = 1};
+    return pthread_mutex_init(&compute->mutex, NULL) == 0 ? 0 : PCCD_E_NOMEM;
 }
 
 void srv_compute_deinit(struct srv_compute *compute)
 {
     PCCD_ASSERT(compute->queued == 0 && compute->done_first == NULL);
-    pthread_cond_destroy(&compute->wake);
     pthread_mutex_destroy(&compute->mutex);
 }
 
 bool srv_compute_run_next(struct srv_compute *compute)
 {
     lock(compute);
-    bool has_job = compute->queued > 0;
+    bool has_job = take(compute, &compute->runners[0]);
     if (has_job) {
-        (void)run_one(compute);
+        (void)run_one(compute, &compute->runners[0]);
     }
     unlock(compute);
     return has_job;
 }
 
-int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
-                      void (*enter)(void *context), void (*notify)(void *context),
-                      void *context)
+int srv_compute_add_runner(struct srv_compute *compute)
 {
-    int status = srv_compute_init(compute, capacity);
-    if (status != 0) {
-        return status;
+    struct srv_runner *runner = &compute->runners[compute->runner_count];
+    PCCD_ASSERT(compute->runner_count < compute->runner_max);
+    if (pthread_cond_init(&runner->wake, NULL) != 0) {
+        return PCCD_E_SYSTEM;
     }
-    compute->enter = enter;
-    compute->notify = notify;
-    compute->context = context;
+    runner->compute = compute;
+    runner->number = compute->runner_count;
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    int failed = pthread_create(&compute->thread, NULL, compute_main, compute);
+    int failed = pthread_create(&runner->thread, NULL, runner_main, runner);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (failed != 0) {
-        srv_compute_deinit(compute);
+        pthread_cond_destroy(&runner->wake);
         return PCCD_E_SYSTEM;
     }
-    compute->started = true;
+    lock(compute);
+    compute->runner_count++;
+    unlock(compute);
     return 0;
+}
+
+int srv_compute_start(struct srv_compute *compute, uint32_t capacity, uint32_t runner_max,
+                      void (*enter)(void *context, uint32_t number),
+                      void (*notify)(void *context), void *context)
+{
+    PCCD_ASSERT(runner_max >= 1 && runner_max <= SRV_RUNNERS_MAX);
+    int status = srv_compute_init(compute, capacity);
+    if (status != 0) {
+        return status;
+    }
+    compute->runner_max = runner_max;
+    compute->enter = enter;
+    compute->notify = notify;
+    compute->context = context;
+    status = srv_compute_add_runner(compute);
+    if (status != 0) {
+        srv_compute_deinit(compute);
+    }
+    return status;
+}
+
+/* Something waits that a runner could take now. Locked. */
+static bool can_begin(const struct srv_compute *compute)
+{
+    return compute->groups.count > 0 && !compute->has_no_taker && !has_brief_one(compute);
+}
+
+/* The runner to wake for what waits; NULL: nothing may begin now, or all are busy. The
+ * first that sleeps, so that without long jobs it is always the same. Locked. */
+static struct srv_runner *sleeper(struct srv_compute *compute)
+{
+    for (uint32_t i = 0; i < compute->runner_count && can_begin(compute); i++) {
+        if (compute->runners[i].job == NULL) {
+            return &compute->runners[i];
+        }
+    }
+    return NULL;
 }
 
 /* Not with the lock: where both share a processor the thread runs at once, finds the lock
  * taken and sleeps again, and the processor may go to another for a tick: 3 ms behind the
  * making of a ring. */
-static void wake(struct srv_compute *compute)
+static void wake(struct srv_runner *runner)
 {
-    pthread_cond_signal(&compute->wake);
+    if (runner != NULL) {
+        pthread_cond_signal(&runner->wake);
+    }
 }
 
 void srv_compute_stop(struct srv_compute *compute)
 {
-    if (!compute->started) {
+    if (compute->runner_count == 0) {
         return;
     }
     lock(compute);
     PCCD_ASSERT(compute->queued == 0);
     compute->stop = true;
     unlock(compute);
-    wake(compute);
-    int failed = pthread_join(compute->thread, NULL);
-    PCCD_ASSERT(failed == 0);
+    for (uint32_t i = 0; i < compute->runner_count; i++) {
+        wake(&compute->runners[i]);
+        int failed = pthread_join(compute->runners[i].thread, NULL);
+        PCCD_ASSERT(failed == 0);
+        pthread_cond_destroy(&compute->runners[i].wake);
+    }
+    compute->runner_count = 0;
     srv_compute_deinit(compute);
-    compute->started = false;
 }
+
+/* ---- long jobs --------------------------------------------------------------------- */
+
+/* Whether a job waits that may have to be helped. Locked. */
+static bool is_crowded(const struct srv_compute *compute)
+{
+    return compute->crowded != NULL && compute->groups.count > 0 &&
+           compute->queued + compute->running > 1;
+}
+
+/* Returns in how many ns the job that is not long will be; 0: there is none. Locked. */
+static uint64_t find_long(struct srv_compute *compute)
+{
+    uint64_t now_ns = srv_now_ns();
+    uint64_t after_ns = 0;
+    for (uint32_t i = 0; i < compute->runner_count; i++) {
+        struct srv_runner *runner = &compute->runners[i];
+        uint64_t ran_ns = now_ns - runner->begin_ns;
+        if (runner->job == NULL || runner->is_long) {
+            continue;
+        }
+        if (ran_ns >= SRV_LONG_NS) {
+            runner->is_long = true;
+            compute->long_count++;
+        } else {
+            after_ns = SRV_LONG_NS - ran_ns;
+        }
+    }
+    return after_ns;
+}
+
+uint64_t srv_compute_look(struct srv_compute *compute, bool *wants_runner)
+{
+    lock(compute);
+    uint64_t after_ns = find_long(compute);
+    struct srv_runner *runner = sleeper(compute);
+    bool waits = compute->groups.count > 0 && !compute->has_no_taker;
+    *wants_runner = runner == NULL && can_begin(compute) &&
+                    compute->runner_count < compute->runner_max;
+    if (runner != NULL) {
+        after_ns = SRV_LONG_NS; /* what it takes may be long, and others wait for it */
+    }
+    unlock(compute);
+    wake(runner);
+    return waits ? after_ns : 0;
+}
+
+/* ---- jobs -------------------------------------------------------------------------- */
 
 void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done)
 {
@@ -247,7 +435,7 @@ void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done)
     atomic_init(&job->cancel, false);
 }
 
-/* Append to the lane; wake the thread then. Locked. */
+/* Append to the lane; begin_next then. Locked. */
 static void append(struct srv_compute *compute, struct srv_lane *lane,
                    struct srv_job *job)
 {
@@ -256,6 +444,7 @@ static void append(struct srv_compute *compute, struct srv_lane *lane,
     job->lane = lane;
     job->state = SRV_JOB_QUEUED;
     compute->queued++;
+    compute->has_no_taker = false;
     if (lane->first == NULL) {
         lane->first = job;
     } else {
@@ -265,19 +454,28 @@ static void append(struct srv_compute *compute, struct srv_lane *lane,
     update(compute, lane);
 }
 
+/* Something waits that may begin. Locked before, and not afterwards. */
+static void begin_next(struct srv_compute *compute)
+{
+    struct srv_runner *runner = sleeper(compute);
+    bool crowded = is_crowded(compute);
+    unlock(compute);
+    wake(runner);
+    if (crowded) {
+        compute->crowded(compute->context);
+    }
+}
+
 int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
                      struct srv_job *job)
 {
     lock(compute);
-    bool room = compute->queued < compute->capacity;
-    if (room) {
-        append(compute, lane, job);
-    }
-    unlock(compute);
-    if (!room) {
+    if (compute->queued >= compute->capacity) {
+        unlock(compute);
         return PCCD_E_BUSY;
     }
-    wake(compute);
+    append(compute, lane, job);
+    begin_next(compute);
     return 0;
 }
 
@@ -286,8 +484,7 @@ void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
 {
     lock(compute);
     append(compute, lane, job);
-    unlock(compute);
-    wake(compute);
+    begin_next(compute);
 }
 
 /* Unlink a queued job from its lane. Locked; a lane holds a bounded number of jobs. */
@@ -308,6 +505,9 @@ static void unlink_job(struct srv_compute *compute, struct srv_job *job)
     } else {
         before->next = job->next;
     }
+    if (before == NULL && lane->is_aside) {
+        take_from_aside(compute, lane);
+    }
     update(compute, lane);
     job->next = NULL;
     job->state = SRV_JOB_IDLE;
@@ -320,7 +520,7 @@ bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job)
     if (queued) {
         unlink_job(compute, job);
     }
-    unlock(compute);
+    begin_next(compute); /* the job behind it may not have to wait as it had to */
     return queued;
 }
 
@@ -342,6 +542,7 @@ uint32_t srv_compute_drain(struct srv_compute *compute)
     struct srv_job *job = compute->done_first;
     compute->done_first = NULL;
     compute->done_last = NULL;
+    bool crowded = is_crowded(compute);
     unlock(compute);
     uint32_t count = 0;
     while (job != NULL) {
@@ -353,6 +554,9 @@ uint32_t srv_compute_drain(struct srv_compute *compute)
         job = next;
         count++;
     }
+    if (crowded) {
+        compute->crowded(compute->context);
+    }
     return count;
 }
 
@@ -360,7 +564,7 @@ bool srv_compute_is_idle(struct srv_compute *compute)
 {
     lock(compute);
     bool is_idle =
-        compute->queued == 0 && !compute->is_running && compute->done_first == NULL;
+        compute->queued == 0 && compute->running == 0 && compute->done_first == NULL;
     unlock(compute);
     return is_idle;
 }

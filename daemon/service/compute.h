@@ -1,23 +1,41 @@
-/* compute.h - a thread that computes, and its queue.
+/* compute.h - threads that compute, and their queue.
  *
  * Room:     service. May include: the C library.
- * Does:     run jobs one after another on a thread of its own; hand them back in batches,
- *           one notification per batch.
+ * Does:     run jobs one after another on a thread of its own, and beside one that takes
+ *           long on another; hand them back in batches, one notification per batch.
  * Does not: know what a job computes, or own jobs: they are part of larger structs.
- * Threads:  functions say; `run` is called on [compute], `done` on [loop]. There are two:
- *           one owns the engine and its team; the other, [pages], makes and frees rings,
- *           which takes 2 us a page and would hold up steps for as long.
+ * Threads:  functions say; `run` is called on [compute], `done` on [loop]. There are two
+ *           queues: one for the engine and its teams; the other, [pages], makes and frees
+ *           rings, which takes 2 us a page and would hold up steps for as long.
  *
  * Jobs wait in lanes, one lane per session, and lanes in groups, one group per user.
- * Within a lane the order is first in, first out. Users get equal shares of the thread's
- * time, and the sessions of a user equal shares of that user's, measured and not counted
- * in jobs (fairqueue.h): many jobs, or large ones, delay who asks for little by at most
- * the one that runs. What is measured is the time that the thread had of a processor: on
- * a busy machine others take it away for milliseconds, for which no client is to wait
- * behind as many jobs of all others.
+ * Within a lane the order is first in, first out, and one job runs at a time. Users get
+ * equal shares of the thread's time, and the sessions of a user equal shares of that
+ * user's, measured and not counted in jobs (fairqueue.h): many jobs, or large ones, delay
+ * who asks for little by at most the one that runs. What is measured is the time that the
+ * thread had of a processor: on a busy machine others take it away for milliseconds, for
+ * which no client is to wait behind as many jobs of all others.
  *
  *     IDLE --push--> QUEUED --taken--> RUNNING --finished--> DONE --drain--> IDLE
  *                      \--remove--> IDLE  \--goes on--> QUEUED
+ *
+ * One job runs at a time, until it has run for SRV_LONG_NS: then it is long, and another
+ * runner, which is a thread with a team of its own, takes the next one. So there is at
+ * most one job that is not long: whoever waits for it waits for 10 ms at most, and where
+ * no job is long there is one thread. The kernel divides the processors among
+ * the runners: beside k long jobs a job takes k + 1 times as long as alone.
+ *
+ * Why threads, and not a long job that serves others between two parts of its work: the
+ * engine would have to come by every few milliseconds in every phase of every job, and a
+ * job that is itself long, taken in such a pause, would hold up the first one.
+ *
+ * Runners are started when first needed and sleep afterwards. A user has at most as many
+ * as are left for others, so that of 8 one user has 4, the next 2: a user with three long
+ * jobs is still served, and whatever these two do, so are two more users.
+ *
+ * Two jobs that use the same thing claim it, and do not run at once: steps of one scene
+ * that sessions share. A lane whose first job must wait for that is aside until any job
+ * ends; other lanes go on.
  */
 #ifndef SRV_COMPUTE_H
 #define SRV_COMPUTE_H
@@ -27,6 +45,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "claim.h"
 #include "fairqueue.h"
 
 struct srv_job;
@@ -39,11 +58,14 @@ enum srv_job_state {
     SRV_JOB_DONE = 3
 };
 
+#define SRV_RUNNERS_MAX 8u        /* of a queue */
+#define SRV_LONG_NS     10000000u /* that a job runs before another may run beside it */
+
 /* All zero but for lane.group: nothing waits. They belong to the queue's lock. */
 struct srv_group {
     struct srv_fair turn; /* first */
     struct srv_fairqueue lanes;
-    bool serving; /* a job of one of its lanes runs */
+    uint32_t running; /* jobs of its lanes */
 };
 
 struct srv_lane {
@@ -51,7 +73,9 @@ struct srv_lane {
     struct srv_group *group;
     struct srv_job *first;
     struct srv_job *last;
-    bool serving;
+    struct srv_lane *next_aside; /* of compute->aside */
+    bool serving;                /* a job of it runs */
+    bool is_aside;               /* its first job waits for what another has claimed */
 };
 
 /* A long job may run in parts, and those of others come between them: after each part it
@@ -64,34 +88,66 @@ struct srv_job {
     srv_job_fn run;     /* [compute] */
     srv_job_fn done;    /* [loop]; may free the job */
     atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
-    bool goes_on;       /* [compute] set by `run`: a part is done; call it again */
+    bool heeds_end;     /* its `run` ends soon after it is cancelled, or after */
+    atomic_uint_least64_t end_ns; /* [compute] this time; 0: none. Relaxed */
+    bool goes_on; /* [compute] set by `run`: a part is done; call it again */
+    /* What it uses that jobs of other lanes may use, too; constant while it is queued. */
+    struct srv_claim *const *claims;
+    uint32_t claim_count;
+};
+
+/* A thread that computes. Locked, but for what says otherwise. */
+struct srv_runner {
+    struct srv_compute *compute; /* constant */
+    uint32_t number;             /* likewise */
+    pthread_t thread;            /* [loop] */
+    pthread_cond_t wake;         /* there is something to take, or stop */
+    struct srv_job *job;         /* that it runs; NULL: none */
+    uint64_t begin_ns;           /* since when */
+    bool is_long;                /* it has run for SRV_LONG_NS */
 };
 
 struct srv_compute {
-    pthread_t thread;
-    bool started;
-    pthread_mutex_t mutex; /* everything below */
-    pthread_cond_t wake;   /* a lane has a job, or stop */
+    pthread_mutex_t mutex; /* everything below that is not constant or [loop]'s */
+    struct srv_runner runners[SRV_RUNNERS_MAX];
+    uint32_t runner_count; /* started */
+    uint32_t runner_max;   /* constant */
     bool stop;
     struct srv_fairqueue groups;
-    uint32_t queued;   /* jobs in lanes */
-    bool is_running;   /* one of those taken from them */
-    uint32_t capacity; /* of those pushed by srv_compute_push */
+    struct srv_lane *aside; /* lanes that wait for a claim */
+    uint32_t queued;        /* jobs in lanes */
+    uint32_t running;       /* taken from them */
+    uint32_t long_count;    /* of these */
+    bool has_no_taker;      /* all that wait have their share, until something changes */
+    uint32_t capacity;      /* of those pushed by srv_compute_push */
     struct srv_job *done_first;
     struct srv_job *done_last;
     /* [compute]: the list of done jobs is no longer empty */
     void (*notify)(void *context);
-    void (*enter)(void *context);
-    void *context; /* of both */
+    void (*enter)(void *context, uint32_t number);
+    /* [loop]: a job waits for another: srv_compute_look is to be called. NULL: nobody
+     * looks */
+    void (*crowded)(void *context);
+    void *context; /* of all three */
 };
 
-/* Start the thread, all signals blocked in it. `enter` (NULL: nothing) is the first that
- * runs there, before any job. Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. [loop] */
-int srv_compute_start(struct srv_compute *compute, uint32_t capacity,
-                      void (*enter)(void *context), void (*notify)(void *context),
-                      void *context);
+/* Start the first runner, all signals blocked in it; there may be `runner_max`. `enter`
+ * (NULL: nothing) is the first that runs on each, before any job. Returns 0, PCCD_E_NOMEM
+ * or PCCD_E_SYSTEM. [loop] */
+int srv_compute_start(struct srv_compute *compute, uint32_t capacity, uint32_t runner_max,
+                      void (*enter)(void *context, uint32_t number),
+                      void (*notify)(void *context), void *context);
 
-/* Let the running job end, join the thread. No job may be queued or undrained. [loop] */
+/* Start one more; fewer than runner_max have been. Returns 0 or PCCD_E_SYSTEM. [loop] */
+int srv_compute_add_runner(struct srv_compute *compute);
+
+/* See which jobs have become long, and wake a runner for one that waits. Returns after
+ * how many ns to look again, 0: when there is another reason to; *wants_runner says that
+ * all that have been started are busy with long jobs, and one more may be. [loop] */
+uint64_t srv_compute_look(struct srv_compute *compute, bool *wants_runner);
+
+/* Let the running jobs end, join the threads. No job may be queued or undrained.
+ * [loop] */
 void srv_compute_stop(struct srv_compute *compute);
 
 /* A queue without a thread: whoever pushes runs the jobs, too. Returns 0 or PCCD_E_NOMEM.

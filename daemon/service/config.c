@@ -3,7 +3,7 @@
  * Room:     service. See config.h.
  * Does:     one table: name, range and meaning; a number each, log-level a name.
  * Does not: know options that are only looked at when the daemon starts.
- * Threads:  [loop]. The compute thread reads three of the values: those are atomic.
+ * Threads:  [loop]. Threads that compute read some of the values: those are atomic.
  */
 #include "config.h"
 
@@ -30,6 +30,9 @@
     X(LINGER, "linger", 0, 3600,                                                         \
       "seconds that a session waits for its client; 0: not "                             \
       "at all")                                                                          \
+    X(STEP_MAX, "step-max-ms", 0, PROTO_STEP_MAX_MS,                                     \
+      "milliseconds that a step computes before it is answered as one whose deadline "   \
+      "has come; 0: as long as it takes")                                                \
     X(CONTACTS, "contacts-max", 1, 1ull << 32, "records kept for one answer")            \
     X(INFLIGHT, "inflight-max", 1, PROTO_INFLIGHT_MAX,                                   \
       "steps of one client at a time; "                                                  \
@@ -99,6 +102,8 @@ static uint64_t read_value(const struct srv_options *options, enum setting setti
         return options->grace_s;
     case SETTING_LINGER:
         return options->linger_s;
+    case SETTING_STEP_MAX:
+        return options->step_max_ms;
     case SETTING_CONTACTS:
         return options->contacts_max;
     case SETTING_INFLIGHT:
@@ -151,6 +156,9 @@ static void write_value(struct srv_loop *loop, enum setting setting, uint64_t va
         break;
     case SETTING_LINGER:
         live->linger_s = (uint32_t)value;
+        break;
+    case SETTING_STEP_MAX:
+        live->step_max_ms = (uint32_t)value;
         break;
     case SETTING_CONTACTS:
         live->contacts_max = value;

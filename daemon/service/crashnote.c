@@ -7,14 +7,16 @@
  */
 #include "crashnote.h"
 
+#include "compute.h"
 #include "invariant.h"
+#include "memory.h"
 
-/* Of the loop thread, and of all that compute. Each is written by one thread. */
-static struct srv_crashnote notes[2];
+/* Of the loop thread, and of those that compute, by number. Each is written by one. */
+static struct srv_crashnote notes[1 + SRV_RUNNERS_MAX];
 
 static struct srv_crashnote *note_of_thread(void)
 {
-    return &notes[srv_thread_is_loop() ? 0 : 1];
+    return &notes[srv_thread_is_loop() ? 0 : 1 + eng_payer()->number];
 }
 
 void srv_crash_note(const char *method, uint64_t session, uint32_t id)

@@ -1,7 +1,7 @@
 /* crashnote.h - what is being worked on, for whoever reports a crash.
  *
  * Room:     service. May include: the C library.
- * Does:     one note for the thread that admits, one for all that compute.
+ * Does:     one note for the thread that admits, one for each that computes and its team.
  * Threads:  [any]; a note is written by one thread.
  */
 #ifndef SRV_CRASHNOTE_H
@@ -15,8 +15,8 @@ struct srv_crashnote {
     uint32_t id;
 };
 
-/* The loop thread, or else the compute thread with its team, works on that request from
- * now on; `method` NULL: on none. The text must stay. [loop], [compute] */
+/* The loop thread, or else the thread that computes with its team, works on that request
+ * from now on; `method` NULL: on none. The text must stay. [loop], [compute] */
 void srv_crash_note(const char *method, uint64_t session, uint32_t id);
 
 /* The note of the calling thread's kind. */

@@ -18,8 +18,10 @@
 #include "request.h"
 #include "session.h"
 #include "shared.h"
+#include "tracing.h"
 #include "wire.h"
 
+#define NS_PER_MS         1000000u
 #define TOLERANCE_DEFAULT 1e-6
 #define TOLERANCE_MIN     1e-12
 #define TOLERANCE_MAX     1.0
@@ -119,6 +121,25 @@ static void choose(const struct proto_FRAME_SUBMIT_request *submit,
     }
 }
 
+/* [compute] */
+static struct srv_desk *desk_of(const struct srv_request *request)
+{
+    return srv_desk_of_thread(request->session->loop->desks);
+}
+
+/* The sooner one of the client's deadline and what the daemon lets a step compute; 0:
+ * none. [compute] */
+static uint64_t end_of(const struct srv_request *request)
+{
+    uint64_t own_ns =
+        deadline_of(request->params.FRAME_SUBMIT.deadline_ns, request->arrival_ns);
+    uint64_t max_ms = request->session->loop->options->step_max_ms;
+    bool has_begun = request->begin_ns != 0;
+    uint64_t max_ns =
+        max_ms == 0 || !has_begun ? 0 : request->begin_ns + max_ms * NS_PER_MS;
+    return own_ns == 0 || (max_ns != 0 && max_ns < own_ns) ? max_ns : own_ns;
+}
+
 /* The engine's settings for a request that was checked. [compute] */
 static struct eng_step_settings settings_of(struct srv_request *request)
 {
@@ -130,13 +151,12 @@ static struct eng_step_settings settings_of(struct srv_request *request)
                            ? options->threads_max
                            : submit->threads;
     settings.tolerance = submit->tolerance == 0.0 ? TOLERANCE_DEFAULT : submit->tolerance;
-    settings.deadline_ns = deadline_of(submit->deadline_ns, request->arrival_ns);
+    settings.deadline_ns = end_of(request);
     settings.cancel = &request->job.cancel;
     settings.contact_max = options->contacts_max;
-    settings.trace = request->session->loop->step_trace;
     settings.brief = request->is_brief;
     settings.places =
-        request->session->loop->is_pinned ? &request->session->loop->places : NULL;
+        request->session->loop->is_pinned ? &desk_of(request)->places : NULL;
     return settings;
 }
 
@@ -157,7 +177,11 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     struct eng_step_settings settings = settings_of(request);
     scene->has_answer = false; /* the step takes the memory of the last one's records */
     struct eng_step_result step;
+    atomic_store_explicit(&request->job.end_ns, settings.deadline_ns,
+                          memory_order_relaxed);
+    settings.trace = srv_tracing_lend();
     int engine_status = eng_step(engine, &settings, &step);
+    srv_tracing_return(settings.trace);
     if (engine_status == ENG_E_LONG) {
         request->has_moved = true;
         request->job.goes_on = true;
@@ -198,7 +222,7 @@ static int stage(struct srv_request *request, struct eng_scene *engine)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_scene *scene = request->plan.scene;
-    struct proto_segment *table = request->session->loop->segments;
+    struct proto_segment *table = desk_of(request)->segments;
     int status = 0;
     srv_shared_hide(scene);
     if (!submit->place) {
@@ -286,6 +310,9 @@ static int work_submit(struct srv_request *request)
     struct srv_scene *scene = request->plan.scene;
     struct eng_scene *engine = NULL;
     uint64_t start_ns = srv_now_ns();
+    if (!request->has_moved) {
+        request->begin_ns = start_ns;
+    }
     if (request->is_answered) {
         return move_early(request);
     }

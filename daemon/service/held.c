@@ -56,6 +56,12 @@ static void refund(struct srv_seat *seat, uint64_t bytes)
     seat->holds = false;
 }
 
+/* [compute] */
+static struct proto_segment *table_of(const struct srv_held *held)
+{
+    return srv_desk_of_thread(held->seat->session->loop->desks)->segments;
+}
+
 /* Whether the scene takes it as it is now; nothing moves. [compute] */
 static int try(struct srv_held *held, struct srv_scene *scene, struct proto_error *error)
 {
@@ -66,9 +72,8 @@ static int try(struct srv_held *held, struct srv_scene *scene, struct proto_erro
         return proto_error_set(error, status, "no memory for the scene");
     }
     eng_stage_begin(engine);
-    status =
-        srv_ring_stage_copy(held->copy, held->bytes, &held->submit, held->seat, scene,
-                            held->seat->session->loop->segments, &bytes, error);
+    status = srv_ring_stage_copy(held->copy, held->bytes, &held->submit, held->seat,
+                                 scene, table_of(held), &bytes, error);
     if (status == 0 && eng_stage_overlaps(engine)) {
         status = proto_error_set(error, PCCD_E_SEGMENT,
                                  "a vertex is written twice in this step");
@@ -170,8 +175,7 @@ int srv_held_stage(struct srv_request *request)
          held = held->next) {
         uint64_t bytes = 0;
         status = srv_ring_stage_copy(held->copy, held->bytes, &held->submit, held->seat,
-                                     scene, held->seat->session->loop->segments, &bytes,
-                                     &request->error);
+                                     scene, table_of(held), &bytes, &request->error);
     }
     return status;
 }

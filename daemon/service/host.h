@@ -66,6 +66,9 @@ void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session);
 /* A session was opened; an open session's connection is gone. */
 void srv_host_client_joined(struct srv_loop *loop);
 void srv_host_client_left(struct srv_loop *loop);
+/* Start one more runner of the queue of what is computed, with a team as the first has.
+ * Returns 0 or a negative status: there are no threads for it. */
+int srv_host_start_runner(struct srv_loop *loop);
 /* There may be another number of connections than before (options.h). */
 void srv_host_limit_changed(struct srv_loop *loop);
 

@@ -3,6 +3,7 @@
 noinst_LTLIBRARIES += libservice.la
 libservice_la_SOURCES = \
     daemon/service/call.h \
+    daemon/service/claim.h \
     daemon/service/compute.c daemon/service/compute.h \
     daemon/service/config.c daemon/service/config.h \
     daemon/service/crashnote.c daemon/service/crashnote.h \
@@ -22,6 +23,7 @@ libservice_la_SOURCES = \
     daemon/service/handlers_mesh.c \
     daemon/service/handlers_scene.c \
     daemon/service/handlers_watch.c \
+    daemon/service/desk.c daemon/service/desk.h \
     daemon/service/frame.h \
     daemon/service/handles.c daemon/service/handles.h \
     daemon/service/held.c daemon/service/held.h \
@@ -39,12 +41,14 @@ libservice_la_SOURCES = \
     daemon/service/overdue.c daemon/service/overdue.h \
     daemon/service/quota.c daemon/service/quota.h \
     daemon/service/region.c daemon/service/region.h \
+    daemon/service/relief.c daemon/service/relief.h \
     daemon/service/replies.c daemon/service/replies.h \
     daemon/service/request.c daemon/service/request.h \
     daemon/service/resource.c daemon/service/resource.h \
     daemon/service/ringio.c daemon/service/ringio.h \
     daemon/service/session.c daemon/service/session.h \
     daemon/service/shared.c daemon/service/shared.h \
+    daemon/service/stuck.c daemon/service/stuck.h \
     daemon/service/tracing.c daemon/service/tracing.h \
     daemon/service/wire.c daemon/service/wire.h
 service_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/service \

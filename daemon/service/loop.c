@@ -30,18 +30,18 @@ int srv_loop_init(struct srv_loop *loop, const struct srv_options *options)
     loop->options = &loop->live;
     loop->start_options = options;
     loop->epoch = make_epoch();
-    eng_places_init(&loop->places);
     srv_quota_init(&loop->quota, options->quota);
     srv_quota_bound_memory(&loop->quota, options->memory_total_max);
     loop->decoder = proto_decoder_new();
     loop->encoder = malloc(sizeof *loop->encoder);
-    loop->reply_encoder = malloc(sizeof *loop->reply_encoder);
-    loop->segments = malloc(PROTO_SEGMENTS_MAX * sizeof *loop->segments);
-    if (loop->decoder == NULL || loop->encoder == NULL || loop->reply_encoder == NULL ||
-        loop->segments == NULL) {
+    if (loop->decoder == NULL || loop->encoder == NULL ||
+        srv_desk_init(loop->desks, 0) != 0) {
         return PCCD_E_NOMEM;
     }
     int status = srv_linger_init(loop);
+    if (status == 0) {
+        status = srv_relief_init(loop);
+    }
     return status != 0 ? status : srv_overdue_init(&loop->overdue, loop);
 }
 
@@ -49,12 +49,12 @@ void srv_loop_deinit(struct srv_loop *loop)
 {
     PCCD_ASSERT(loop->sessions == NULL);
     srv_linger_deinit(loop);
+    srv_relief_deinit(loop);
     srv_overdue_deinit(&loop->overdue);
     srv_quota_deinit(&loop->quota);
     srv_laststep_set(&loop->spare_step, &loop->last_step, NULL);
     srv_laststep_deinit(&loop->spare_step);
     proto_decoder_free(loop->decoder);
     free(loop->encoder);
-    free(loop->reply_encoder);
-    free(loop->segments);
+    srv_desk_deinit(loop->desks);
 }

@@ -4,7 +4,7 @@
  * Does:     own the queues of what is computed, quotas, counters, the shared buffers and
  *           the list of sessions.
  * Does not: wait for anything or talk to anybody: that is the host's (host.h).
- * Threads:  [loop], but for `segments` and `step_trace`.
+ * Threads:  [loop], but for the desks.
  */
 #ifndef SRV_LOOP_H
 #define SRV_LOOP_H
@@ -15,6 +15,7 @@
 
 #include "codec.h"
 #include "compute.h"
+#include "desk.h"
 #include "host.h"
 #include "laststep.h"
 #include "linger.h"
@@ -23,8 +24,8 @@
 #include "monitor.h"
 #include "options.h"
 #include "overdue.h"
-#include "place.h"
 #include "quota.h"
+#include "relief.h"
 #include "shm.h"
 #include "tracing.h"
 
@@ -40,34 +41,32 @@ struct srv_loop {
     const struct srv_options *start_options; /* as they were when it started */
     struct srv_options live;                 /* where `options` points: config.set */
     struct srv_compute compute;
-    struct srv_compute pages; /* makes and frees rings: 2 us a page */
-    struct eng_places places; /* processors that may be used; constant in the daemon */
-    bool does_brief;          /* what is brief is done on [loop]; constant */
-    uint64_t brief_from_ns;   /* not before */
-    bool is_pinned;           /* threads of steps are put on them; constant */
+    struct srv_compute pages;               /* makes and frees rings: 2 us a page */
+    struct srv_desk desks[SRV_RUNNERS_MAX]; /* of the threads that compute, by number */
+    struct srv_relief relief;
+    bool does_brief;        /* what is brief is done on [loop]; constant */
+    uint64_t brief_from_ns; /* not before */
+    bool is_pinned;         /* threads of steps are put on them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
     struct srv_linger linger;
     struct srv_overdue overdue;
     struct srv_laststep *last_step; /* of any session; NULL: none yet */
     struct srv_laststep_spare spare_step;
-    struct srv_tracing *tracing;   /* the one recording; NULL: none */
-    struct eng_trace *step_trace;  /* [compute] what steps record to; NULL: nothing */
-    struct proto_decoder *decoder; /* one message is decoded at a time */
-    struct proto_encoder *encoder; /* and one encoded */
-    struct proto_encoder *reply_encoder; /* [compute] likewise */
+    struct srv_tracing *tracing;         /* the one recording; NULL: none */
+    struct proto_decoder *decoder;       /* one message is decoded at a time */
+    struct proto_encoder *encoder;       /* and one encoded */
     atomic_uint_least64_t replies_tried; /* [compute] answers that it has tried to send */
     uint64_t replies_done;               /* of these, concluded */
-    struct proto_segment *segments; /* [compute] PROTO_SEGMENTS_MAX: the step's table */
-    struct srv_monitor *monitors;   /* of the sessions that watch; NULL: none does */
-    struct srv_session *sessions;   /* newest first, closed ones included */
-    struct srv_shared *shared;      /* scenes that sessions share, newest first */
-    uint32_t client_count;          /* open sessions */
-    uint32_t request_count;         /* in flight, of all sessions */
-    uint64_t session_last;          /* number of the newest session */
-    uint64_t mesh_last;             /* number of the newest mesh */
-    uint64_t step_last;             /* number of the newest step */
-    uint64_t epoch;                 /* of this start of the daemon */
+    struct srv_monitor *monitors;        /* of the sessions that watch; NULL: none does */
+    struct srv_session *sessions;        /* newest first, closed ones included */
+    struct srv_shared *shared;           /* scenes that sessions share, newest first */
+    uint32_t client_count;               /* open sessions */
+    uint32_t request_count;              /* in flight, of all sessions */
+    uint64_t session_last;               /* number of the newest session */
+    uint64_t mesh_last;                  /* number of the newest mesh */
+    uint64_t step_last;                  /* number of the newest step */
+    uint64_t epoch;                      /* of this start of the daemon */
     uint64_t start_ns;
     enum srv_phase phase;
 };

@@ -117,6 +117,7 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
     }
     /* Every object of the mesh is charged as its current shape; what the new one adds is
      * charged before it is built. At most 2^26 objects and 2^31 triangles each. */
+    struct srv_replacement *new;
     uint64_t now = charge_of(mesh->current);
     uint64_t then = charge_of(mesh->next);
     uint64_t charge = then > now ? mesh->object_count * (then - now) : 0;
@@ -125,20 +126,23 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
     if (status != 0) {
         return status;
     }
-    struct srv_replacement *new =
-        malloc(sizeof *new + session->scenes.count * sizeof new->scenes[0]);
+    size_t each = sizeof new->scenes[0] + sizeof new->claims[0];
+    new = malloc(sizeof *new + session->scenes.count *each);
     if (new == NULL) {
         srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_TRIANGLES,
                          charge);
         return proto_error_set(error, PCCD_E_NOMEM, "no memory for a replacement");
     }
-    *new = (struct srv_replacement){.mesh_number = mesh->number,
-                                    .charged = charge,
-                                    .generation = mesh->generation + 1};
+    *new = (struct srv_replacement){
+        .mesh_number = mesh->number,
+        .charged = charge,
+        .generation = mesh->generation + 1,
+        .claims = (struct srv_claim **)(void *)(new->scenes + session->scenes.count)};
     uint32_t cursor = 0;
     for (struct srv_scene *scene;
          (scene = srv_handles_next(&session->scenes, &cursor)) != NULL;) {
         srv_resource_acquire(&scene->resource);
+        new->claims[new->scene_count] = &scene->claim;
         new->scenes[new->scene_count++] = scene;
     }
     PCCD_ASSERT(new->scene_count == session->scenes.count);

@@ -55,6 +55,7 @@ struct srv_replacement {
     uint64_t replaced;   /* [compute] objects that did */
     uint32_t generation; /* that the mesh gets */
     uint32_t scene_count;
+    struct srv_claim **claims;  /* [scene_count], of the scenes */
     struct srv_scene *scenes[]; /* [scene_count], with a reference each */
 };
 

@@ -18,6 +18,7 @@
 #include "invariant.h"
 #include "linger.h"
 #include "loop.h"
+#include "meshes.h"
 #include "now.h"
 #include "overdue.h"
 #include "session.h"
@@ -83,7 +84,7 @@ static bool may_reply(const struct srv_request *request)
 static void reply(struct srv_request *request)
 {
     struct srv_loop *loop = request->session->loop;
-    struct proto_encoder *encoder = loop->reply_encoder;
+    struct proto_encoder *encoder = srv_desk_of_thread(loop->desks)->encoder;
     if (may_reply(request)) {
         int status =
             proto_encode_result(encoder, request->id, request->method, &request->result);
@@ -323,6 +324,20 @@ static bool run_here(struct srv_request *request)
     return true;
 }
 
+/* Scenes are used by requests of several sessions: those that these share, and by
+ * list.pair any. */
+static void claim(struct srv_request *request, const struct srv_plan *plan)
+{
+    if (plan->replacement != NULL) {
+        request->job.claims = plan->replacement->claims;
+        request->job.claim_count = plan->replacement->scene_count;
+    } else if (plan->scene != NULL) {
+        request->claim = &plan->scene->claim;
+        request->job.claims = &request->claim;
+        request->job.claim_count = 1;
+    }
+}
+
 /* NULL: the loop answers, as always while it is recorded what it does: what a recording
  * has of a session lies one inside the other, or apart. */
 static struct srv_outlet *open_outlet(const struct srv_session *session,
@@ -345,6 +360,8 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");
     }
     srv_job_init(&request->job, plan->attached != NULL ? run_pages : run, done);
+    request->job.heeds_end = call->method == PROTO_METHOD_FRAME_SUBMIT;
+    claim(request, plan);
     request->session = session;
     request->plan = *plan;
     request->id = call->id;

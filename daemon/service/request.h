@@ -63,6 +63,7 @@ struct srv_request {
     struct srv_request *prev; /* [loop] in the session's list */
     struct srv_request *next;
     struct srv_plan plan;
+    struct srv_claim *claim; /* of plan.scene */
     uint32_t id;
     int method;
     uint64_t arrival_ns;
@@ -74,6 +75,7 @@ struct srv_request {
     uint64_t upload_bytes;          /* copied out of slots */
     bool is_brief;                  /* whoever runs it must not be held up */
     bool has_moved;                 /* [compute] a step that goes on: it was staged */
+    uint64_t begin_ns;              /* [compute] of a step: since when it computes */
     uint32_t items_done;            /* [compute] of a request that runs in parts */
     const uint8_t *payload;         /* [compute] likewise, in its slot */
     bool has_stepped;               /* [compute] then [loop]: its scene has moved on */

@@ -91,8 +91,9 @@ struct srv_scene {
     struct eng_scene_settings settings;  /* does not change */
     struct proto_LIST_SCENE_result told; /* [loop] its steps, and the last of them */
     struct srv_shared *shared;           /* likewise; NULL: its session's alone */
-    _Atomic uint32_t ignored_told;       /* pairs; stored on [compute], told on [loop] */
-    /* [compute] */
+    struct srv_claim claim;        /* the compute queue's: one job uses it at a time */
+    _Atomic uint32_t ignored_told; /* pairs; stored on [compute], told on [loop] */
+    /* [compute], by who has claimed it */
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
     uint32_t placed_count;

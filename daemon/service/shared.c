@@ -244,6 +244,9 @@ void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
     hide_soon(seat);
     session->reap_count++;
     srv_job_init(&seat->leave, run_leave, done_leaving);
+    seat->claim = &scene->claim;
+    seat->leave.claims = &seat->claim;
+    seat->leave.claim_count = 1;
     srv_compute_push_reap(&session->loop->compute, &session->lane, &seat->leave);
 }
 

@@ -30,7 +30,8 @@ struct srv_shared;
 
 /* One session that takes part. */
 struct srv_seat {
-    struct srv_job leave; /* first: runs when it leaves, behind its requests */
+    struct srv_job leave;    /* first: runs when it leaves, behind its requests */
+    struct srv_claim *claim; /* of the scene */
     struct srv_seat *next;
     struct srv_seat *next_hiding; /* of shared->hiding */
     struct srv_shared *shared;

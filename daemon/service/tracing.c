@@ -7,16 +7,62 @@
  */
 #include "tracing.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "invariant.h"
 #include "loop.h"
+#include "memory.h"
 #include "now.h"
 #include "proto_limits.h"
 #include "session.h"
 #include "wire.h"
 #include "worker.h"
+
+/* What steps record to; there is one recording in a process. */
+static pthread_mutex_t recorder_lock = PTHREAD_MUTEX_INITIALIZER;
+static struct eng_trace *_Atomic recorder; /* NULL: nothing. Written with the lock */
+static bool is_lent;                       /* to a step; locked */
+
+struct eng_trace *srv_tracing_lend(void)
+{
+    srv_assert_compute();
+    if (atomic_load_explicit(&recorder, memory_order_relaxed) == NULL ||
+        eng_payer()->number != 0) {
+        return NULL;
+    }
+    pthread_mutex_lock(&recorder_lock);
+    struct eng_trace *trace = atomic_load_explicit(&recorder, memory_order_relaxed);
+    is_lent = trace != NULL;
+    pthread_mutex_unlock(&recorder_lock);
+    return trace;
+}
+
+void srv_tracing_return(struct eng_trace *trace)
+{
+    if (trace != NULL) {
+        pthread_mutex_lock(&recorder_lock);
+        is_lent = false;
+        pthread_mutex_unlock(&recorder_lock);
+    }
+}
+
+/* Nobody writes to the one before any more. */
+static void set_recorder(struct eng_trace *trace)
+{
+    pthread_mutex_lock(&recorder_lock);
+    atomic_store_explicit(&recorder, trace, memory_order_relaxed);
+    while (is_lent) { /* for the rest of a step; seldom, so that nobody is woken for it */
+        const struct timespec pause = {0, 1000000};
+        pthread_mutex_unlock(&recorder_lock);
+        nanosleep(&pause, NULL);
+        pthread_mutex_lock(&recorder_lock);
+    }
+    pthread_mutex_unlock(&recorder_lock);
+}
 
 static void free_engine(struct srv_job *job)
 {
@@ -107,7 +153,7 @@ int srv_tracing_start(struct srv_tracing *tracing)
     int status = srv_wire_status(eng_trace_init(&tracing->engine, tracing->lanes,
                                                 tracing->capacity, tracing->min_ns));
     if (status == 0) {
-        tracing->resource.session->loop->step_trace = &tracing->engine;
+        set_recorder(&tracing->engine);
     }
     return status;
 }
@@ -115,9 +161,8 @@ int srv_tracing_start(struct srv_tracing *tracing)
 void srv_tracing_stop(struct srv_tracing *tracing)
 {
     srv_assert_compute();
-    struct srv_loop *loop = tracing->resource.session->loop;
-    if (loop->step_trace == &tracing->engine) {
-        loop->step_trace = NULL;
+    if (atomic_load_explicit(&recorder, memory_order_relaxed) == &tracing->engine) {
+        set_recorder(NULL);
     }
 }
 

@@ -8,8 +8,8 @@
  *
  *     start --> recording --stop--> at rest: pages can be read
  *
- * While it records, the loop writes its ring and the compute thread, or its team, the
- * engine's; at rest only the compute thread reads both.
+ * While it records, the loop writes its ring and the first thread that computes, or its
+ * team, the engine's; at rest only one that computes reads both.
  */
 #ifndef SRV_TRACING_H
 #define SRV_TRACING_H
@@ -44,9 +44,16 @@ int srv_tracing_new(struct srv_session *session, uint32_t events, uint64_t min_n
 /* The session's recording ends, if it has one. [loop] */
 void srv_tracing_drop(struct srv_session *session);
 
-/* Let steps be recorded, and no more. Start returns a wire status. [compute] */
+/* Let steps be recorded, and no more. Start returns a wire status; stop waits for a step
+ * that is being recorded. [compute] */
 int srv_tracing_start(struct srv_tracing *tracing);
 void srv_tracing_stop(struct srv_tracing *tracing);
+
+/* What the step that begins records to, to be returned when it has ended; NULL: nothing,
+ * as on threads beside the first one that computes: a lane belongs to one thread.
+ * [compute] */
+struct eng_trace *srv_tracing_lend(void);
+void srv_tracing_return(struct eng_trace *trace);
 
 /* Events that can be read, and those that were overwritten. At rest. [compute] */
 uint64_t srv_tracing_count(const struct srv_tracing *tracing, uint64_t *lost);

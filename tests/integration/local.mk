@@ -17,6 +17,7 @@ integration_names = \
     tests/integration/test_int_hostile \
     tests/integration/test_int_journal \
     tests/integration/test_int_leave \
+    tests/integration/test_int_long \
     tests/integration/test_int_loss \
     tests/integration/test_int_misuse \
     tests/integration/test_int_notify \
@@ -153,6 +154,10 @@ tests_integration_test_int_overdue_LDADD = $(integration_libs)
 tests_integration_test_int_orphan_SOURCES = tests/integration/test_int_orphan.c
 tests_integration_test_int_orphan_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_orphan_LDADD = $(integration_libs)
+
+tests_integration_test_int_long_SOURCES = tests/integration/test_int_long.c
+tests_integration_test_int_long_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_long_LDADD = $(integration_libs)
 
 tests_integration_test_int_loss_SOURCES = tests/integration/test_int_loss.c
 tests_integration_test_int_loss_CPPFLAGS = $(integration_cppflags)

@@ -17,6 +17,8 @@ libtestdaemon_la_SOURCES = \
     tests/support/fixture.h \
     tests/support/grid.c \
     tests/support/grid.h \
+    tests/support/hog.c \
+    tests/support/hog.h \
     tests/support/lingering.c \
     tests/support/lingering.h \
     tests/support/raw.c \

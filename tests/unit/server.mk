@@ -5,10 +5,12 @@ SERVER_TEST_LDADD = libserver.la libengine.la libproto.la $(UV_LIBS) $(CMOCKA_LI
 
 check_PROGRAMS += tests/unit/test_srv_region tests/unit/test_srv_handles \
     tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
+    tests/unit/test_srv_runners \
     tests/unit/test_srv_log tests/unit/test_srv_outbox \
     tests/unit/test_srv_outlet tests/unit/test_srv_replies
 TESTS += tests/unit/test_srv_region tests/unit/test_srv_handles \
     tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
+    tests/unit/test_srv_runners \
     tests/unit/test_srv_log tests/unit/test_srv_outbox \
     tests/unit/test_srv_outlet tests/unit/test_srv_replies
 
@@ -43,6 +45,11 @@ tests_unit_test_srv_quota_LDADD = $(SERVER_TEST_LDADD)
 tests_unit_test_srv_fairqueue_SOURCES = tests/unit/test_srv_fairqueue.c
 tests_unit_test_srv_fairqueue_CPPFLAGS = $(SERVER_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 tests_unit_test_srv_fairqueue_LDADD = $(SERVER_TEST_LDADD)
+
+tests_unit_test_srv_runners_SOURCES = tests/unit/test_srv_runners.c
+tests_unit_test_srv_runners_CPPFLAGS = $(SERVER_TEST_CPPFLAGS) $(ENGINE_CPPFLAGS)
+tests_unit_test_srv_runners_CFLAGS = $(AM_CFLAGS) -pthread
+tests_unit_test_srv_runners_LDADD = $(SERVER_TEST_LDADD)
 
 tests_unit_test_srv_compute_SOURCES = tests/unit/test_srv_compute.c
 tests_unit_test_srv_compute_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)

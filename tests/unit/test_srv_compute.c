@@ -44,11 +44,12 @@ struct named_job {
     int parts;
 };
 
-static void on_enter(void *context)
+static void on_enter(void *context, uint32_t number)
 {
     struct fixture *fixture = context;
     srv_assert_compute();
     assert_int_equal(fixture->run_count, 0);
+    assert_int_equal(number, 0);
     fixture->entered = true;
 }
 
@@ -152,7 +153,8 @@ static int set_up(void **state)
     sem_init(&fixture.blocked, 0, 0);
     sem_init(&fixture.gate, 0, 0);
     *state = &fixture;
-    return srv_compute_start(&fixture.compute, CAPACITY, on_enter, on_notify, &fixture);
+    return srv_compute_start(&fixture.compute, CAPACITY, 1, on_enter, on_notify,
+                             &fixture);
 }
 
 static int tear_down(void **state)
@@ -224,8 +226,8 @@ static int place_of(const struct fixture *fixture, int name)
 static void compute__users_and_their_sessions_take_turns(void **state)
 {
     struct fixture *fixture = *state;
-    struct srv_group other = {.serving = false};
-    struct srv_group none = {.serving = false};
+    struct srv_group other = {.running = 0};
+    struct srv_group none = {.running = 0};
     struct srv_lane lanes[4];
     struct named_job gate;
     struct named_job jobs[16];

@@ -1,0 +1,518 @@
+/* test_int_long.c - requests that take long, and those of others meanwhile.
+ *
+ * Room:     tests/integration. May include: pccd.h, proto, tests/support.
+ * Does:     a process that lets the daemon compute for seconds (hog.h), of the same user
+ *           and of another; beside it a client whose steps are answered while that goes
+ *           on, with the same bytes as alone; what bounds a step (--step-max-ms).
+ *           LONG_STEPS: so many steps of three sizes beside each kind of request, and a
+ *           table of how long they took.
+ * Threads:  one in each process.
+ */
+#include <grp.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "grid.h"
+#include "hog.h"
+
+#define OTHER_USER 65534u
+#define HOGS_MAX   3
+#define STEPS      25 /* beside one request, at least */
+#define STEPS_MAX  100000u
+
+/* Shared with the process of a hog. */
+struct sty {
+    atomic_uint begun;  /* long requests that it has sent */
+    atomic_uint ended;  /* of these, answered */
+    atomic_bool failed; /* one of them, or what came before */
+    atomic_bool stop;
+    pid_t pid;
+};
+
+static struct sty *sties; /* [HOGS_MAX] */
+static uint32_t steps;    /* LONG_STEPS; 0: no table */
+static const uint32_t sizes_checked[HOG_KINDS] = {3000, 50000, 400000, 400000};
+static const uint32_t sizes_measured[HOG_KINDS] = {2000, 50000, 1000000, 1000000};
+
+static int start(void **state)
+{
+    static const char *const options[] = {"--contacts-max", "100000", NULL};
+    const char *text = getenv("LONG_STEPS");
+
+    steps = text != NULL ? (uint32_t)strtoul(text, NULL, 10) : 0;
+    steps = steps < STEPS_MAX ? steps : STEPS_MAX;
+    sties = mmap(NULL, HOGS_MAX * sizeof(*sties), PROT_READ | PROT_WRITE,
+                 MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    (void)state;
+    return sties != MAP_FAILED && test_shared_start_with(options) == 0 &&
+                   chmod(test_shared.directory, 0755) == 0 &&
+                   chmod(test_shared.socket, 0666) == 0
+               ? 0
+               : -1;
+}
+
+/* ---- hogs -------------------------------------------------------------------------- */
+
+/* In a child: one long request after the other. */
+static bool live(struct sty *sty, enum hog_kind kind, uint32_t triangles)
+{
+    static struct hog hog;
+
+    if (!test_hog_open(&hog, test_shared.socket, kind, triangles)) {
+        return false;
+    }
+    while (!atomic_load(&sty->stop)) {
+        atomic_fetch_add(&sty->begun, 1);
+        if (!test_hog_begin(&hog) || test_hog_end(&hog, NULL) != 0) {
+            return false;
+        }
+        atomic_fetch_add(&sty->ended, 1);
+        if (!test_hog_again(&hog)) {
+            return false;
+        }
+    }
+    test_hog_close(&hog);
+    return true;
+}
+
+/* Let one in, of another user than root if that is wanted and can be. It computes when
+ * this returns. */
+static void let_in(int number, enum hog_kind kind, uint32_t triangles, bool is_other)
+{
+    struct sty *sty = &sties[number];
+    pid_t pid;
+
+    memset(sty, 0, sizeof(*sty));
+    pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        bool is_right_user =
+            !is_other || (setgroups(0, NULL) == 0 && setgid(OTHER_USER) == 0 &&
+                          setuid(OTHER_USER) == 0);
+        test_end_with_parent();
+        atomic_store(&sty->failed, !is_right_user || !live(sty, kind, triangles));
+        _exit(0);
+    }
+    sty->pid = pid;
+    for (int i = 0; i < 6000 && atomic_load(&sty->begun) == 0; i++) {
+        test_sleep_ms(10);
+    }
+    test_sleep_ms(50);
+    assert_false(atomic_load(&sty->failed));
+    assert_true(atomic_load(&sty->begun) > 0);
+}
+
+static bool is_busy(const struct sty *sty)
+{
+    return atomic_load(&sty->begun) > atomic_load(&sty->ended);
+}
+
+static void drive_out(struct sty *sty)
+{
+    pid_t pid = sty->pid;
+
+    sty->pid = 0;
+    assert_int_equal(kill(pid, SIGKILL), 0);
+    assert_int_equal(waitpid(pid, NULL, 0), pid);
+    assert_false(atomic_load(&sty->failed));
+}
+
+/* After a test, whatever it came to. */
+static int drive_all_out(void **state)
+{
+    (void)state;
+    for (int i = 0; i < HOGS_MAX; i++) {
+        if (sties[i].pid != 0) {
+            drive_out(&sties[i]);
+        }
+    }
+    return 0;
+}
+
+/* ---- beside ------------------------------------------------------------------------ */
+
+/* Steps that are answered while the long request that is computed now goes on, up to
+ * `most`. */
+static uint32_t step_beside(struct test_crossing *crossing, const struct sty *sty,
+                            uint32_t most)
+{
+    uint32_t count = 0;
+    uint32_t ended;
+
+    for (int i = 0; i < 60000 && !is_busy(sty); i++) {
+        test_sleep_ms(1);
+    }
+    ended = atomic_load(&sty->ended);
+    while (count < most) {
+        assert_true(test_crossing_turn(crossing));
+        if (atomic_load(&sty->ended) != ended || !is_busy(sty)) {
+            break;
+        }
+        count++;
+    }
+    return count;
+}
+
+static void check_beside(enum hog_kind kind, bool is_other)
+{
+    struct test_crossing crossing;
+    struct pccd_client *client = test_connect(test_shared.url);
+    uint32_t most = 0;
+
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    let_in(0, kind, sizes_checked[kind], is_other);
+    /* What prepares it is over soon after, as a commit is: some rounds of these. */
+    for (int i = 0; i < 5 && most < STEPS; i++) {
+        uint32_t count = step_beside(&crossing, &sties[0], STEPS);
+        most = count > most ? count : most;
+    }
+    print_message("# %s of %s: %u steps during one\n", test_hog_name(kind),
+                  is_other ? "another user" : "the same user", most);
+    assert_int_equal(most, STEPS);
+    drive_out(&sties[0]);
+    pccd_close(client);
+}
+
+/* If it failed, a client's request would have to wait until what another one has asked
+ * for is computed, however long that takes. */
+static void long__request_of_the_same_user_holds_up_nobody(void **state)
+{
+    (void)state;
+    for (enum hog_kind kind = 0; kind < HOG_KINDS; kind++) {
+        check_beside(kind, false);
+    }
+}
+
+/* The same of users who have nothing to do with each other. */
+static void long__request_of_another_user_holds_up_nobody(void **state)
+{
+    (void)state;
+    if (geteuid() != 0) {
+        skip();
+    }
+    for (enum hog_kind kind = 0; kind < HOG_KINDS; kind++) {
+        check_beside(kind, true);
+    }
+}
+
+/* If it failed, a user with three such requests would stop all sessions of this user, or
+ * those of others, too. */
+static void long__three_at_once_hold_up_nobody(void **state)
+{
+    bool is_other = geteuid() == 0;
+    struct test_crossing crossing;
+    struct pccd_client *client = test_connect(test_shared.url);
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    for (int i = 0; i < 3; i++) {
+        let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], is_other && i == 0);
+    }
+    assert_int_equal(step_beside(&crossing, &sties[1], STEPS), STEPS);
+    for (int i = 0; i < 3; i++) {
+        assert_true(is_busy(&sties[i]));
+        drive_out(&sties[i]);
+    }
+    pccd_close(client);
+}
+
+/* One turn of the grid, down or up. */
+static struct pccd_answer turn(struct test_grid *grid)
+{
+    struct pccd_answer answer;
+    uint64_t step = 0;
+
+    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
+    assert_int_equal(pccd_wait(grid->client, step, 600000, &answer), 0);
+    assert_true(test_grid_is_right(grid, &answer));
+    pccd_answer_release(grid->client, &answer);
+    return answer;
+}
+
+/* If it failed, what a step finds would depend on which thread computes it, or on what is
+ * computed meanwhile. */
+static void long__answers_beside_it_are_the_same_bytes(void **state)
+{
+    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_answer alone[2];
+    struct test_grid grid;
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, 60, &grid), 0);
+    for (int i = 0; i < 2; i++) {
+        alone[i] = turn(&grid);
+    }
+    let_in(0, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], false);
+    for (int i = 0; i < 6; i++) {
+        struct pccd_answer beside = turn(&grid);
+        const struct pccd_answer *same = &alone[i % 2];
+        assert_true(is_busy(&sties[0]));
+        assert_memory_equal(beside.hash, same->hash, sizeof(same->hash));
+        assert_int_equal(beside.total, same->total);
+    }
+    drive_out(&sties[0]);
+    pccd_close(client);
+    test_grid_free(&grid);
+}
+
+/* ---- a scene that is used by both -------------------------------------------------- */
+
+/* A client that takes part in the scene "stack". */
+static struct pccd_client *take_part(uint32_t *scene)
+{
+    const struct pccd_scene_settings settings = {.name = "stack",
+                                                 .share = PCCD_SHARE_OPEN};
+    struct pccd_client *client = test_connect(test_shared.url);
+
+    assert_non_null(client);
+    assert_int_equal(pccd_scene_create(client, &settings, scene), 0);
+    return client;
+}
+
+/* Coincident triangles. */
+static void add_stack(struct pccd_client *client, uint32_t scene, uint32_t triangles)
+{
+    static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    float(*x)[3] = malloc(3 * triangles * sizeof(*x));
+    uint32_t(*indices)[3] = malloc(triangles * sizeof(*indices));
+    uint32_t mesh = 0;
+    uint32_t object = 0;
+
+    assert_true(x != NULL && indices != NULL);
+    for (uint32_t i = 0; i < 3 * triangles; i++) {
+        memcpy(x[i], corners[i % 3], sizeof(*x));
+        indices[i / 3][i % 3] = i;
+    }
+    assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3 * triangles, indices,
+                                      triangles, &mesh, NULL),
+                     0);
+    assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+    free(x);
+    free(indices);
+}
+
+/* Ends early, as it is told to. */
+static void cancel(struct pccd_client *client, uint64_t step)
+{
+    struct pccd_answer answer;
+
+    assert_int_equal(pccd_cancel(client, step), 0);
+    assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+    pccd_answer_release(client, &answer);
+}
+
+/* If it failed, two threads would work on one scene at once, or a member whose step waits
+ * for that of another would hold up those who have nothing to do with the scene. */
+static void long__step_of_a_shared_scene_holds_up_only_its_members(void **state)
+{
+    struct pccd_client *clients[2];
+    struct test_crossing crossing;
+    struct pccd_answer answer;
+    uint32_t scenes[2];
+    uint64_t submitted[2];
+    struct pccd_client *client = test_connect(test_shared.url);
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    for (int i = 0; i < 2; i++) {
+        clients[i] = take_part(&scenes[i]);
+    }
+    add_stack(clients[0], scenes[0], sizes_checked[HOG_COINCIDENT]);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pccd_submit_still(clients[i], scenes[i], NULL, &submitted[i]),
+                         0);
+    }
+    for (int i = 0; i < STEPS; i++) {
+        assert_true(test_crossing_turn(&crossing));
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pccd_poll(clients[i], &answer), PCCD_E_AGAIN);
+    }
+    cancel(clients[0], submitted[0]);
+    assert_int_equal(pccd_poll(clients[1], &answer), PCCD_E_AGAIN); /* its turn is now */
+    cancel(clients[1], submitted[1]);
+    for (int i = 0; i < 2; i++) {
+        pccd_close(clients[i]);
+    }
+    pccd_close(client);
+}
+
+/* ---- a bound ----------------------------------------------------------------------- */
+
+/* A step of coincident triangles, with a deadline unless that is 0. Returns how it ended;
+ * *taken_ms: what it took. */
+static enum pccd_incomplete step_stack(struct pccd_client *client, uint32_t scene,
+                                       uint64_t deadline_ms, uint64_t *taken_ms)
+{
+    const struct pccd_step_settings settings = {.deadline_ns = deadline_ms * 1000000};
+    struct pccd_answer answer;
+    uint64_t begin_ms = test_now_ms();
+    uint64_t step = 0;
+
+    assert_int_equal(pccd_submit_still(client, scene, &settings, &step), 0);
+    assert_int_equal(pccd_wait(client, step, 600000, &answer), 0);
+    *taken_ms = test_now_ms() - begin_ms;
+    pccd_answer_release(client, &answer);
+    return answer.incomplete;
+}
+
+/* If it failed, an operator could not keep steps from computing for as long as they like,
+ * or clients would be told something else than of a deadline of their own, or would have
+ * that changed. */
+static void long__step_ends_when_the_operator_says(void **state)
+{
+    static const char *const options[] = {"--step-max-ms", "300", NULL};
+    struct test_crossing crossing;
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    uint64_t taken_ms = 0;
+    uint32_t scene = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    add_stack(client, scene, sizes_checked[HOG_COINCIDENT]);
+    assert_int_equal(step_stack(client, scene, 0, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
+    assert_true(taken_ms >= 300);
+    assert_int_equal(step_stack(client, scene, 60000, &taken_ms),
+                     PCCD_INCOMPLETE_DEADLINE);
+    assert_true(taken_ms >= 300 && taken_ms < 30000);
+    /* The client's own one is sooner; then the operator's is later, and sooner again. */
+    assert_int_equal(pccd_config_set(client, "step-max-ms", "60000"), 0);
+    assert_int_equal(step_stack(client, scene, 50, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
+    assert_true(taken_ms >= 50 && taken_ms < 30000);
+    assert_int_equal(pccd_config_set(client, "step-max-ms", "20"), 0);
+    assert_int_equal(step_stack(client, scene, 0, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
+    assert_true(taken_ms >= 20 && taken_ms < 30000);
+    assert_int_equal(pccd_config_set(client, "step-max-ms", "86400001"), PCCD_E_INVAL);
+    /* Whatever it is, what needs less time is whole; 0 bounds nothing. */
+    assert_int_equal(pccd_config_set(client, "step-max-ms", "5000"), 0);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_true(test_crossing_turn(&crossing));
+    assert_int_equal(pccd_config_set(client, "step-max-ms", "0"), 0);
+    assert_int_equal(step_stack(client, scene, 700, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
+    assert_true(taken_ms >= 700);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* ---- the table --------------------------------------------------------------------- */
+
+struct times {
+    double p50_ms;
+    double p99_ms;
+    uint32_t count;
+};
+
+static int by_value(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a;
+    uint64_t y = *(const uint64_t *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Steps of the grid, with pauses as of a program that draws: beside the hog only those
+ * that were begun while its request was computed. */
+static struct times measure(struct test_grid *grid, const struct sty *sty, uint32_t count)
+{
+    static uint64_t taken_us[STEPS_MAX];
+    struct times times = {.count = 0};
+    uint64_t end_ms = test_now_ms() + 120000;
+
+    while (times.count < count && test_now_ms() < end_ms) {
+        bool counts = sty == NULL || is_busy(sty);
+        uint64_t begin_us = test_now_us();
+        (void)turn(grid);
+        taken_us[times.count] = test_now_us() - begin_us;
+        times.count += counts;
+        (void)usleep(1000);
+    }
+    assert_true(times.count > 0);
+    qsort(taken_us, times.count, sizeof(*taken_us), by_value);
+    times.p50_ms = (double)taken_us[times.count / 2] / 1000;
+    times.p99_ms = (double)taken_us[times.count - 1 - times.count / 100] / 1000;
+    return times;
+}
+
+static void measure_kind(struct test_grid *grid, enum hog_kind kind, bool is_other)
+{
+    struct times alone = measure(grid, NULL, steps);
+    struct times beside;
+
+    let_in(0, kind, sizes_measured[kind], is_other);
+    beside = measure(grid, &sties[0], steps);
+    drive_out(&sties[0]);
+    print_message("# %-20s %-7s %6u triangles: alone p50 %7.2f p99 %7.2f ms, beside p50 "
+                  "%7.2f p99 %7.2f ms (%u steps); 2 x p99 alone + 20 ms: %s\n",
+                  test_hog_name(kind), is_other ? "other" : "same",
+                  2 * (grid->side - 1) * (grid->side - 1), alone.p50_ms, alone.p99_ms,
+                  beside.p50_ms, beside.p99_ms, beside.count,
+                  beside.p99_ms <= 2 * alone.p99_ms + 20 ? "within" : "beyond");
+}
+
+/* The figures, on a machine that is left alone. */
+static void long__requests_leave_others_their_share(void **state)
+{
+    static const uint32_t sides[] = {3, 60, 250};
+
+    (void)state;
+    if (steps == 0) {
+        skip();
+    }
+    for (size_t i = 0; i < sizeof(sides) / sizeof(sides[0]); i++) {
+        struct pccd_client *client = test_connect(test_shared.url);
+        struct test_grid grid;
+
+        assert_non_null(client);
+        assert_int_equal(test_grid_make(client, sides[i], &grid), 0);
+        for (enum hog_kind kind = 0; kind < HOG_KINDS; kind++) {
+            measure_kind(&grid, kind, false);
+            if (geteuid() == 0) {
+                measure_kind(&grid, kind, true);
+            }
+        }
+        pccd_close(client);
+        test_grid_free(&grid);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(long__request_of_the_same_user_holds_up_nobody,
+                                  drive_all_out),
+        cmocka_unit_test_teardown(long__request_of_another_user_holds_up_nobody,
+                                  drive_all_out),
+        cmocka_unit_test_teardown(long__three_at_once_hold_up_nobody, drive_all_out),
+        cmocka_unit_test_teardown(long__answers_beside_it_are_the_same_bytes,
+                                  drive_all_out),
+        cmocka_unit_test_teardown(long__step_of_a_shared_scene_holds_up_only_its_members,
+                                  drive_all_out),
+        cmocka_unit_test(long__step_ends_when_the_operator_says),
+        cmocka_unit_test_teardown(long__requests_leave_others_their_share, drive_all_out),
+    };
+
+    return cmocka_run_group_tests_name("long", tests, start, test_shared_stop);
+}

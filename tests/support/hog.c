@@ -1,0 +1,199 @@
+/* hog.c - requests that compute for seconds.
+ *
+ * Room:     tests/support. See hog.h.
+ * Does:     make the triangles, and send them through a slot.
+ * Threads:  one.
+ */
+#include "hog.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "prng.h"
+
+#define WAIT_MS      600000
+#define SEGMENT_ROOM 32u /* of a slot: one segment, then positions */
+
+static const char *const names[HOG_KINDS] = {"coincident triangles", "fan of triangles",
+                                             "mesh.commit", "scene.add"};
+
+const char *test_hog_name(enum hog_kind kind)
+{
+    return names[kind];
+}
+
+static uint32_t vertices_of(const struct hog *hog)
+{
+    return hog->kind == HOG_FAN ? 2 * hog->triangles + 1 : 3 * hog->triangles;
+}
+
+/* Vertices are three of each triangle but in a fan, where the first is everybody's. */
+static void put_triangles(const struct hog *hog, uint32_t (*triangles)[3])
+{
+    for (uint32_t i = 0; i < hog->triangles; i++) {
+        bool is_fan = hog->kind == HOG_FAN;
+        triangles[i][0] = is_fan ? 0 : 3 * i;
+        triangles[i][1] = is_fan ? 2 * i + 1 : 3 * i + 1;
+        triangles[i][2] = is_fan ? 2 * i + 2 : 3 * i + 2;
+    }
+}
+
+static void put_vertex(const struct hog *hog, struct prng *prng, uint32_t i, float x[3])
+{
+    static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    for (int k = 0; k < 3; k++) {
+        if (hog->kind == HOG_COINCIDENT) {
+            x[k] = corners[i % 3][k];
+        } else if (hog->kind == HOG_FAN) {
+            float angle = 6.2831853f * (float)((i + 1) / 2) / (float)hog->triangles;
+            const float way[3] = {cosf(angle), sinf(angle), i % 2 == 0 ? 1.f : -1.f};
+            x[k] = i == 0 ? 0 : way[k];
+        } else {
+            x[k] = (float)(prng_below(prng, 1u << 20));
+        }
+    }
+}
+
+static void put_vertices(const struct hog *hog, float (*x)[3], float height)
+{
+    struct prng prng = {hog->triangles};
+    for (uint32_t i = 0; i < vertices_of(hog); i++) {
+        put_vertex(hog, &prng, i, x[i]);
+        x[i][2] += height;
+    }
+}
+
+/* Vertices and triangles, without the commit. */
+static bool fill(struct hog *hog)
+{
+    uint32_t count = vertices_of(hog);
+    struct proto_MESH_CREATE_request create = {.vertex_count = count,
+                                               .triangle_count = hog->triangles};
+    struct proto_MESH_CREATE_result created;
+    float(*x)[3] = malloc(count * sizeof *x);
+    uint32_t(*triangles)[3] = malloc(hog->triangles * sizeof *triangles);
+    bool worked =
+        x != NULL && triangles != NULL &&
+        test_raw_call(&hog->raw, PROTO_METHOD_MESH_CREATE, &create, &created) == 0;
+    if (worked) {
+        put_vertices(hog, x, 0);
+        put_triangles(hog, triangles);
+        hog->mesh = created.mesh;
+        worked =
+            test_raw_fill(&hog->raw, hog->mesh, x, count, triangles, hog->triangles) == 0;
+    }
+    free(x);
+    free(triangles);
+    return worked;
+}
+
+static bool commit(struct hog *hog)
+{
+    const struct proto_MESH_COMMIT_request request = {.mesh = hog->mesh};
+    return test_raw_call(&hog->raw, PROTO_METHOD_MESH_COMMIT, &request, NULL) == 0;
+}
+
+static bool add(struct hog *hog)
+{
+    const struct proto_SCENE_ADD_request request = {.scene = hog->scene,
+                                                    .mesh = hog->mesh};
+    struct proto_SCENE_ADD_result added;
+    if (test_raw_call(&hog->raw, PROTO_METHOD_SCENE_ADD, &request, &added) != 0) {
+        return false;
+    }
+    hog->object = added.object;
+    return true;
+}
+
+bool test_hog_open(struct hog *hog, const char *socket, enum hog_kind kind,
+                   uint32_t triangles)
+{
+    const struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    hog->kind = kind;
+    hog->triangles = triangles;
+    hog->id = 0;
+    test_raw_wait_ms = WAIT_MS;
+    if (!test_raw_open(&hog->raw, socket) || test_raw_hello(&hog->raw) != 0 ||
+        test_raw_attach(&hog->raw, 2, SEGMENT_ROOM + 36ull * triangles) != 0 ||
+        test_raw_call(&hog->raw, PROTO_METHOD_SCENE_CREATE, &create, &created) != 0) {
+        return false;
+    }
+    hog->scene = created.scene;
+    return fill(hog) && (kind == HOG_COMMIT || commit(hog)) &&
+           (kind == HOG_COMMIT || kind == HOG_ADD || add(hog));
+}
+
+/* A step that moves all of it up by 1/8. */
+static uint32_t submit(struct hog *hog)
+{
+    const struct proto_segment segment = {.object = hog->object,
+                                          .kind = PROTO_SEGMENT_X1,
+                                          .count = vertices_of(hog),
+                                          .offset1 = SEGMENT_ROOM};
+    uint8_t *payload = test_raw_payload(&hog->raw, 0);
+    memcpy(payload, &segment, sizeof segment);
+    put_vertices(hog, (float(*)[3])(void *)(payload + SEGMENT_ROOM), 0.125f);
+    const struct proto_FRAME_SUBMIT_request request = {
+        .scene = hog->scene, .seq = test_raw_publish(&hog->raw, 0), .segments = 1};
+    return test_raw_request(&hog->raw, PROTO_METHOD_FRAME_SUBMIT, &request);
+}
+
+bool test_hog_begin(struct hog *hog)
+{
+    const struct proto_MESH_COMMIT_request commit_it = {.mesh = hog->mesh};
+    const struct proto_SCENE_ADD_request add_it = {.scene = hog->scene,
+                                                   .mesh = hog->mesh};
+    switch (hog->kind) {
+    case HOG_COMMIT:
+        hog->id = test_raw_request(&hog->raw, PROTO_METHOD_MESH_COMMIT, &commit_it);
+        break;
+    case HOG_ADD:
+        hog->id = test_raw_request(&hog->raw, PROTO_METHOD_SCENE_ADD, &add_it);
+        break;
+    default:
+        hog->id = submit(hog);
+        break;
+    }
+    return hog->id != 0;
+}
+
+int test_hog_end(struct hog *hog, struct proto_FRAME_SUBMIT_result *answer)
+{
+    struct proto_SCENE_ADD_result added;
+    uint32_t id = hog->id;
+    int rc;
+    hog->id = 0;
+    switch (hog->kind) {
+    case HOG_COMMIT:
+        return test_raw_answer(&hog->raw, id, PROTO_METHOD_MESH_COMMIT, NULL);
+    case HOG_ADD:
+        rc = test_raw_answer(&hog->raw, id, PROTO_METHOD_SCENE_ADD, &added);
+        hog->object = rc == 0 ? added.object : 0;
+        return rc;
+    default:
+        return test_raw_answer(&hog->raw, id, PROTO_METHOD_FRAME_SUBMIT, answer);
+    }
+}
+
+bool test_hog_again(struct hog *hog)
+{
+    const struct proto_MESH_DESTROY_request destroy = {.mesh = hog->mesh};
+    const struct proto_SCENE_REMOVE_request leave = {.scene = hog->scene,
+                                                     .object = hog->object};
+    switch (hog->kind) {
+    case HOG_COMMIT:
+        return test_raw_call(&hog->raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL) == 0 &&
+               fill(hog);
+    case HOG_ADD:
+        return test_raw_call(&hog->raw, PROTO_METHOD_SCENE_REMOVE, &leave, NULL) == 0;
+    default:
+        return true;
+    }
+}
+
+void test_hog_close(struct hog *hog)
+{
+    test_raw_close(&hog->raw);
+}

@@ -1,0 +1,250 @@
+/* test_srv_runners.c - several threads that compute from one queue.
+ *
+ * Room:     tests; sees daemon/service/compute.h.
+ * Does:     who may run beside whom: beside long jobs only, as many as a user may have,
+ *           and nobody beside one that uses the same thing. What one thread does is
+ *           test_srv_compute.c.
+ */
+#include <semaphore.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#include "compute.h"
+#include "invariant.h"
+#include "memory.h"
+#include "now.h"
+
+#define CAPACITY 64u
+#define RUNNERS  4u
+#define USERS    3
+#define LANES    6
+
+/* Jobs that wait until they are let go. */
+struct gate {
+    struct srv_job job; /* first */
+    sem_t open;
+    _Atomic bool has_begun;
+    _Atomic bool has_ended;
+    uint32_t runner; /* [compute] that ran it */
+    struct srv_claim *claim;
+};
+
+static struct srv_compute compute;
+static struct srv_group users[USERS];
+static struct srv_lane lanes[USERS][LANES];
+static struct gate gates[USERS * LANES];
+static uint32_t gate_count;
+
+static void on_enter(void *context, uint32_t number)
+{
+    (void)context;
+    eng_payer()->number = number;
+}
+
+static void on_notify(void *context)
+{
+    (void)context;
+}
+
+static void run(struct srv_job *job)
+{
+    struct gate *gate = (struct gate *)job;
+    srv_assert_compute();
+    gate->runner = eng_payer()->number;
+    gate->has_begun = true;
+    sem_wait(&gate->open);
+}
+
+static void done(struct srv_job *job)
+{
+    ((struct gate *)job)->has_ended = true;
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    srv_thread_enter(SRV_THREAD_LOOP);
+    gate_count = 0;
+    for (int u = 0; u < USERS; u++) {
+        users[u] = (struct srv_group){.running = 0};
+        for (int l = 0; l < LANES; l++) {
+            lanes[u][l] = (struct srv_lane){.group = &users[u]};
+        }
+    }
+    return srv_compute_start(&compute, CAPACITY, RUNNERS, on_enter, on_notify, NULL);
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    srv_compute_stop(&compute);
+    return 0;
+}
+
+/* A job of that lane, that uses *claim unless it is NULL. */
+static struct gate *push(int user, int lane, struct srv_claim *claim)
+{
+    struct gate *gate = &gates[gate_count++];
+    *gate = (struct gate){.claim = claim};
+    sem_init(&gate->open, 0, 0);
+    srv_job_init(&gate->job, run, done);
+    gate->job.claims = &gate->claim;
+    gate->job.claim_count = claim != NULL;
+    assert_int_equal(srv_compute_push(&compute, &lanes[user][lane], &gate->job), 0);
+    return gate;
+}
+
+static void pause_ms(long ms)
+{
+    const struct timespec pause = {0, ms * 1000000};
+    nanosleep(&pause, NULL);
+}
+
+/* As the loop does: look, and start what is wanted, until it is so, 10 s at most. */
+static bool await(_Atomic bool *flag)
+{
+    for (int i = 0; i < 10000 && !*flag; i++) {
+        bool wants_runner = false;
+        (void)srv_compute_look(&compute, &wants_runner);
+        if (wants_runner) {
+            assert_int_equal(srv_compute_add_runner(&compute), 0);
+        }
+        srv_compute_drain(&compute);
+        pause_ms(1);
+    }
+    return *flag;
+}
+
+/* Nothing of it happens for three times as long as a job is not long. */
+static void expect_waiting(struct gate *gate)
+{
+    uint64_t end_ns = srv_now_ns() + 3u * SRV_LONG_NS;
+    while (srv_now_ns() < end_ns) {
+        bool wants_runner = false;
+        (void)srv_compute_look(&compute, &wants_runner);
+        if (wants_runner) {
+            assert_int_equal(srv_compute_add_runner(&compute), 0);
+        }
+        pause_ms(1);
+    }
+    assert_false(gate->has_begun);
+}
+
+static void end(struct gate *gate)
+{
+    sem_post(&gate->open);
+    assert_true(await(&gate->has_ended));
+    sem_destroy(&gate->open);
+}
+
+/* If it failed, whoever asks for something would wait until a long job of another session
+ * has ended; or two jobs of one session would run at once. */
+static void runners__one_begins_beside_a_long_job(void **state)
+{
+    (void)state;
+    struct gate *first = push(0, 0, NULL);
+    assert_true(await(&first->has_begun));
+    struct gate *same = push(0, 0, NULL);
+    struct gate *other = push(0, 1, NULL);
+    assert_true(await(&other->has_begun));
+    assert_int_equal(first->runner, 0);
+    assert_int_equal(other->runner, 1);
+    end(other);
+    expect_waiting(same);
+    end(first);
+    assert_true(await(&same->has_begun));
+    end(same);
+}
+
+/* If it failed, threads would fight for the processors where one after the other would
+ * end sooner, or one that has nothing to do would be woken for each job. */
+static void runners__there_is_one_while_no_job_is_long(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 200; i++) {
+        bool wants_runner = true;
+        gate_count = 0;
+        struct gate *a = push(0, 0, NULL);
+        struct gate *b = push(1, 0, NULL);
+        sem_post(&a->open);
+        sem_post(&b->open);
+        if (srv_compute_look(&compute, &wants_runner) > SRV_LONG_NS) {
+            fail_msg("it is to look again later than a job can become long");
+        }
+        assert_true(await(&a->has_ended) && await(&b->has_ended));
+    }
+    /* Only a machine that took the thread off its processor for 10 ms makes one long. */
+    assert_in_range(compute.runner_count, 1, RUNNERS);
+    assert_int_equal(gates[0].runner, 0);
+    assert_int_equal(compute.running, 0);
+    assert_int_equal(compute.long_count, 0);
+}
+
+/* If it failed, a user with enough long jobs would stop all others. */
+static void runners__a_user_leaves_some_for_others(void **state)
+{
+    (void)state;
+    struct gate *mine[3];
+    for (int i = 0; i < 2; i++) {
+        mine[i] = push(0, i, NULL);
+        assert_true(await(&mine[i]->has_begun));
+    }
+    mine[2] = push(0, 2, NULL);
+    expect_waiting(mine[2]); /* two of four: as many as are left */
+    struct gate *other = push(1, 0, NULL);
+    struct gate *third = push(2, 0, NULL);
+    assert_true(await(&other->has_begun));
+    assert_true(await(&third->has_begun));
+    assert_false(mine[2]->has_begun);
+    end(other);
+    end(third);
+    end(mine[0]);
+    assert_true(await(&mine[2]->has_begun));
+    end(mine[1]);
+    end(mine[2]);
+}
+
+/* If it failed, two threads would change a scene at once, or a session that must wait for
+ * it would hold up others, or be forgotten. */
+static void runners__what_is_claimed_is_used_by_one(void **state)
+{
+    struct srv_claim scene = {.is_taken = false};
+    (void)state;
+    struct gate *first = push(0, 0, &scene);
+    assert_true(await(&first->has_begun));
+    struct gate *second = push(0, 1, &scene);
+    struct gate *third = push(1, 0, &scene);
+    struct gate *behind = push(1, 0, NULL);
+    struct gate *other = push(1, 1, NULL);
+    assert_true(await(&other->has_begun));
+    end(other);
+    expect_waiting(second);
+    assert_false(third->has_begun);
+    assert_false(behind->has_begun);
+    /* What waits for it can go, and what is behind that need not wait any more. */
+    assert_true(srv_compute_remove(&compute, &third->job));
+    assert_true(await(&behind->has_begun));
+    end(behind);
+    end(first);
+    assert_true(await(&second->has_begun));
+    end(second);
+    assert_false(scene.is_taken);
+    assert_null(compute.aside);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(runners__one_begins_beside_a_long_job),
+        TEST(runners__there_is_one_while_no_job_is_long),
+        TEST(runners__a_user_leaves_some_for_others),
+        TEST(runners__what_is_claimed_is_used_by_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
