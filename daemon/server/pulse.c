@@ -2,8 +2,8 @@
  *
  * Room:     server. See pulse.h.
  * Does:     beat twice in the time that the watchdog waits, from the loop itself: when it
- *           is stuck, so are the beats. A step that takes long keeps the compute thread
- *           and not the loop.
+ *           is stuck, so are the beats. Nor does it while a thread that computes is
+ *           stuck; one that computes for long is not.
  * Threads:  [loop]
  */
 #include "pulse.h"
@@ -34,11 +34,24 @@ static void add_status(struct srv_pulse *pulse, char *lines, size_t bytes)
              steps, proto_plural(steps, "step", "steps"));
 }
 
+/* Whether all is well, and say once if it is not. */
+static bool is_well(struct srv_pulse *pulse)
+{
+    bool is_stuck = srv_stuck_look(&pulse->stuck, &pulse->loop->compute);
+    if (is_stuck && !pulse->is_stuck) {
+        srv_log(SRV_LOG_ERROR, 0,
+                "a thread that computes is stuck; the watchdog is not "
+                "told any more that all is well");
+    }
+    pulse->is_stuck = is_stuck;
+    return !is_stuck;
+}
+
 static void on_timer(uv_timer_t *timer)
 {
     struct srv_pulse *pulse = timer->data;
     char lines[96] = "";
-    if (pulse->beats) {
+    if (pulse->beats && is_well(pulse)) {
         strcpy(lines, "WATCHDOG=1");
     }
     add_status(pulse, lines, sizeof lines);
@@ -47,7 +60,7 @@ static void on_timer(uv_timer_t *timer)
     }
 }
 
-void srv_pulse_init(struct srv_pulse *pulse, uv_loop_t *uv, const struct srv_loop *loop)
+void srv_pulse_init(struct srv_pulse *pulse, uv_loop_t *uv, struct srv_loop *loop)
 {
     *pulse = (struct srv_pulse){.loop = loop};
     uv_timer_init(uv, &pulse->timer);

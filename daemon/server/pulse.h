@@ -12,18 +12,22 @@
 #include <stdint.h>
 #include <uv.h>
 
+#include "stuck.h"
+
 struct srv_loop;
 
 struct srv_pulse {
-    const struct srv_loop *loop;
+    struct srv_loop *loop;
     uv_timer_t timer; /* to the next beat, or to the next word about clients */
     bool beats;       /* the manager has a watchdog: the timer never stops */
+    struct srv_stuck stuck;
+    bool is_stuck; /* a thread that computes; said once */
     uint32_t told_clients;
     uint64_t told_steps;
 };
 
 /* Before anything else of it; the timer is closed with the reactor's. */
-void srv_pulse_init(struct srv_pulse *pulse, uv_loop_t *uv, const struct srv_loop *loop);
+void srv_pulse_init(struct srv_pulse *pulse, uv_loop_t *uv, struct srv_loop *loop);
 
 /* Clients are served from now on: READY=1, and the beats begin. */
 void srv_pulse_ready(struct srv_pulse *pulse);

@@ -4,6 +4,7 @@
  * Does:     be the manager: a socket of its own in NOTIFY_SOCKET, real daemons.
  * Threads:  one.
  */
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -15,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ptrace.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -23,6 +25,7 @@
 #include <cmocka.h>
 
 #include "daemon.h"
+#include "hog.h"
 #include "messages.h"
 #include "raw.h"
 
@@ -230,6 +233,125 @@ static void notify__beats_twice_in_the_watchdogs_time(void **state)
     expect_end();
 }
 
+/* ---- a thread that stands ---------------------------------------------------------- */
+
+#define PATIENT_US "1000000" /* of a watchdog whose looks a busy machine lets be true */
+#define LOOK_MS    500
+
+/* Threads of the daemon but the first, in the order in which they were made. */
+static int other_threads(pid_t *threads, int most)
+{
+    char path[64];
+    int count = 0;
+    (void)snprintf(path, sizeof path, "/proc/%ld/task", (long)f.daemon);
+    DIR *folder = opendir(path);
+    assert_non_null(folder);
+    for (struct dirent *entry; (entry = readdir(folder)) != NULL && count < most;) {
+        pid_t thread = (pid_t)strtol(entry->d_name, NULL, 10);
+        if (thread > 0 && thread != f.daemon) {
+            threads[count++] = thread;
+        }
+    }
+    (void)closedir(folder);
+    return count;
+}
+
+/* Stop one thread, and no other, as nothing but a debugger can. False: we may not. */
+static bool freeze(pid_t thread)
+{
+    int status = 0;
+    return ptrace(PTRACE_SEIZE, thread, 0, 0) == 0 &&
+           ptrace(PTRACE_INTERRUPT, thread, 0, 0) == 0 &&
+           waitpid(thread, &status, __WALL) == thread;
+}
+
+static void thaw(pid_t thread)
+{
+    assert_int_equal(ptrace(PTRACE_DETACH, thread, 0, 0), 0);
+}
+
+/* Beats come for as long as several looks take. */
+static void expect_beats(void)
+{
+    forget_what_was_said();
+    for (int i = 0; i < 4; i++) {
+        assert_true(hear_of("WATCHDOG=1", 4 * LOOK_MS));
+    }
+}
+
+static void expect_no_beat(void)
+{
+    test_sleep_ms(4 * LOOK_MS);
+    forget_what_was_said();
+    assert_false(hear_of("WATCHDOG=1", 3 * LOOK_MS));
+}
+
+/* The daemon computes a long step. */
+static void let_compute(struct hog *hog, const char *threads, enum hog_kind kind)
+{
+    (void)setenv("WATCHDOG_USEC", PATIENT_US, 1);
+    manage(false);
+    start("--threads", threads);
+    assert_true(hear_of("WATCHDOG=1", END_MS));
+    assert_true(test_hog_open(hog, f.socket, kind, kind == HOG_FAN ? 50000 : 3000));
+    assert_true(test_hog_begin(hog));
+    test_sleep_ms(100);
+}
+
+/* If it failed, systemd would let a daemon live that answers what needs no computing and
+ * nothing else; or end one that computes for long. */
+static void notify__does_not_beat_while_a_thread_that_computes_stands(void **state)
+{
+    static struct hog hog;
+    pid_t threads[16];
+    (void)state;
+    let_compute(&hog, "1", HOG_COINCIDENT);
+    expect_beats();
+    int count = other_threads(threads, 16);
+    assert_true(count > 0);
+    if (!freeze(threads[0])) {
+        print_message("# this process may not stop a thread\n");
+        test_hog_close(&hog);
+        expect_end();
+        skip();
+    }
+    for (int i = 1; i < count; i++) {
+        assert_true(freeze(threads[i]));
+    }
+    expect_no_beat();
+    for (int i = 0; i < count; i++) {
+        thaw(threads[i]);
+    }
+    expect_beats();
+    test_hog_close(&hog);
+    expect_end();
+}
+
+/* If it failed, a step that does not end when it must would not be noticed where its
+ * thread is busy: here it waits for another of its team, and looks at it all the time. */
+static void notify__does_not_beat_while_a_step_does_not_end(void **state)
+{
+    static struct hog hog;
+    pid_t threads[16];
+    (void)state;
+    let_compute(&hog, "2", HOG_FAN);
+    int count = other_threads(threads, 16);
+    assert_true(count > 0);
+    if (!freeze(threads[count - 1])) { /* the team's second one */
+        print_message("# this process may not stop a thread\n");
+        test_hog_close(&hog);
+        expect_end();
+        skip();
+    }
+    const struct proto_CANCEL_request cancel = {.id = hog.id};
+    assert_true(test_raw_request(&hog.raw, PROTO_METHOD_CANCEL, &cancel) != 0);
+    expect_no_beat();
+    thaw(threads[count - 1]);
+    expect_beats();
+    test_hog_close(&hog);
+    expect_end();
+}
+
 /* If it failed, a process that systemd does not watch would speak for another. */
 static void notify__does_not_beat_for_another_process(void **state)
 {
@@ -346,8 +468,11 @@ static int tear_down(void **state)
     char path[96];
     (void)state;
     if (f.daemon > 0) {
+        pid_t ended;
         (void)kill(f.daemon, SIGKILL);
-        (void)waitpid(f.daemon, NULL, 0);
+        do { /* of threads that were stopped we hear first */
+            ended = waitpid(-1, NULL, __WALL);
+        } while (ended > 0 && ended != f.daemon);
     }
     if (f.fd >= 0) {
         (void)close(f.fd);
@@ -372,6 +497,8 @@ int main(void)
         WITH(notify__tells_how_many_clients_there_are),
         WITH(notify__beats_while_the_loop_turns),
         WITH(notify__beats_twice_in_the_watchdogs_time),
+        WITH(notify__does_not_beat_while_a_thread_that_computes_stands),
+        WITH(notify__does_not_beat_while_a_step_does_not_end),
         WITH(notify__does_not_beat_for_another_process),
         WITH(notify__lets_an_idle_daemon_sleep),
         WITH(notify__supervisor_is_ready_and_its_workers_beat),
