@@ -32,6 +32,12 @@ bool zoo_makes_tiny_scenes(struct zoo_cage *cage);
 bool zoo_dies_in_the_middle(struct zoo_cage *cage);
 bool zoo_stops_itself(struct zoo_cage *cage);
 
+/* animals_long.c: what takes seconds */
+bool zoo_stacks_triangles(struct zoo_cage *cage);
+bool zoo_fans_triangles_out(struct zoo_cage *cage);
+bool zoo_commits_heaps(struct zoo_cage *cage);
+bool zoo_adds_heaps(struct zoo_cage *cage);
+
 /* animals_share.c: scenes that are shared, and what is told of them */
 bool zoo_fights_over_a_scene(struct zoo_cage *cage);
 bool zoo_names_scenes(struct zoo_cage *cage);

@@ -10,6 +10,7 @@ zoo_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
 tests_zoo_test_zoo_animals_SOURCES = \
     tests/zoo/animals.h \
     tests/zoo/animals_data.c \
+    tests/zoo/animals_long.c \
     tests/zoo/animals_share.c \
     tests/zoo/animals_talk.c \
     tests/zoo/animals_work.c \
@@ -26,7 +27,7 @@ tests_zoo_test_zoo_idle_CPPFLAGS = $(zoo_cppflags)
 tests_zoo_test_zoo_idle_LDADD = $(zoo_libs)
 
 # All of it: seconds become minutes, and the figures are printed.
-.PHONY: zoo idle deadlines
+.PHONY: zoo idle deadlines long-requests
 zoo: tests/zoo/test_zoo_animals pccdd
 	@$(AM_TESTS_ENVIRONMENT) tests/zoo/test_zoo_animals --long
 
@@ -39,3 +40,7 @@ idle: tests/zoo/test_zoo_idle pccdd
 DEADLINE_ROUNDS = 2000
 deadlines: tests/integration/test_int_deadline pccdd
 	@$(AM_TESTS_ENVIRONMENT) DEADLINE_ROUNDS=$(DEADLINE_ROUNDS) tests/integration/test_int_deadline
+
+LONG_STEPS = 1000
+long-requests: tests/integration/test_int_long pccdd
+	@$(AM_TESTS_ENVIRONMENT) LONG_STEPS=$(LONG_STEPS) tests/integration/test_int_long
