@@ -57,6 +57,7 @@ target_sources = \
     tests/fuzz/target_query.c \
     tests/fuzz/target_slot.c \
     tests/fuzz/target_travel.c \
+    tests/fuzz/fuzz_scene.c tests/fuzz/fuzz_scene.h \
     tests/fuzz/visitor.c tests/fuzz/visitor.h \
     tests/fault/life.c tests/fault/life.h
 check_LTLIBRARIES += libfuzztargets.la

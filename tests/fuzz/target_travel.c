@@ -1,18 +1,18 @@
 /* target_travel.c - small objects that drive, jump and shrink, anywhere.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, engine headers, client/oracle.
- * Does:     keep a scene over some steps in which its objects go as the input says, at any
- *           distance from the origin and from each other, at any scale. Each answer is
- *           compared with a scene made anew, by the other method, and with brute force in
- *           exact arithmetic.
+ * Room:     tests/fuzz. May include: fuzz_scene.h, fuzz_target.h, engine headers.
+ * Does:     keep a scene over some steps in which its objects go as the input says, at
+ *           any distance from the origin and from each other, at any scale. Each answer
+ *           is compared with a scene made anew, by the other method, and with brute force
+ *           in exact arithmetic.
  * Threads:  one.
  */
 #include <math.h>
 #include <string.h>
 
+#include "fuzz_scene.h"
 #include "fuzz_target.h"
 #include "memory.h"
-#include "oracle_scene.h"
 #include "step.h"
 
 #define OBJECTS_MAX 5u
@@ -122,31 +122,16 @@ static int step_fresh(const struct tour *tour, enum eng_method method, enum eng_
 }
 
 static void check_contacts(const struct eng_step_result *result,
-                           const struct oracle_contacts *truth)
+                           const struct fuzz_scene_truth *truth)
 {
     const struct eng_contact *found = result->records;
     FUZZ_CHECK(result->count == truth->count);
     for (size_t i = 0; i < truth->count; i++) {
-        const struct oracle_pair *pair = &truth->pairs[i];
-        FUZZ_CHECK(found[i].kind == pair->kind && found[i].object_a == pair->object_a &&
-                   found[i].feature_a == pair->feature_a &&
-                   found[i].object_b == pair->object_b &&
-                   found[i].feature_b == pair->feature_b);
+        const uint32_t *name = truth->contacts[i];
+        FUZZ_CHECK(found[i].kind == name[0] && found[i].object_a == name[1] &&
+                   found[i].feature_a == name[2] && found[i].object_b == name[3] &&
+                   found[i].feature_b == name[4]);
     }
-}
-
-static void find(const struct tour *tour, struct oracle_contacts *truth)
-{
-    struct oracle_object objects[OBJECTS_MAX];
-    for (uint32_t i = 0; i < tour->count; i++) {
-        objects[i] = (struct oracle_object){i,
-                                            VERTICES,
-                                            TRIANGLES,
-                                            (const double(*)[3])tour->x0[i],
-                                            (const double(*)[3])tour->x1[i],
-                                            strip};
-    }
-    oracle_scene(objects, tour->count, truth);
 }
 
 /* One step of the scene that stays; returns whether it was answered. */
@@ -155,7 +140,7 @@ static bool drive(struct fuzz_input *input, struct tour *tour, enum eng_method m
     struct eng_step_result resident;
     struct eng_step_result fresh;
     struct eng_scene *scene = NULL;
-    struct oracle_contacts truth;
+    struct fuzz_scene_truth truth;
     enum eng_method other =
         method == ENG_METHOD_WIDE ? ENG_METHOD_PAPER : ENG_METHOD_WIDE;
     int status = ENG_OK;
@@ -176,7 +161,13 @@ static bool drive(struct fuzz_input *input, struct tour *tour, enum eng_method m
         return false;
     }
     fuzz_scarcity_pause();
-    find(tour, &truth);
+    const struct fuzz_scene scene_now = {tour->count,
+                                         VERTICES,
+                                         TRIANGLES,
+                                         strip,
+                                         (const double(*)[3])tour->x0[0],
+                                         (const double(*)[3])tour->x1[0]};
+    fuzz_scene_find(&scene_now, &truth);
     check_contacts(&resident, &truth);
     FUZZ_CHECK(step_fresh(tour, other, ENG_MODE_PAIRS, &scene, &fresh) == ENG_OK);
     FUZZ_CHECK(fresh.count == truth.beside);
@@ -184,7 +175,7 @@ static bool drive(struct fuzz_input *input, struct tour *tour, enum eng_method m
     FUZZ_CHECK(step_fresh(tour, other, ENG_MODE_ALL, &scene, &fresh) == ENG_OK);
     FUZZ_CHECK(fresh.hash_hi == resident.hash_hi && fresh.hash_lo == resident.hash_lo);
     eng_scene_free(scene);
-    oracle_contacts_deinit(&truth);
+    fuzz_scene_forget(&truth);
     fuzz_scarcity_resume();
     memcpy(tour->x0, tour->x1, sizeof tour->x0);
     return true;
