@@ -6,7 +6,7 @@
 # make bench-tables BENCH_ARGS=cloth-20k   one scene
 
 bench_names = bench/step bench/parallel bench/small bench/rebuild \
-    bench/kernels bench/roofline bench/wide bench/ipc bench/direct
+    bench/exact bench/kernels bench/roofline bench/wide bench/ipc bench/direct
 check_PROGRAMS += $(bench_names)
 
 # -iquote: bench/compare is no header of C++, <compare> is.
@@ -66,6 +66,10 @@ bench_small_LDADD = $(bench_engine_libs)
 bench_rebuild_SOURCES = bench/rebuild.c $(bench_engine_sources)
 bench_rebuild_CPPFLAGS = $(bench_engine_cppflags)
 bench_rebuild_LDADD = $(bench_engine_libs)
+
+bench_exact_SOURCES = bench/exact.c $(bench_engine_sources)
+bench_exact_CPPFLAGS = $(bench_engine_cppflags)
+bench_exact_LDADD = $(bench_engine_libs)
 
 bench_kernels_SOURCES = \
     bench/gather.c \

@@ -25,6 +25,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/direction.h \
     daemon/engine/elementary/exact.c \
     daemon/engine/elementary/exact.h \
+    daemon/engine/elementary/exact_roots.c \
+    daemon/engine/elementary/exact_roots.h \
     daemon/engine/elementary/exact_span.c \
     daemon/engine/elementary/motion.c \
     daemon/engine/elementary/motion.h \
@@ -35,6 +37,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/query.h \
     daemon/engine/elementary/rebase.c \
     daemon/engine/elementary/rebase.h \
+    daemon/engine/elementary/residue.c \
+    daemon/engine/elementary/residue.h \
     daemon/engine/elementary/separate.c \
     daemon/engine/elementary/separate.h \
     daemon/engine/elementary/solve.c \

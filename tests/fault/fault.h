@@ -36,7 +36,6 @@
     X(inotify_init1)                                                                     \
     X(listen)                                                                            \
     X(lstat)                                                                             \
-    X(madvise)                                                                           \
     X(memfd_create)                                                                      \
     X(mkdir)                                                                             \
     X(mmap)                                                                              \

@@ -207,6 +207,23 @@ static void make_resting(struct prng *prng, struct eng_query *query)
     }
 }
 
+/* The powers belong to the axes, to the points, or to single coordinates. */
+static void make_spread(struct prng *prng, struct eng_query *query)
+{
+    int exponents[3];
+    uint64_t how = prng_below(prng, 3);
+    int least = prng_below(prng, 8) == 0 ? -1070 : -300;
+    make_snapped(prng, query);
+    for (int k = 0; k < 3; k++) {
+        exponents[k] = least + (int)prng_below(prng, (uint64_t)(56 - least));
+    }
+    for (int i = 0; i < 24; i++) {
+        double *x = &query->x[i / 12][i / 3 % 4][i % 3];
+        int which = how == 0 ? i % 3 : how == 1 ? i / 3 % 3 : (int)prng_below(prng, 3);
+        *x = ldexp(*x, exponents[which]);
+    }
+}
+
 static void make_family(struct prng *prng, enum fuzz_family family,
                         struct eng_query *query)
 {
@@ -235,6 +252,9 @@ static void make_family(struct prng *prng, enum fuzz_family family,
         break;
     case FUZZ_RESTING:
         make_resting(prng, query);
+        break;
+    case FUZZ_SPREAD:
+        make_spread(prng, query);
         break;
     default:
         make_random(prng, query);
@@ -366,8 +386,8 @@ void fuzz_query_make(struct prng *prng, enum fuzz_family family, enum eng_kind k
 const char *fuzz_family_name(enum fuzz_family family)
 {
     static const char *const names[FUZZ_FAMILIES] = {
-        "random", "snapped",  "coplanar", "sliver",  "planted",
-        "near",   "crossing", "rim",      "grazing", "resting"};
+        "random",   "snapped", "coplanar", "sliver",  "planted", "near",
+        "crossing", "rim",     "grazing",  "resting", "spread"};
     return names[family];
 }
 
@@ -376,10 +396,10 @@ enum fuzz_family fuzz_family_some(struct prng *prng)
     /* A thousand; where most queries take exact arithmetic, of the engine or of the
      * judge, a query takes up to a hundred times as long as a random one. */
     static const unsigned weights[FUZZ_FAMILIES] = {
-        [FUZZ_RANDOM] = 315,   [FUZZ_SNAPPED] = 50, [FUZZ_COPLANAR] = 30,
+        [FUZZ_RANDOM] = 312,   [FUZZ_SNAPPED] = 50, [FUZZ_COPLANAR] = 30,
         [FUZZ_SLIVER] = 310,   [FUZZ_PLANTED] = 50, [FUZZ_NEAR] = 15,
         [FUZZ_CROSSING] = 212, [FUZZ_RIM] = 6,      [FUZZ_GRAZING] = 6,
-        [FUZZ_RESTING] = 6};
+        [FUZZ_RESTING] = 6,    [FUZZ_SPREAD] = 3};
     uint64_t left = prng_below(prng, 1000);
     int family = 0;
     while (family < FUZZ_FAMILIES - 1 && left >= weights[family]) {

@@ -25,6 +25,7 @@ enum fuzz_family {
     FUZZ_RIM,      /* meets on a rim or at a corner, up to rounding */
     FUZZ_GRAZING,  /* two roots that are one, nearly */
     FUZZ_RESTING,  /* nothing moves, or all of it together, up to rounding */
+    FUZZ_SPREAD,   /* small integers times powers of two that are far apart */
     FUZZ_FAMILIES
 };
 

@@ -292,8 +292,10 @@ static void exact__common_divisors_hold_the_common_roots(void **state)
     poly_of_roots(&p[2], common, 2);
     eng_poly_gcd(&p[3], &p[0], &p[1]);
     assert_int_equal(p[3].degree, 2);
-    for (int i = 0; i <= 2; i++) { /* equal up to the sign */
-        assert_int_equal(mpz_cmpabs(p[3].c[i], p[2].c[i]), 0);
+    for (int i = 0; i <= 2; i++) { /* proportional */
+        mpz_mul(p[4].c[0], p[3].c[i], p[2].c[2]);
+        mpz_mul(p[4].c[1], p[2].c[i], p[3].c[2]);
+        assert_int_equal(mpz_cmp(p[4].c[0], p[4].c[1]), 0);
     }
     poly_of_roots(&p[0], a_roots, 4);
     eng_poly_square_free(&p[3], &p[0], &p[4], &p[5], &p[6]);

@@ -1,6 +1,6 @@
 /* daemon/engine/elementary/exact.h - exact answers, for what rounding hides.
  *
- * Room:     engine. May include: poly.h, query.h, GMP.
+ * Room:     engine. May include: poly.h, query.h, residue.h, GMP.
  * Does:     decide on the binary inputs whether two features touch at t = 0 or t = 1,
  *           which side of each other they are on, and whether they meet within a span of
  *           time.
@@ -12,9 +12,19 @@
 
 #include "poly.h"
 #include "query.h"
+#include "residue.h"
 
 #define ENG_EXACT_WORDS      40
 #define ENG_EXACT_CONDITIONS 5
+
+/* Intervals num / 2^k of a span, see exact_span.c. */
+struct eng_exact_chain {
+    mpz_t top;
+    mpz_t bottom;
+    unsigned long top_k;
+    unsigned long bottom_k;
+    int variations;
+};
 
 /* Polynomials over a span, see exact_span.c. */
 struct eng_exact_span {
@@ -22,6 +32,10 @@ struct eng_exact_span {
     mpz_t l, r;       /* the ends, scaled by a power of two */
     mpz_t num;        /* interval at hand: [num, num + 1] / 2^k of the span */
     mpz_t end;        /* scratch */
+    mpz_t before;     /* num where a leap began */
+    struct eng_exact_chain chains[ENG_POLY_TERMS]; /* [chain_count] */
+    int chain_count;
+    struct eng_residue_points residues; /* of x */
     bool wants_first;
     unsigned long depth_min; /* k of the interval around a first root, at least */
     double found[2];         /* the earliest begin and end, of the span */
@@ -58,7 +72,7 @@ struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_que
                                    int end);
 
 /* Is there a contact at some t in [l, r], 0 <= l < r <= 1? By the definition, without
- * error. Typically 20 to 200 us. */
+ * error. Typically 10 to 100 us. */
 bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
                      double r);
 

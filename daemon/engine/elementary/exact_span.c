@@ -18,7 +18,7 @@
 #include <limits.h>
 #include <math.h>
 
-#include "exact.h"
+#include "exact_roots.h"
 
 static void init_all(struct eng_poly *polys, int count,
                      void (*init)(struct eng_poly *poly))
@@ -60,6 +60,11 @@ void eng_exact_init(struct eng_exact *exact)
     mpz_init2(exact->span.r, 2048);
     mpz_init2(exact->span.num, 1024);
     mpz_init2(exact->span.end, 1024);
+    mpz_init2(exact->span.before, 1024);
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_init2(exact->span.chains[i].top, 1024);
+        mpz_init2(exact->span.chains[i].bottom, 1024);
+    }
     for_all_polys(&exact->span, eng_poly_init);
     exact->queries = 0;
 }
@@ -72,7 +77,11 @@ void eng_exact_deinit(struct eng_exact *exact)
     for (int i = 0; i < 24; i++) {
         mpz_clear(exact->span.x[i / 12][i / 3 % 4][i % 3]);
     }
-    mpz_clears(exact->span.l, exact->span.r, exact->span.num, exact->span.end, NULL);
+    mpz_clears(exact->span.l, exact->span.r, exact->span.num, exact->span.end,
+               exact->span.before, NULL);
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_clears(exact->span.chains[i].top, exact->span.chains[i].bottom, NULL);
+    }
     for_all_polys(&exact->span, eng_poly_deinit);
 }
 
@@ -160,143 +169,13 @@ static void dot(struct eng_exact_span *span, struct eng_poly *out,
     }
 }
 
-/* What a condition demands at a root: >= 0, or > 0 for the last one
- * if `last_is_strict`. */
-struct conditions {
-    int count;
-    bool last_is_strict;
-};
-
-static bool accepts(const struct conditions *conditions, int i, int sign)
-{
-    return conditions->last_is_strict && i == conditions->count - 1 ? sign > 0
-                                                                    : sign >= 0;
-}
-
-/* Do all conditions hold at the left end of interval `num` / 2^k? */
-static bool hold_at_left(struct eng_exact_span *span, const struct conditions *conditions,
-                         unsigned long k)
-{
-    for (int i = 0; i < conditions->count; i++) {
-        eng_poly_zoom(&span->sign, &span->condition[i], span->num, k);
-        if (!accepts(conditions, i, eng_poly_sign_at_0(&span->sign))) {
-            return false;
-        }
-    }
-    return true;
-}
-
-enum verdict { NO, YES, REFINE };
-
-/* The interval holds exactly one root. A condition has a known sign there if it has no
- * root in the interval, or if it shares the root. */
-static enum verdict judge(struct eng_exact_span *span,
-                          const struct conditions *conditions, unsigned long k,
-                          bool has_common[ENG_EXACT_CONDITIONS])
-{
-    enum verdict verdict = YES;
-    for (int i = 0; i < conditions->count; i++) {
-        int sign;
-        eng_poly_zoom(&span->sign, &span->condition[i], span->num, k);
-        if (eng_poly_variations(&span->sign, &sign) > 0) {
-            if (!has_common[i]) {
-                eng_poly_copy(&span->scratch[1], &span->root);
-                eng_poly_copy(&span->scratch[2], &span->condition[i]);
-                eng_poly_gcd(&span->common[i], &span->scratch[1], &span->scratch[2]);
-                has_common[i] = true;
-            }
-            eng_poly_zoom(&span->sign, &span->common[i], span->num, k);
-            if (eng_poly_variations(&span->sign, &sign) % 2 == 0) {
-                verdict = REFINE;
-                continue;
-            }
-            sign = 0;
-        }
-        if (!accepts(conditions, i, sign)) {
-            return NO;
-        }
-    }
-    return verdict;
-}
-
-/* The interval after `num` / 2^k in order of time, merged upwards where both halves are
- * done: finished right halves finish their parents. */
-static void advance(struct eng_exact_span *span, unsigned long *k)
-{
-    mpz_add_ui(span->num, span->num, 1);
-    while (*k > 0 && mpz_even_p(span->num)) {
-        mpz_tdiv_q_2exp(span->num, span->num, 1);
-        (*k)--;
-    }
-}
-
-/* Something happens between num / 2^k and (num + `wide`) / 2^k. Rounded outward, and
- * merged with what was found before. */
-static void found_at(struct eng_exact_span *span, unsigned long k, unsigned wide)
-{
-    long exponent;
-    double number = mpz_get_d_2exp(&exponent, span->num); /* cut off, not rounded */
-    double from = ldexp(number, (int)(exponent - (long)k));
-    mpz_add_ui(span->end, span->num, wide);
-    number = mpz_get_d_2exp(&exponent, span->end);
-    double to = ldexp(number, (int)(exponent - (long)k)) * (1 + 0x1p-51);
-    to += number > 0 ? 0x1p-1022 : 0;
-    span->found[0] = fmin(span->found[0], from);
-    span->found[1] = fmin(span->found[1], to);
-}
-
-/* Does some root of `poly` (not zero) in [0, 1] satisfy the first conditions->count of
- * span->condition? Ends because distinct roots separate and shared ones are recognised.
- * With span->wants_first the root is the first of them, and span->found says where; else
- * it is any. */
-static bool root_satisfies(struct eng_exact_span *span, const struct eng_poly *poly,
-                           const struct conditions *conditions)
-{
-    bool has_common[ENG_EXACT_CONDITIONS] = {false};
-    unsigned long k = 0;
-    eng_poly_square_free(&span->root, poly, &span->scratch[0], &span->scratch[1],
-                         &span->scratch[2]);
-    if (span->root.degree < 1) {
-        return false;
-    }
-    mpz_set_ui(span->num, 1);
-    bool at_1 = eng_poly_sign_at_1(&span->root) == 0 && hold_at_left(span, conditions, 0);
-    if (at_1 && !span->wants_first) {
-        return true;
-    }
-    mpz_set_ui(span->num, 0);
-    while (k > 0 || mpz_sgn(span->num) == 0) {
-        int sign;
-        eng_poly_zoom(&span->zoomed, &span->root, span->num, k);
-        if (eng_poly_sign_at_0(&span->zoomed) == 0 && hold_at_left(span, conditions, k)) {
-            found_at(span, k, 0);
-            return true;
-        }
-        int roots = eng_poly_variations(&span->zoomed, &sign);
-        enum verdict verdict = roots == 0   ? NO
-                               : roots == 1 ? judge(span, conditions, k, has_common)
-                                            : REFINE;
-        if (verdict == YES && (!span->wants_first || k >= span->depth_min)) {
-            found_at(span, k, 1);
-            return true;
-        }
-        if (verdict == NO) {
-            advance(span, &k);
-        } else {
-            mpz_mul_2exp(span->num, span->num, 1);
-            k++;
-        }
-    }
-    if (at_1) {
-        found_at(span, 0, 0); /* num is 1 */
-    }
-    return at_1;
-}
-
 /* Does point i lie on the closed segment from j to k at some time? */
 static bool event_occurs(struct eng_exact *exact, int i, int j, int k)
 {
     struct eng_exact_span *span = &exact->span;
+    if (eng_residue_misses_line(&span->residues, span->x, exact->z, i, j, k)) {
+        return false;
+    }
     set_difference(exact, span->p, i, j);
     set_difference(exact, span->b, i, k);
     cross(span, span->m, span->p, span->b);
@@ -305,18 +184,18 @@ static bool event_occurs(struct eng_exact *exact, int i, int j, int k)
     eng_poly_gcd(&span->det, &span->gamma, &span->m[2]);
     if (span->det.degree < 0) {
         /* On one line all the time: is the product ever <= 0? */
-        const struct conditions none = {0, false};
+        const struct eng_conditions none = {0, false};
         if (eng_poly_sign_at_0(&span->beta) <= 0) {
             mpz_set_ui(span->num, 0);
-            found_at(span, 0, 0);
+            eng_roots_found_at(span, 0, 0);
             return true;
         }
-        return root_satisfies(span, &span->beta, &none);
+        return eng_roots_satisfy(span, &span->beta, &none);
     }
-    const struct conditions between = {1, false};
+    const struct eng_conditions between = {1, false};
     eng_poly_negate(&span->beta);
     eng_poly_copy(&span->condition[0], &span->beta);
-    return root_satisfies(span, &span->det, &between);
+    return eng_roots_satisfy(span, &span->det, &between);
 }
 
 static bool any_event_occurs(struct eng_exact *exact, enum eng_kind kind)
@@ -332,8 +211,7 @@ static bool any_event_occurs(struct eng_exact *exact, enum eng_kind kind)
     return any;
 }
 
-/* det and the conditions of the domain. */
-static struct conditions set_conditions(struct eng_exact *exact, enum eng_kind kind)
+static void set_det(struct eng_exact *exact, enum eng_kind kind)
 {
     struct eng_exact_span *span = &exact->span;
     if (kind == ENG_VF) {
@@ -347,6 +225,21 @@ static struct conditions set_conditions(struct eng_exact *exact, enum eng_kind k
     }
     cross(span, span->n, span->b, span->c);
     dot(span, &span->det, span->p, span->n);
+    eng_poly_shorten(&span->det);
+}
+
+/* Does det, which is not zero throughout, certainly not vanish in [0, 1]? */
+static bool det_keeps_its_sign(struct eng_exact_span *span)
+{
+    int sign;
+    return eng_poly_sign_at_0(&span->det) != 0 && eng_poly_sign_at_1(&span->det) != 0 &&
+           eng_poly_variations(&span->det, &sign) == 0;
+}
+
+/* The conditions of the domain; after set_det. */
+static struct eng_conditions set_conditions(struct eng_exact *exact, enum eng_kind kind)
+{
+    struct eng_exact_span *span = &exact->span;
     dot(span, &span->nn, span->n, span->n);
     cross(span, span->m, span->p, span->c);
     dot(span, &span->beta, span->m, span->n);
@@ -362,7 +255,10 @@ static struct conditions set_conditions(struct eng_exact *exact, enum eng_kind k
         eng_poly_sub(&span->condition[count++], &span->nn, &span->gamma);
     }
     eng_poly_copy(&span->condition[count++], &span->nn);
-    return (struct conditions){count, true};
+    for (int i = 0; i < count; i++) {
+        eng_poly_shorten(&span->condition[i]);
+    }
+    return (struct eng_conditions){count, true};
 }
 
 static bool meets(struct eng_exact *exact, const struct eng_query *query, double l,
@@ -373,17 +269,20 @@ static bool meets(struct eng_exact *exact, const struct eng_query *query, double
     span->found[0] = INFINITY;
     span->found[1] = INFINITY;
     load_points(exact, query, l, r);
-    struct conditions conditions = set_conditions(exact, query->kind);
+    set_det(exact, query->kind);
+    eng_residue_load(&span->residues, span->x);
     bool any = false;
     if (span->det.degree < 0) {
+        struct eng_conditions conditions = set_conditions(exact, query->kind);
         mpz_set_ui(span->num, 0);
-        any = hold_at_left(span, &conditions, 0);
+        any = eng_roots_hold_at_left(span, &conditions, 0);
         if (any) {
-            found_at(span, 0, 0);
+            eng_roots_found_at(span, 0, 0);
             return true;
         }
-    } else {
-        any = root_satisfies(span, &span->det, &conditions);
+    } else if (!det_keeps_its_sign(span)) {
+        struct eng_conditions conditions = set_conditions(exact, query->kind);
+        any = eng_roots_satisfy(span, &span->det, &conditions);
     }
     if (any && !span->wants_first) {
         return true;

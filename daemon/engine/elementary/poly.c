@@ -1,9 +1,9 @@
 /* daemon/engine/elementary/poly.c - polynomials with integer coefficients, exactly.
  *
  * Room:     engine.
- * Does:     integers of any length, primitive after each division to keep them short.
+ * Does:     integers of any length, divided by what is known to divide them.
  * Threads:  [any]; a polynomial belongs to one thread.
- * Source:   Collins and Akritas 1976.
+ * Source:   Collins and Akritas 1976; Knuth, The Art of Computer Programming 2, 4.6.1.
  */
 #include "poly.h"
 
@@ -106,19 +106,17 @@ void eng_poly_negate(struct eng_poly *poly)
     }
 }
 
-/* Divide by the greatest common divisor of the coefficients; keeps numbers short. */
-static void make_primitive(struct eng_poly *poly)
+void eng_poly_shorten(struct eng_poly *poly)
 {
-    if (poly->degree < 0) {
-        return;
-    }
-    mpz_ptr content = poly->scratch[0];
-    mpz_set(content, poly->c[0]);
-    for (int i = 1; i <= poly->degree; i++) {
-        mpz_gcd(content, content, poly->c[i]);
-    }
+    mp_bitcnt_t zeros = ~(mp_bitcnt_t)0;
     for (int i = 0; i <= poly->degree; i++) {
-        mpz_divexact(poly->c[i], poly->c[i], content);
+        if (mpz_sgn(poly->c[i]) != 0) {
+            mp_bitcnt_t own = mpz_scan1(poly->c[i], 0);
+            zeros = own < zeros ? own : zeros;
+        }
+    }
+    for (int i = 0; i <= poly->degree && zeros > 0; i++) {
+        mpz_tdiv_q_2exp(poly->c[i], poly->c[i], zeros);
     }
 }
 
@@ -139,17 +137,54 @@ static mpz_srcptr eliminate(struct eng_poly *a, const struct eng_poly *b)
     return lead;
 }
 
+/* a = lead(b)^(difference of degrees, and 1) a modulo b: what pseudo-division leaves. */
+static void leave_remainder(struct eng_poly *a, const struct eng_poly *b)
+{
+    int left = a->degree - b->degree + 1;
+    for (; a->degree >= b->degree; left--) {
+        eliminate(a, b);
+    }
+    for (; left > 0; left--) {
+        for (int i = 0; i <= a->degree; i++) {
+            mpz_mul(a->c[i], a->c[i], b->c[b->degree]);
+        }
+    }
+}
+
+/* Subresultants: what each remainder can be divided by is known from the degrees and
+ * leading coefficients before it, without a greatest common divisor of numbers. g and h
+ * are as in Knuth's algorithm C. */
 void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b)
 {
-    make_primitive(a);
-    make_primitive(b);
-    while (a->degree >= 0 && b->degree >= 0) {
-        struct eng_poly *high = a->degree >= b->degree ? a : b;
-        const struct eng_poly *low = a->degree >= b->degree ? b : a;
-        eliminate(high, low);
-        make_primitive(high);
+    struct eng_poly *high = a->degree >= b->degree ? a : b;
+    struct eng_poly *low = a->degree >= b->degree ? b : a;
+    mpz_ptr g = out->scratch[0];
+    mpz_ptr h = out->scratch[1];
+    mpz_ptr factor = out->scratch[2];
+    eng_poly_shorten(high);
+    eng_poly_shorten(low);
+    mpz_set_ui(g, 1);
+    mpz_set_ui(h, 1);
+    while (low->degree > 0) {
+        unsigned long apart = (unsigned long)(high->degree - low->degree);
+        leave_remainder(high, low);
+        mpz_pow_ui(factor, h, apart);
+        mpz_mul(factor, factor, g);
+        for (int i = 0; i <= high->degree; i++) {
+            mpz_divexact(high->c[i], high->c[i], factor);
+        }
+        mpz_set(g, low->c[low->degree]);
+        if (apart > 0) {
+            mpz_pow_ui(factor, g, apart);
+            mpz_pow_ui(h, h, apart - 1);
+            mpz_divexact(h, factor, h);
+        }
+        struct eng_poly *next = high;
+        high = low;
+        low = next;
     }
-    eng_poly_copy(out, a->degree >= 0 ? a : b);
+    eng_poly_copy(out, low->degree < 0 ? high : low);
+    eng_poly_shorten(out);
 }
 
 /* out = a / b up to a constant factor, where b divides a over the rationals. `a` is used
@@ -170,7 +205,7 @@ static void divide(struct eng_poly *out, struct eng_poly *a, const struct eng_po
         mpz_add(out->c[shift], out->c[shift], lead);
     }
     assert(a->degree < 0);
-    make_primitive(out);
+    eng_poly_shorten(out);
 }
 
 void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a,
@@ -187,7 +222,7 @@ void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a,
         divide(out, s, common);
     } else {
         eng_poly_copy(out, s);
-        make_primitive(out);
+        eng_poly_shorten(out);
     }
 }
 

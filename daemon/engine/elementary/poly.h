@@ -35,7 +35,8 @@ void eng_poly_mul(struct eng_poly *out, const struct eng_poly *a,
                   const struct eng_poly *b);
 void eng_poly_negate(struct eng_poly *poly);
 
-/* Greatest common divisor, primitive. `a` and `b` are used up. gcd(0, b) = b. */
+/* Greatest common divisor up to a factor, which is a number. `a` and `b` are used up;
+ * `out` is neither. gcd(0, b) = b. */
 void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b);
 
 /* The polynomial with the same roots, each simple, up to a constant factor. `a` is not
@@ -48,6 +49,9 @@ void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a,
  * [0, 1]; signs are kept. */
 void eng_poly_zoom(struct eng_poly *out, const struct eng_poly *a, const mpz_t num,
                    unsigned long k);
+
+/* Divide by the largest power of two that divides all coefficients. */
+void eng_poly_shorten(struct eng_poly *poly);
 
 int eng_poly_sign_at_0(const struct eng_poly *poly);
 int eng_poly_sign_at_1(struct eng_poly *poly);
