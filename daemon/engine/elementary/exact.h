@@ -32,7 +32,9 @@ struct eng_exact_span {
     mpz_t l, r;       /* the ends, scaled by a power of two */
     mpz_t num;        /* interval at hand: [num, num + 1] / 2^k of the span */
     mpz_t end;        /* scratch */
-    mpz_t before;     /* num where a leap began */
+    mpz_t before;     /* num where a search for an earlier interval began */
+    mpz_t base_num;   /* the interval of `base`: the last one that was refined */
+    unsigned long base_k;
     struct eng_exact_chain chains[ENG_POLY_TERMS]; /* [chain_count] */
     int chain_count;
     struct eng_residue_points residues; /* of x */
@@ -43,7 +45,7 @@ struct eng_exact_span {
     struct eng_poly det, beta, gamma, nn;
     struct eng_poly condition[ENG_EXACT_CONDITIONS];
     struct eng_poly common[ENG_EXACT_CONDITIONS]; /* with the root's polynomial */
-    struct eng_poly root, zoomed, sign, scratch[3];
+    struct eng_poly root, zoomed, base, sign, scratch[3];
 };
 
 /* Integers that keep their memory from query to query. */

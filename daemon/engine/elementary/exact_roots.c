@@ -165,45 +165,41 @@ static bool guess(struct eng_exact_span *span, int variations, unsigned long str
 }
 
 /* Is part number span->end of 2^stride that which has all the variations? Then it becomes
- * the interval at hand. */
-static bool leap_to(struct eng_exact_span *span, int variations, unsigned long k,
-                    unsigned long stride)
+ * the interval at hand, and span->zoomed is of it. */
+static bool leap_to(struct eng_exact_span *span, int variations, unsigned long stride)
 {
     int sign;
-    mpz_mul_2exp(span->num, span->before, stride);
-    mpz_add(span->num, span->num, span->end);
-    eng_poly_zoom(&span->zoomed, &span->root, span->num, k + stride);
+    eng_poly_zoom(&span->zoomed, &span->base, span->end, stride);
     /* A root at its left end has been looked at if the interval at hand begins there. */
-    return (mpz_sgn(span->end) == 0 || eng_poly_sign_at_0(&span->zoomed) != 0) &&
-           eng_poly_variations(&span->zoomed, &sign) == variations;
+    if ((mpz_sgn(span->end) != 0 && eng_poly_sign_at_0(&span->zoomed) == 0) ||
+        eng_poly_variations(&span->zoomed, &sign) != variations) {
+        return false;
+    }
+    mpz_mul_2exp(span->num, span->num, stride);
+    mpz_add(span->num, span->num, span->end);
+    return true;
 }
 
 /* Where it is guessed to be, next to that, first, or last. */
-static bool leap(struct eng_exact_span *span, int variations, unsigned long k,
-                 unsigned long stride)
+static bool leap(struct eng_exact_span *span, int variations, unsigned long stride)
 {
-    mpz_set(span->before, span->num);
     if (guess(span, variations, stride)) {
-        if (leap_to(span, variations, k, stride)) {
+        if (leap_to(span, variations, stride)) {
             return true;
         }
         mpz_sub_ui(span->end, span->end, 1);
-        if (mpz_sgn(span->end) >= 0 && leap_to(span, variations, k, stride)) {
+        if (mpz_sgn(span->end) >= 0 && leap_to(span, variations, stride)) {
             return true;
         }
     }
     mpz_set_ui(span->end, 0);
-    if (leap_to(span, variations, k, stride)) {
+    if (leap_to(span, variations, stride)) {
         return true;
     }
     mpz_set_ui(span->end, 1);
     mpz_mul_2exp(span->end, span->end, stride);
     mpz_sub_ui(span->end, span->end, 1);
-    if (leap_to(span, variations, k, stride)) {
-        return true;
-    }
-    mpz_set(span->num, span->before);
-    return false;
+    return leap_to(span, variations, stride);
 }
 
 /* ---- roots ------------------------------------------------------------------------- */
@@ -287,24 +283,45 @@ static void step_back(struct eng_exact_span *span,
 }
 
 /* From an interval that has to be refined to one below it: as far as a leap goes, or to
- * its first half. *stride: what the last leap suggests for the next one. */
+ * its first half. span->zoomed is of that then, and span->base of the other one. *stride:
+ * what the last leap suggests for the next one. */
 static void refine(struct eng_exact_span *span, int variations, unsigned long *k,
                    unsigned long *stride)
 {
     unsigned long most = *stride;
+    eng_poly_copy(&span->base, &span->zoomed);
+    eng_poly_shorten(&span->base);
+    mpz_set(span->base_num, span->num);
+    span->base_k = *k;
     if (variations == 1 && span->wants_first && *k < span->depth_min) {
         /* No farther than where bisection may stop. */
         most = most < span->depth_min - *k ? most : span->depth_min - *k;
     }
-    if (most > 1 && leap(span, variations, *k, most)) {
+    if (most > 1 && leap(span, variations, most)) {
         *k += most;
         set_bottom(span, *k);
         *stride = *stride < STRIDE_MAX ? *stride * 2 : STRIDE_MAX;
         return;
     }
+    mpz_set_ui(span->end, 0);
+    eng_poly_zoom(&span->zoomed, &span->base, span->end, 1);
     mpz_mul_2exp(span->num, span->num, 1);
     ++*k;
-    *stride = *stride > 4 ? *stride / 2 : 2;
+    *stride = *stride / 8 > 2 ? *stride / 8 : 2;
+}
+
+/* The polynomial of the interval at hand: as a rule the second half of the last one that
+ * was refined. */
+static void zoom(struct eng_exact_span *span, unsigned long k)
+{
+    mpz_fdiv_q_2exp(span->end, span->num, 1);
+    if (k == span->base_k + 1 && mpz_odd_p(span->num) &&
+        mpz_cmp(span->end, span->base_num) == 0) {
+        mpz_set_ui(span->end, 1);
+        eng_poly_zoom(&span->zoomed, &span->base, span->end, 1);
+    } else {
+        eng_poly_zoom(&span->zoomed, &span->root, span->num, k);
+    }
 }
 
 bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
@@ -333,9 +350,10 @@ bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
         return true;
     }
     mpz_set_ui(span->num, 0);
+    eng_poly_copy(&span->zoomed, &span->root);
+    mpz_set_si(span->base_num, -1); /* there is none */
     while (k > 0 || mpz_sgn(span->num) == 0) {
         int sign;
-        eng_poly_zoom(&span->zoomed, &span->root, span->num, k);
         if (eng_poly_sign_at_0(&span->zoomed) == 0 &&
             eng_roots_hold_at_left(span, conditions, k)) {
             eng_roots_found_at(span, k, 0);
@@ -360,6 +378,7 @@ bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
                 memset(known.holds, 0, sizeof known.holds);
                 stride = 2;
             }
+            zoom(span, k);
         } else {
             enter(span, roots, k);
             refine(span, roots, &k, &stride);

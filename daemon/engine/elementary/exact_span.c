@@ -44,6 +44,7 @@ static void for_all_polys(struct eng_exact_span *span,
     init_all(span->common, ENG_EXACT_CONDITIONS, init);
     init_all(&span->root, 1, init);
     init_all(&span->zoomed, 1, init);
+    init_all(&span->base, 1, init);
     init_all(&span->sign, 1, init);
     init_all(span->scratch, 3, init);
 }
@@ -61,6 +62,8 @@ void eng_exact_init(struct eng_exact *exact)
     mpz_init2(exact->span.num, 1024);
     mpz_init2(exact->span.end, 1024);
     mpz_init2(exact->span.before, 1024);
+    mpz_init2(exact->span.base_num, 1024);
+    exact->span.base_k = 0;
     for (int i = 0; i < ENG_POLY_TERMS; i++) {
         mpz_init2(exact->span.chains[i].top, 1024);
         mpz_init2(exact->span.chains[i].bottom, 1024);
@@ -78,7 +81,7 @@ void eng_exact_deinit(struct eng_exact *exact)
         mpz_clear(exact->span.x[i / 12][i / 3 % 4][i % 3]);
     }
     mpz_clears(exact->span.l, exact->span.r, exact->span.num, exact->span.end,
-               exact->span.before, NULL);
+               exact->span.before, exact->span.base_num, NULL);
     for (int i = 0; i < ENG_POLY_TERMS; i++) {
         mpz_clears(exact->span.chains[i].top, exact->span.chains[i].bottom, NULL);
     }
