@@ -20,7 +20,6 @@
 #include "shm.h"
 
 #ifndef MADV_POPULATE_READ /* Linux 5.14 */
-#define MADV_POPULATE_READ  22
 #define MADV_POPULATE_WRITE 23
 #endif
 
@@ -47,32 +46,34 @@ static void give_way(void)
     (void)nanosleep(&(struct timespec){0, PAUSE_NS}, NULL);
 }
 
-/* Give the kernel an advice on the whole memory, piece by piece. It is no loss where the
- * kernel does not know it. */
-static void advise(const struct proto_memory *memory, int advice, bool by_turns)
+/* Give the kernel an advice on [from, to) of the memory, piece by piece. Returns 0 or the
+ * cause why it stopped. */
+static int advise(const struct proto_memory *memory, size_t from, size_t to, int advice,
+                  bool by_turns)
 {
-    for (size_t at = 0; at < memory->bytes; at += PIECE) {
-        if (by_turns && at > 0 && at % TURN == 0) {
+    for (size_t at = from; at < to; at += PIECE) {
+        if (by_turns && at > from && (at - from) % TURN == 0) {
             give_way();
         }
-        size_t bytes = memory->bytes - at < PIECE ? memory->bytes - at : PIECE;
+        size_t bytes = to - at < PIECE ? to - at : PIECE;
         if (madvise((uint8_t *)memory->base + at, bytes, advice) != 0) {
-            return;
+            return errno;
         }
     }
+    return 0;
 }
 
-/* All pages now: a page fault costs more than a copy of the page. */
-static int map_pages(struct proto_memory *memory, int protection, bool by_turns)
+/* The first `taken` bytes now: a page fault costs more than a copy of the page. It is no
+ * loss where the kernel does not know the advice. */
+static int map_pages(struct proto_memory *memory, int protection, size_t taken,
+                     bool by_turns)
 {
     void *base = mmap(NULL, memory->bytes, protection, MAP_SHARED, memory->fd, 0);
     if (base == MAP_FAILED) {
         return status_of_errno(errno);
     }
     memory->base = base;
-    advise(memory,
-           (protection & PROT_WRITE) != 0 ? MADV_POPULATE_WRITE : MADV_POPULATE_READ,
-           by_turns);
+    (void)advise(memory, 0, taken, MADV_POPULATE_WRITE, by_turns);
     return 0;
 }
 
@@ -92,23 +93,28 @@ static int allocate(int fd, size_t bytes)
 }
 
 int proto_memory_create(struct proto_memory *memory, const char *name, size_t bytes,
-                        bool client_read_only)
+                        size_t taken, bool client_read_only)
 {
     struct proto_memory made = PROTO_MEMORY_NONE;
     int seals = SEALS | (client_read_only ? F_SEAL_FUTURE_WRITE : 0);
     int rc;
 
     assert(bytes > 0 && bytes % PROTO_SHM_PAGE == 0);
+    assert(taken > 0 && taken <= bytes && taken % PROTO_SHM_PAGE == 0);
     made.bytes = bytes;
     made.fd = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
     if (made.fd < 0) {
         return status_of_errno(errno);
     }
-    rc = allocate(made.fd, bytes);
+    rc = allocate(made.fd, taken);
     if (rc != 0) {
         goto fail;
     }
-    rc = map_pages(&made, PROT_READ | PROT_WRITE, true);
+    if (taken < bytes && ftruncate(made.fd, (off_t)bytes) != 0) {
+        rc = status_of_errno(errno);
+        goto fail;
+    }
+    rc = map_pages(&made, PROT_READ | PROT_WRITE, taken, true);
     if (rc != 0) {
         goto fail;
     }
@@ -122,6 +128,14 @@ int proto_memory_create(struct proto_memory *memory, const char *name, size_t by
 fail:
     proto_memory_deinit(&made);
     return rc;
+}
+
+int proto_memory_take(struct proto_memory *memory, size_t from, size_t to)
+{
+    assert(from % PROTO_SHM_PAGE == 0 && from < to && to <= memory->bytes);
+    int cause = advise(memory, from, to, MADV_POPULATE_WRITE, true);
+    /* Linux before 5.14 does not know the advice: pages come as they are written. */
+    return cause == 0 || cause == EINVAL ? 0 : PCCD_E_NOMEM;
 }
 
 int proto_memory_map(struct proto_memory *memory, int fd, size_t bytes, bool read_only)
@@ -140,7 +154,10 @@ int proto_memory_map(struct proto_memory *memory, int fd, size_t bytes, bool rea
     if (fstat(fd, &info) != 0 || bytes == 0 || info.st_size != (off_t)bytes) {
         goto fail;
     }
-    rc = map_pages(&made, read_only ? PROT_READ : PROT_READ | PROT_WRITE, false);
+    /* To read a hole is to fill it, so of memory that only the daemon writes nothing is
+     * touched before there is something to read. */
+    rc = map_pages(&made, read_only ? PROT_READ : PROT_READ | PROT_WRITE,
+                   read_only ? 0 : bytes, false);
     if (rc != 0) {
         goto fail;
     }
@@ -155,7 +172,8 @@ fail:
 void proto_memory_deinit(struct proto_memory *memory)
 {
     if (memory->base != NULL) {
-        advise(memory, MADV_DONTNEED, false); /* the pages stay in the file */
+        /* The pages stay in the file. */
+        (void)advise(memory, 0, memory->bytes, MADV_DONTNEED, false);
         munmap(memory->base, memory->bytes);
     }
     if (memory->fd >= 0) {

@@ -16,7 +16,7 @@
 #include "rpc.h"
 
 #define CLI_SLOT_BYTES                                                                   \
-    (256ull << 10) /* of a slot at first, when the user did not choose */
+    (64ull << 10) /* of a slot at first, when the user did not choose */
 
 void cli_ring_deinit(struct cli_ring *ring)
 {

@@ -17,6 +17,7 @@
 
 #define CHUNK_BYTES                                                                      \
     (1u << 20) /* of a slot at most: small enough to overlap copy and check */
+#define FIRST_BYTES_MAX (256u << 10)
 
 #define PART_VERTICES  0u
 #define PART_TRIANGLES 1u
@@ -112,6 +113,19 @@ static void fill_info(struct pccd_mesh_info *info,
     info->build_ns = result->build_ns;
 }
 
+/* Slots for the first mesh: a large one is sent in few chunks, and its frames need larger
+ * slots anyway. Who has chosen a size has chosen it. */
+static uint64_t first_slot_bytes(const struct pccd_client *client,
+                                 uint32_t triangle_count)
+{
+    uint64_t bytes = (uint64_t)triangle_count * sizeof(uint32_t[3]);
+
+    if (client->slot_bytes > 0) {
+        return PROTO_SLOT_BYTES_MIN;
+    }
+    return bytes < FIRST_BYTES_MAX ? bytes : FIRST_BYTES_MAX;
+}
+
 /* The arguments of create and replace, and a ring to send them through. */
 static int check_mesh(struct pccd_client *client, const void *x, enum pccd_format format,
                       uint32_t vertex_count, const uint32_t (*triangles)[3],
@@ -130,7 +144,8 @@ static int check_mesh(struct pccd_client *client, const void *x, enum pccd_forma
     }
     rc = cli_alive(client);
     if (rc == 0 && client->ring.upload.base == NULL) {
-        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+        rc = cli_ring_reserve(client, first_slot_bytes(client, triangle_count),
+                              cli_deadline(client, -1));
     }
     return rc;
 }

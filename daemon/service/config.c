@@ -133,7 +133,7 @@ static uint64_t read_value(const struct srv_options *options, enum setting setti
 static void set_quota(struct srv_loop *loop, enum srv_quota_kind kind, uint64_t limit)
 {
     loop->live.quota[kind] = limit;
-    loop->quota.limit[kind] = limit;
+    srv_quota_set_limit(&loop->quota, kind, limit);
 }
 
 /* In range. */

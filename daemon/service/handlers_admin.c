@@ -34,7 +34,8 @@ int srv_on_STATS(struct srv_call *call)
     result->threads_max = loop->options->threads_max;
     result->meshes_now = loop->quota.total[SRV_QUOTA_MESHES];
     result->triangles_now = loop->quota.total[SRV_QUOTA_TRIANGLES];
-    result->shm_bytes_now = loop->quota.total[SRV_QUOTA_SHM_BYTES];
+    result->shm_bytes_now =
+        atomic_load_explicit(&loop->quota.shared, memory_order_relaxed);
     result->jobs_queued_now =
         srv_compute_queued(&loop->compute) + srv_compute_queued(&loop->pages);
     result->allocs = eng_alloc_count();
@@ -122,7 +123,11 @@ int srv_on_SHM_ATTACH(struct srv_call *call)
     sizes.inflight_max = sizes.slot_count < loop->options->inflight_max
                              ? sizes.slot_count
                              : loop->options->inflight_max;
-    uint64_t bytes = sizes.upload_bytes + sizes.result_bytes;
+    /* What could never be taken is refused at once. */
+    uint64_t whole = sizes.upload_bytes + sizes.result_bytes;
+    uint64_t bytes = srv_quota_is_beyond(&loop->quota, SRV_QUOTA_SHM_BYTES, whole)
+                         ? whole
+                         : srv_ring_bytes_first(&sizes);
     status = srv_quota_charge(&loop->quota, session->user, SRV_QUOTA_SHM_BYTES, bytes,
                               &call->error);
     if (status != 0) {

@@ -66,8 +66,7 @@ int srv_on_LIST_SESSION(struct srv_call *call)
     result->scenes = at->scenes.count;
     result->meshes = at->meshes.count;
     result->requests = at->request_count;
-    result->shm_bytes =
-        at->ring != NULL ? at->ring->upload_bytes + at->ring->result_bytes : 0;
+    result->shm_bytes = at->ring != NULL ? srv_ring_bytes(at->ring) : 0;
     return 0;
 }
 

@@ -5,7 +5,7 @@
  *           memory of all users beside what is shared is the engine's ceiling: of two
  *           that ask at once, on two threads, no more than there is gets any.
  * Does not: forgive: a refund of more than was charged is our bug.
- * Threads:  [loop].
+ * Threads:  see quota.h.
  */
 #include "quota.h"
 
@@ -22,6 +22,7 @@ void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUN
 {
     *quota = (struct srv_quota){.users = NULL};
     memcpy(quota->limit, limit, sizeof quota->limit);
+    pthread_mutex_init(&quota->lock, NULL);
 }
 
 /* What the engine may have. */
@@ -33,10 +34,20 @@ static uint64_t memory_left(const struct srv_quota *quota)
                                         : 0;
 }
 
+void srv_quota_set_limit(struct srv_quota *quota, enum srv_quota_kind kind,
+                         uint64_t limit)
+{
+    pthread_mutex_lock(&quota->lock);
+    quota->limit[kind] = limit;
+    pthread_mutex_unlock(&quota->lock);
+}
+
 void srv_quota_bound_memory(struct srv_quota *quota, uint64_t bytes)
 {
+    pthread_mutex_lock(&quota->lock);
     quota->memory_max = bytes;
     eng_alloc_ceiling(memory_left(quota));
+    pthread_mutex_unlock(&quota->lock);
 }
 
 /* Add to, or take from, the memory that is shared. */
@@ -72,7 +83,6 @@ static int share_more(struct srv_quota *quota, uint64_t amount, struct proto_err
         return 0;
     }
     share(quota, 0, amount);
-    quota->is_beyond = amount > quota->memory_max;
     return srv_quota_refuse_memory(quota, error, amount);
 }
 
@@ -80,6 +90,7 @@ void srv_quota_deinit(struct srv_quota *quota)
 {
     PCCD_ASSERT(quota->users == NULL);
     eng_alloc_ceiling(UINT64_MAX);
+    pthread_mutex_destroy(&quota->lock);
 }
 
 struct srv_quota_user *srv_quota_acquire(struct srv_quota *quota, uid_t uid)
@@ -120,14 +131,22 @@ void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user)
     free(user);
 }
 
-int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
-                     enum srv_quota_kind kind, uint64_t amount, struct proto_error *error)
+bool srv_quota_is_beyond(const struct srv_quota *quota, enum srv_quota_kind kind,
+                         uint64_t amount)
+{
+    return amount > quota->limit[kind] ||
+           (kind == SRV_QUOTA_SHM_BYTES && quota->memory_max != 0 &&
+            amount > quota->memory_max);
+}
+
+/* With the lock held. */
+static int charge(struct srv_quota *quota, struct srv_quota_user *user,
+                  enum srv_quota_kind kind, uint64_t amount, struct proto_error *error)
 {
     uint64_t used = user->used[kind];
     uint64_t limit = quota->limit[kind];
     /* Who has more than the limit had it before the limit was lowered (config.c). */
     if (amount > 0 && (used > limit || amount > limit - used)) {
-        quota->is_beyond = amount > limit;
         return proto_error_set(error, PCCD_E_QUOTA,
                                "user %u has %llu %s, %llu more exceed the quota of %llu",
                                (unsigned)user->uid, (unsigned long long)used,
@@ -146,9 +165,31 @@ int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
     return 0;
 }
 
+int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
+                     enum srv_quota_kind kind, uint64_t amount, struct proto_error *error)
+{
+    pthread_mutex_lock(&quota->lock);
+    int status = charge(quota, user, kind, amount, error);
+    pthread_mutex_unlock(&quota->lock);
+    if (status != 0) {
+        quota->is_beyond = srv_quota_is_beyond(quota, kind, amount);
+    }
+    return status;
+}
+
+int srv_quota_charge_shared(struct srv_quota *quota, struct srv_quota_user *user,
+                            uint64_t amount, struct proto_error *error)
+{
+    pthread_mutex_lock(&quota->lock);
+    int status = charge(quota, user, SRV_QUOTA_SHM_BYTES, amount, error);
+    pthread_mutex_unlock(&quota->lock);
+    return status;
+}
+
 void srv_quota_refund(struct srv_quota *quota, struct srv_quota_user *user,
                       enum srv_quota_kind kind, uint64_t amount)
 {
+    pthread_mutex_lock(&quota->lock);
     PCCD_ASSERT(user->used[kind] >= amount && quota->total[kind] >= amount);
     user->used[kind] -= amount;
     if (kind == SRV_QUOTA_SHM_BYTES) {
@@ -156,6 +197,7 @@ void srv_quota_refund(struct srv_quota *quota, struct srv_quota_user *user,
     } else {
         quota->total[kind] -= amount;
     }
+    pthread_mutex_unlock(&quota->lock);
 }
 
 uint64_t srv_triangle_charge(uint32_t vertex_count, uint32_t triangle_count)

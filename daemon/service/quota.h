@@ -7,11 +7,13 @@
  *           holds.
  * Does not: allocate anything itself but its own entries, one per user with a charge;
  *           bound the engine's memory of one user (enginemem.h).
- * Threads:  [loop].
+ * Threads:  [loop], but for shared memory, which [compute] charges and refunds as well:
+ *           one lock for all amounts.
  */
 #ifndef SRV_QUOTA_H
 #define SRV_QUOTA_H
 
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -47,6 +49,7 @@ struct srv_quota_user {
 };
 
 struct srv_quota {
+    pthread_mutex_t lock;            /* of used, total and the limits */
     uint64_t limit[SRV_QUOTA_COUNT]; /* per user */
     uint64_t total[SRV_QUOTA_COUNT]; /* over all users */
     struct srv_quota_user *users;    /* at most one per open session */
@@ -59,6 +62,10 @@ struct srv_quota {
 
 void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUNT]);
 void srv_quota_deinit(struct srv_quota *quota); /* every user must have been released */
+
+/* From now on a user has at most so many; what one has already stays. */
+void srv_quota_set_limit(struct srv_quota *quota, enum srv_quota_kind kind,
+                         uint64_t limit);
 
 /* From now on all users together have at most so many bytes of memory; 0: no bound. What
  * they have already stays. */
@@ -74,6 +81,13 @@ void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user);
 int srv_quota_charge(struct srv_quota *quota, struct srv_quota_user *user,
                      enum srv_quota_kind kind, uint64_t amount,
                      struct proto_error *error);
+/* The same for shared memory that is taken while a request is worked on. [any] */
+int srv_quota_charge_shared(struct srv_quota *quota, struct srv_quota_user *user,
+                            uint64_t amount, struct proto_error *error);
+/* Whether it is more than a user, or all users, may ever have. [loop] */
+bool srv_quota_is_beyond(const struct srv_quota *quota, enum srv_quota_kind kind,
+                         uint64_t amount);
+/* [any] for shared memory. */
 void srv_quota_refund(struct srv_quota *quota, struct srv_quota_user *user,
                       enum srv_quota_kind kind, uint64_t amount);
 

@@ -13,8 +13,31 @@
 
 void srv_region_init(struct srv_region *region, uint64_t capacity)
 {
+    srv_region_init_sparse(region, capacity, capacity);
+}
+
+void srv_region_init_sparse(struct srv_region *region, uint64_t capacity, uint64_t taken)
+{
     PCCD_ASSERT(capacity > 0 && capacity % SRV_PAGE_ALIGN == 0);
-    *region = (struct srv_region){.capacity = capacity};
+    PCCD_ASSERT(taken <= capacity);
+    *region =
+        (struct srv_region){.capacity = capacity, .taken = taken, .limit = capacity};
+}
+
+static uint64_t least(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* A page at the start may spare memory that one at hand would take. But what is left
+ * before the end is lost then until the client has released all that stands there; so the
+ * start must have room for more such pages than a client of libpccd holds (192). */
+#define PAGES_AT_START 256u
+
+static bool is_start_cheaper(const struct srv_region *region, uint64_t position,
+                             uint64_t at_start, uint64_t bytes)
+{
+    return position + bytes > region->taken && at_start / PAGES_AT_START >= bytes;
 }
 
 int srv_region_reserve(struct srv_region *region, uint64_t head, uint32_t item_bytes,
@@ -29,14 +52,26 @@ int srv_region_reserve(struct srv_region *region, uint64_t head, uint32_t item_b
      * the client releases: then nothing is free. */
     uint64_t used = region->tail - head;
     uint64_t free_bytes = used < region->capacity ? region->capacity - used : 0;
-    uint64_t position = region->tail % region->capacity;
+    uint64_t position = (region->tail - region->origin) % region->capacity;
+    /* An empty ring may begin anywhere: where there is memory. */
+    if (used == 0 && wanted > 0 &&
+        (wanted > region->capacity / item_bytes ||
+         position + wanted * item_bytes > region->taken)) {
+        region->origin = region->tail;
+        position = 0;
+    }
     uint64_t to_end = region->capacity - position;
     uint64_t here = free_bytes < to_end ? free_bytes : to_end;
     /* An empty ring is free from its start whatever lies before `position`. */
     uint64_t at_start = used == 0 ? region->capacity : free_bytes - here;
+    here = least(here, region->limit > position ? region->limit - position : 0);
+    at_start = least(at_start, region->limit);
     uint64_t items_here = here / item_bytes;
     uint64_t items_start = at_start / item_bytes;
     bool skip = items_here < wanted && items_start > items_here;
+    if (used > 0 && wanted <= items_start) {
+        skip = skip || is_start_cheaper(region, position, at_start, wanted * item_bytes);
+    }
 
     uint64_t count = skip ? items_start : items_here;
     if (count > wanted) {

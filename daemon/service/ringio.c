@@ -16,6 +16,10 @@
 #include "session.h"
 #include "wire.h"
 
+/* The result region takes memory in such steps; once it has many, in larger ones. */
+#define STEP_BYTES       (64ull << 10)
+#define STEP_BYTES_LARGE (1ull << 20)
+
 #define REQUEST_BYTES_MAX (1ull << 40) /* of one slot or of the result region */
 
 /* ---- life -------------------------------------------------------------------------- */
@@ -32,9 +36,26 @@ static void ring_free_rest(struct srv_job *job)
     struct srv_ring *ring = (struct srv_ring *)job;
     struct srv_session *session = ring->resource.session;
     srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES,
-                     ring->upload_bytes + ring->result_bytes);
+                     srv_ring_bytes(ring));
     free(ring);
     srv_session_reaped(session);
+}
+
+static uint64_t taken_first(uint64_t result_bytes)
+{
+    uint64_t first = PROTO_SHM_PAGE + PROTO_RESULT_BYTES_MIN;
+    return result_bytes < first ? result_bytes : first;
+}
+
+uint64_t srv_ring_bytes_first(const struct proto_SHM_ATTACH_result *sizes)
+{
+    return sizes->upload_bytes + taken_first(sizes->result_bytes);
+}
+
+uint64_t srv_ring_bytes(const struct srv_ring *ring)
+{
+    return ring->upload_bytes +
+           atomic_load_explicit(&ring->result_taken, memory_order_relaxed);
 }
 
 struct srv_ring *srv_ring_new(struct srv_session *session,
@@ -53,7 +74,9 @@ struct srv_ring *srv_ring_new(struct srv_session *session,
     ring->slot_stride = sizes->slot_stride;
     ring->upload_bytes = sizes->upload_bytes;
     ring->result_bytes = sizes->result_bytes;
-    srv_region_init(&ring->region, ring->result_bytes - PROTO_SHM_PAGE);
+    ring->result_taken = taken_first(ring->result_bytes);
+    srv_region_init_sparse(&ring->region, ring->result_bytes - PROTO_SHM_PAGE,
+                           ring->result_taken - PROTO_SHM_PAGE);
     return ring;
 }
 
@@ -97,10 +120,12 @@ int srv_ring_create(struct srv_ring *ring, uint64_t epoch, struct proto_error *e
 {
     srv_assert_compute();
     int status =
-        proto_memory_create(&ring->upload, "pccd-upload", ring->upload_bytes, false);
+        proto_memory_create(&ring->upload, "pccd-upload", ring->upload_bytes,
+                            ring->upload_bytes, false);
     if (status == 0) {
         status =
-            proto_memory_create(&ring->results, "pccd-results", ring->result_bytes, true);
+            proto_memory_create(&ring->results, "pccd-results", ring->result_bytes,
+                                taken_first(ring->result_bytes), true);
     }
     if (status != 0) {
         return proto_error_set(error, status, "no shared memory of %llu + %llu bytes",
@@ -431,6 +456,44 @@ int srv_ring_copy_slot(struct srv_ring *ring,
 
 /* ---- results ----------------------------------------------------------------------- */
 
+/* Charge and take `more` bytes. On failure nothing is charged. */
+static int take_more(struct srv_ring *ring, uint64_t more)
+{
+    struct srv_session *session = ring->resource.session;
+    struct srv_region *region = &ring->region;
+    struct proto_error error = {0}; /* nobody is told: the answer says what is left out */
+    uint64_t taken = region->taken + more;
+    int status =
+        srv_quota_charge_shared(&session->loop->quota, session->user, more, &error);
+    if (status != 0) {
+        return status;
+    }
+    status = proto_memory_take(&ring->results, PROTO_SHM_PAGE + region->taken,
+                               PROTO_SHM_PAGE + taken);
+    if (status != 0) {
+        srv_quota_refund(&session->loop->quota, session->user, SRV_QUOTA_SHM_BYTES, more);
+        return status;
+    }
+    region->taken = taken;
+    atomic_store_explicit(&ring->result_taken, PROTO_SHM_PAGE + taken,
+                          memory_order_relaxed);
+    return 0;
+}
+
+/* Take memory, so that the first `needed` bytes of the region's data have it, or part of
+ * it where that is refused. */
+static void take_results(struct srv_ring *ring, uint64_t needed)
+{
+    struct srv_region *region = &ring->region;
+    uint64_t step = region->taken < STEP_BYTES_LARGE ? STEP_BYTES : STEP_BYTES_LARGE;
+    uint64_t taken = (needed + step - 1) / step * step;
+    taken = taken < region->capacity ? taken : region->capacity;
+    uint64_t more = taken - region->taken;
+    while (take_more(ring, more) != 0 && more > STEP_BYTES) {
+        more = round_to_pages(more / 2);
+    }
+}
+
 int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                      struct srv_page *page, void **data, struct proto_error *error)
 {
@@ -438,13 +501,25 @@ int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted
     /* Acquire: pairs with the client's release store after its last read of the pages. */
     uint64_t head =
         atomic_load_explicit(&ring->shared->result_head.value, memory_order_acquire);
-    uint64_t head_before = ring->region.head;
+    struct srv_region before = ring->region;
     int status = srv_region_reserve(&ring->region, head, item_bytes, wanted, page);
     if (status != 0) {
         return proto_error_set(
             error, status, "result_head is %llu; it was %llu, and %llu were handed out",
-            (unsigned long long)head, (unsigned long long)head_before,
+            (unsigned long long)head, (unsigned long long)before.head,
             (unsigned long long)ring->region.tail);
+    }
+    uint64_t end = page->position + page->count * item_bytes;
+    if (page->count > 0 && end > ring->region.taken) {
+        take_results(ring, end);
+    }
+    if (page->count > 0 && end > ring->region.taken) {
+        before.taken = ring->region.taken;
+        ring->region = before;
+        ring->region.limit = before.taken;
+        status = srv_region_reserve(&ring->region, head, item_bytes, wanted, page);
+        PCCD_ASSERT(status == 0);
+        ring->region.limit = before.capacity; /* the next one asks again */
     }
     page->position += PROTO_SHM_PAGE;
     *data = (uint8_t *)ring->results.base + page->position;

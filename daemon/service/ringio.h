@@ -26,11 +26,19 @@ struct srv_ring {
     uint64_t slot_stride; /* = payload bytes of a slot */
     uint64_t upload_bytes;
     uint64_t result_bytes;
+    /* Of result_bytes, from the start: what has memory, and is charged. Written on
+     * [compute]; the loop may read an older value, relaxed. */
+    _Atomic uint64_t result_taken;
     struct srv_region region; /* [compute] */
 };
 
-/* A ring of these sizes, without its memories; the quota for upload_bytes + result_bytes
- * has been charged already. NULL: no memory. [loop] */
+/* Bytes that a ring of these sizes takes at first: all of the upload ring, and as much of
+ * the result region as the smallest has. [any] */
+uint64_t srv_ring_bytes_first(const struct proto_SHM_ATTACH_result *sizes);
+/* Bytes that it has taken. [loop] */
+uint64_t srv_ring_bytes(const struct srv_ring *ring);
+/* A ring of these sizes, without its memories; the quota for srv_ring_bytes_first has
+ * been charged already. NULL: no memory. [loop] */
 struct srv_ring *srv_ring_new(struct srv_session *session,
                               const struct proto_SHM_ATTACH_result *sizes);
 /* What a request comes to, in whole pages: all members of *sizes but inflight_max.
@@ -73,7 +81,9 @@ int srv_ring_copy_slot(struct srv_ring *ring,
                        struct proto_error *error);
 
 /* A page for up to `wanted` items in the result region; *data is where they go, and
- * page->position becomes the offset that the client uses. PCCD_E_INVAL: the client's
+ * page->position becomes the offset that the client uses. Memory is taken and charged as
+ * pages need it; while that is refused the region is as large as what it has taken, and a
+ * page holds less than `wanted`. PCCD_E_INVAL: the client's
  * result_head makes no sense. [compute] */
 int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                      struct srv_page *page, void **data, struct proto_error *error);

@@ -36,6 +36,7 @@
     X(inotify_init1)                                                                     \
     X(listen)                                                                            \
     X(lstat)                                                                             \
+    X(madvise)                                                                           \
     X(memfd_create)                                                                      \
     X(mkdir)                                                                             \
     X(mmap)                                                                              \

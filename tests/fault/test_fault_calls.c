@@ -32,6 +32,7 @@ static const struct plausible all[] = {
     {FAULT_epoll_wait, {EINTR}},
     {FAULT_fcntl, {ENOMEM, EBUSY}},
     {FAULT_getsockopt, {ENOMEM}},
+    {FAULT_madvise, {ENOMEM, EFAULT}},
     {FAULT_memfd_create, {EMFILE, ENFILE, ENOMEM}},
     {FAULT_mmap, {ENOMEM, EAGAIN, ENFILE}},
     {FAULT_poll, {EINTR, ENOMEM}},

@@ -46,6 +46,7 @@ WRAP(int, inotify_add_watch, (int fd, const char *path, uint32_t mask), (fd, pat
 WRAP(int, inotify_init1, (int flags), (flags))
 WRAP(int, listen, (int fd, int backlog), (fd, backlog))
 WRAP(int, lstat, (const char *path, struct stat *info), (path, info))
+WRAP(int, madvise, (void *at, size_t bytes, int advice), (at, bytes, advice))
 WRAP(int, memfd_create, (const char *name, unsigned flags), (name, flags))
 WRAP(int, mkdir, (const char *path, mode_t mode), (path, mode))
 WRAP(int, pipe2, (int fds[2], int flags), (fds, flags))

@@ -28,6 +28,7 @@ integration_names = \
     tests/integration/test_int_peer \
     tests/integration/test_int_protocol \
     tests/integration/test_int_quota \
+    tests/integration/test_int_taken \
     tests/integration/test_int_record \
     tests/integration/test_int_record_filter \
     tests/integration/test_int_record_shared \
@@ -175,6 +176,9 @@ tests_integration_test_int_protocol_SOURCES = tests/integration/test_int_protoco
 tests_integration_test_int_protocol_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_protocol_LDADD = $(integration_libs)
 
+tests_integration_test_int_taken_SOURCES = tests/integration/test_int_taken.c
+tests_integration_test_int_taken_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_taken_LDADD = $(integration_libs)
 tests_integration_test_int_quota_SOURCES = tests/integration/test_int_quota.c
 tests_integration_test_int_quota_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_quota_LDADD = $(integration_libs)

@@ -53,7 +53,8 @@ static void memory__cannot_change_its_size(void **state)
     struct proto_memory memory = PROTO_MEMORY_NONE;
     (void)state;
     for (int read_only = 0; read_only < 2; read_only++) {
-        assert_int_equal(proto_memory_create(&memory, "test", BYTES, read_only), 0);
+        assert_int_equal(
+            proto_memory_create(&memory, "test", BYTES, BYTES, read_only), 0);
         assert_int_equal(ftruncate(memory.fd, (off_t)BYTES - 1), -1);
         assert_int_equal(errno, EPERM);
         assert_int_equal(ftruncate(memory.fd, (off_t)BYTES + 1), -1);
@@ -71,7 +72,7 @@ static void memory__is_shared(void **state)
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
     (void)state;
     for (int read_only = 0; read_only < 2; read_only++) {
-        assert_int_equal(proto_memory_create(&ours, "test", BYTES, read_only), 0);
+        assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, read_only), 0);
         assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, read_only), 0);
         for (size_t i = 0; i < BYTES; i += 4096) {
             assert_int_equal(((char *)ours.base)[i], 0);
@@ -92,7 +93,7 @@ static void result__cannot_be_made_writable(void **state)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
     (void)state;
-    assert_int_equal(proto_memory_create(&ours, "test", BYTES, true), 0);
+    assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, true), 0);
     assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, true), 0);
     assert_int_equal(mprotect(theirs.base, BYTES, PROT_READ | PROT_WRITE), -1);
     assert_int_equal(errno, EACCES);
@@ -115,7 +116,7 @@ static void map__refuses_another_size(void **state)
     static const size_t sizes[] = {0,         1,           BYTES - 1, BYTES - 4096,
                                    BYTES + 1, BYTES + 4096};
     (void)state;
-    assert_int_equal(proto_memory_create(&ours, "test", BYTES, false), 0);
+    assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, false), 0);
     int open_before = count_open();
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
         assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), sizes[i], false),
@@ -182,7 +183,7 @@ static void memory__is_there_from_the_start(void **state)
     struct stat info;
     unsigned char resident[BYTES / 4096];
     (void)state;
-    assert_int_equal(proto_memory_create(&memory, "test", BYTES, false), 0);
+    assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, false), 0);
     assert_int_equal(fstat(memory.fd, &info), 0);
     assert_true((size_t)info.st_blocks * 512 >= BYTES);
     assert_int_equal(mincore(memory.base, BYTES, resident), 0);
@@ -190,6 +191,29 @@ static void memory__is_there_from_the_start(void **state)
         assert_int_equal(resident[i] & 1, 1);
     }
     proto_memory_deinit(&memory);
+}
+
+/* If this failed, a client would cost the whole of a memory of which it uses little, or
+ * what is written would have no memory yet. */
+static void memory__is_taken_in_steps(void **state)
+{
+    struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
+    struct stat info;
+    (void)state;
+    assert_int_equal(proto_memory_create(&ours, "test", BYTES, 4096, true), 0);
+    assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, true), 0);
+    assert_int_equal(fstat(ours.fd, &info), 0);
+    assert_int_equal(info.st_size, BYTES);
+    assert_int_equal(info.st_blocks * 512, 4096);
+    assert_int_equal(proto_memory_take(&ours, 4096, 3 * 4096), 0);
+    assert_int_equal(fstat(ours.fd, &info), 0);
+    assert_int_equal(info.st_blocks * 512, 3 * 4096);
+    memcpy((char *)ours.base + 2 * 4096, "there", 5);
+    assert_memory_equal((char *)theirs.base + 2 * 4096, "there", 5);
+    assert_int_equal(fstat(ours.fd, &info), 0);
+    assert_int_equal(info.st_blocks * 512, 3 * 4096);
+    proto_memory_deinit(&theirs);
+    proto_memory_deinit(&ours);
 }
 
 /* If this failed, running out of memory or descriptors would leave half a memory
@@ -206,7 +230,7 @@ static void create__leaves_nothing_behind_on_failure(void **state)
     none.rlim_cur = 4096; /* posix_fallocate fails: the file may not be that large */
     assert_true(signal(SIGXFSZ, SIG_IGN) != SIG_ERR);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
-    int rc = proto_memory_create(&memory, "test", BYTES, false);
+    int rc = proto_memory_create(&memory, "test", BYTES, BYTES, false);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     assert_true(rc == PCCD_E_SYSTEM || rc == PCCD_E_NOMEM);
 
@@ -214,7 +238,7 @@ static void create__leaves_nothing_behind_on_failure(void **state)
     none = before;
     none.rlim_cur = 0;
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
-    rc = proto_memory_create(&memory, "test", BYTES, false);
+    rc = proto_memory_create(&memory, "test", BYTES, BYTES, false);
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
     assert_int_equal(rc, PCCD_E_SYSTEM);
 
@@ -230,7 +254,7 @@ static void deinit__may_be_called_twice(void **state)
     struct proto_memory memory = PROTO_MEMORY_NONE;
     (void)state;
     proto_memory_deinit(&memory);
-    assert_int_equal(proto_memory_create(&memory, "test", BYTES, true), 0);
+    assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, true), 0);
     proto_memory_deinit(&memory);
     assert_int_equal(memory.fd, -1);
     assert_null(memory.base);
@@ -249,6 +273,7 @@ int main(void)
         cmocka_unit_test(map__refuses_missing_seals),
         cmocka_unit_test(map__refuses_what_is_no_memfd),
         cmocka_unit_test(memory__is_there_from_the_start),
+        cmocka_unit_test(memory__is_taken_in_steps),
         cmocka_unit_test(create__leaves_nothing_behind_on_failure),
         cmocka_unit_test(deinit__may_be_called_twice),
     };

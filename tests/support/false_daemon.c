@@ -76,8 +76,10 @@ void false_attach(struct proto_SHM_ATTACH_result result, int fd_count)
     int fds[2];
 
     if (false_next() != PROTO_METHOD_SHM_ATTACH ||
-        proto_memory_create(&upload, "upload", FALSE_RING_BYTES, false) != 0 ||
-        proto_memory_create(&records, "results", FALSE_RESULT_BYTES, true) != 0) {
+        proto_memory_create(&upload, "upload", FALSE_RING_BYTES, FALSE_RING_BYTES,
+                            false) != 0 ||
+        proto_memory_create(&records, "results", FALSE_RESULT_BYTES,
+                            FALSE_RESULT_BYTES, true) != 0) {
         _exit(0);
     }
     fds[0] = upload.fd;

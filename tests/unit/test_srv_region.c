@@ -65,7 +65,7 @@ static void region__page_moves_to_the_start_rather_than_wrap(void **state)
     struct srv_page b = reserve(&region, a.release, 64, 10);
     assert_int_equal(b.position, 0);
     assert_int_equal(b.count, 10);
-    assert_int_equal(b.release, CAPACITY + 640);
+    assert_int_equal(b.release, a.release + 640); /* an empty ring begins anywhere */
 }
 
 /* If only part fits in either stretch, the longer one saves round trips. */
@@ -161,6 +161,61 @@ static void region__random_pages_never_overlap_unreleased_ones(void **state)
     assert_true(items > ROUNDS); /* the loop has not been refused all the time */
 }
 
+/* Answers that are taken one by one would walk through the whole ring, and take all of
+ * its memory, however small they are. */
+static void region__sparse_ring_stays_where_it_has_memory(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    struct srv_page page = {0};
+    uint64_t head = 0;
+    srv_region_init_sparse(&region, CAPACITY, 1024);
+    for (int i = 0; i < 100; i++) { /* each is released before the next */
+        assert_int_equal(srv_region_reserve(&region, head, 64, 10, &page), 0);
+        assert_int_equal(page.count, 10);
+        assert_true(page.position + 640 <= 1024);
+        head = page.release;
+    }
+    srv_region_init_sparse(&region, 64 * CAPACITY, 5 * CAPACITY);
+    uint64_t last = head = 0;
+    for (int i = 0; i < 10000; i++) { /* each is released when the next is there */
+        assert_int_equal(srv_region_reserve(&region, head, 64, 1, &page), 0);
+        assert_int_equal(page.count, 1);
+        assert_true(page.position + 64 <= 5 * CAPACITY);
+        head = last;
+        last = page.release;
+    }
+}
+
+/* Of answers that wait in a ring which has little memory yet, the later would be cut. */
+static void region__sparse_ring_holds_as_much_as_another(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init_sparse(&region, CAPACITY, 1024);
+    uint64_t head = reserve(&region, 0, 64, 10).release;
+    assert_int_equal(reserve(&region, head, 64, 30).count, 30); /* at the start again */
+    assert_int_equal(reserve(&region, head, 64, 34).count, 34);
+    assert_int_equal(reserve(&region, head, 64, 1).count, 0);
+}
+
+/* A ring that is refused memory must go on with what it has, and lose nothing. */
+static void region__limited_ring_uses_what_it_has(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init_sparse(&region, CAPACITY, 1024);
+    struct srv_page page = reserve(&region, 0, 64, 40); /* may take more */
+    assert_int_equal(page.count, 40);
+    uint64_t head = page.release;
+    region.limit = 1024;
+    page = reserve(&region, head, 64, 40);
+    assert_int_equal(page.position, 0);
+    assert_int_equal(page.count, 16);
+    assert_int_equal(reserve(&region, head, 64, 1).count, 0);
+    assert_int_equal(reserve(&region, page.release, 64, 40).count, 16);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -171,6 +226,9 @@ int main(void)
         cmocka_unit_test(region__empty_region_holds_a_page_of_its_whole_size),
         cmocka_unit_test(region__impossible_heads_are_refused),
         cmocka_unit_test(region__random_pages_never_overlap_unreleased_ones),
+        cmocka_unit_test(region__sparse_ring_stays_where_it_has_memory),
+        cmocka_unit_test(region__sparse_ring_holds_as_much_as_another),
+        cmocka_unit_test(region__limited_ring_uses_what_it_has),
     };
     return cmocka_run_group_tests_name("srv_region", tests, NULL, NULL);
 }
