@@ -92,6 +92,13 @@ static int allocate(int fd, size_t bytes)
     return cause == 0 ? 0 : status_of_errno(cause);
 }
 
+/* Whether the kernel takes pages of a mapping and says when it cannot: Linux before 5.14
+ * would kill who writes to them. */
+static bool can_take(const struct proto_memory *memory)
+{
+    return advise(memory, 0, PROTO_SHM_PAGE, MADV_POPULATE_WRITE, false) != EINVAL;
+}
+
 int proto_memory_create(struct proto_memory *memory, const char *name, size_t bytes,
                         size_t taken, bool client_read_only)
 {
@@ -115,6 +122,9 @@ int proto_memory_create(struct proto_memory *memory, const char *name, size_t by
         goto fail;
     }
     rc = map_pages(&made, PROT_READ | PROT_WRITE, taken, true);
+    if (rc == 0 && taken < bytes && !can_take(&made)) {
+        rc = allocate(made.fd, bytes);
+    }
     if (rc != 0) {
         goto fail;
     }
@@ -134,7 +144,7 @@ int proto_memory_take(struct proto_memory *memory, size_t from, size_t to)
 {
     assert(from % PROTO_SHM_PAGE == 0 && from < to && to <= memory->bytes);
     int cause = advise(memory, from, to, MADV_POPULATE_WRITE, true);
-    /* Linux before 5.14 does not know the advice: pages come as they are written. */
+    /* Linux before 5.14 does not know the advice: all pages are there already. */
     return cause == 0 || cause == EINVAL ? 0 : PCCD_E_NOMEM;
 }
 

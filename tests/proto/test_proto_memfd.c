@@ -15,6 +15,7 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -216,6 +217,42 @@ static void memory__is_taken_in_steps(void **state)
     proto_memory_deinit(&ours);
 }
 
+/* Of madvise with MADV_POPULATE_WRITE; 0: as ever. */
+static int populate_error;
+
+int madvise(void *at, size_t bytes, int advice)
+{
+    if (advice == 23 && populate_error != 0) {
+        errno = populate_error;
+        return -1;
+    }
+    return (int)syscall(SYS_madvise, at, bytes, advice);
+}
+
+/* If this failed, a daemon on Linux before 5.14 would die of SIGBUS where memory is
+ * short, instead of saying so. */
+static void results__are_there_from_the_start_on_an_old_kernel(void **state)
+{
+    struct proto_memory memory = PROTO_MEMORY_NONE;
+    struct stat info;
+    (void)state;
+    populate_error = EINVAL;
+    assert_int_equal(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true),
+                     0);
+    assert_int_equal(proto_memory_take(&memory, PROTO_SHM_PAGE, BYTES), 0);
+    populate_error = 0;
+    assert_int_equal(fstat(memory.fd, &info), 0);
+    assert_int_equal((size_t)info.st_blocks * 512, BYTES);
+    proto_memory_deinit(&memory);
+
+    assert_int_equal(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true),
+                     0);
+    populate_error = EFAULT; /* no memory */
+    assert_int_equal(proto_memory_take(&memory, PROTO_SHM_PAGE, BYTES), PCCD_E_NOMEM);
+    populate_error = 0;
+    proto_memory_deinit(&memory);
+}
+
 /* If this failed, running out of memory or descriptors would leave half a memory
  * behind. */
 static void create__leaves_nothing_behind_on_failure(void **state)
@@ -274,6 +311,7 @@ int main(void)
         cmocka_unit_test(map__refuses_what_is_no_memfd),
         cmocka_unit_test(memory__is_there_from_the_start),
         cmocka_unit_test(memory__is_taken_in_steps),
+        cmocka_unit_test(results__are_there_from_the_start_on_an_old_kernel),
         cmocka_unit_test(create__leaves_nothing_behind_on_failure),
         cmocka_unit_test(deinit__may_be_called_twice),
     };
