@@ -122,9 +122,11 @@ static bool other_modes(struct run *run, const struct eng_step_result *all)
                     name, "mode any has another verdict");
     step(run, ENG_MODE_PAIRS, ENG_MODE_PAIRS, &result);
     keep(run, PAIRS, (double)result.times.step);
-    good &= bench_check(result.count ==
-                            all->counters.candidates_vf + all->counters.candidates_ee,
-                        name, "mode pairs counts other candidates");
+    /* Boxes are rounded, so they let a few more through than no axis separates. */
+    good &= bench_check(result.count >= all->count &&
+                            result.count <=
+                                all->counters.candidates_vf + all->counters.candidates_ee,
+                        name, "mode pairs has fewer pairs than meet, or more than boxes");
     return good;
 }
 
