@@ -24,8 +24,8 @@ enum eng_batch_from {
 /* Answers to a chunk, and what the owner wants to be asked meanwhile. 64 KiB. */
 struct eng_batch {
     /* Set by the owner; NULL: never. Called after each query that needed exact
-     * arithmetic, which takes some milliseconds at most, where exponents are very far
-     * apart; true: the rest of the chunk is left out. */
+     * arithmetic, which takes up to 25 ms where exponents are very far apart; true: the
+     * rest of the chunk is left out. */
     bool (*should_stop)(void *owner);
     void *owner;
     enum eng_batch_from from;      /* set by the owner */
