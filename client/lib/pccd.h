@@ -83,7 +83,7 @@ struct pccd_options {
                               $PCCD_URL counts only if it is direct:, which is private */
     uint32_t slot_count;   /* of the upload ring, 1 .. 16; 0 = 4 */
     uint64_t slot_bytes;   /* payload of one slot; 0 = grown to what is needed */
-    uint64_t result_bytes; /* result region; 0 = 64 MiB */
+    uint64_t result_bytes; /* of answers, at most; taken as needed; 0 = 64 MiB */
     uint32_t spin_us;      /* spin before blocking, 0 .. 1000; the default, when
                               struct_bytes = 0 or options = NULL: 50, or 0 with one CPU */
     int reconnect_ms;      /* how long to look for a daemon that was lost (see below);
